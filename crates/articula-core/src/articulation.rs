@@ -1,0 +1,232 @@
+//! H-Anim level of articulation and body region of every joint of a rig.
+//!
+//! Source: thesis 3.1.3 and 5.1; the lists per level and region are data (`spec/hanim.md`
+//! part 3 and 5, kept in the profile files that `articula-formats` parses), never code.
+
+/// Highest data level, at which every joint is included.
+pub const MAX_LEVEL: u8 = 5;
+
+/// The seven named levels of articulation complexity, each including the ones before.
+///
+/// The discriminant minus one is the data level: `VeryLow` is level 0, `VeryHigh` level 5.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Complexity {
+    /// No joint.
+    None,
+    /// Root, hips, shoulders.
+    VeryLow,
+    /// Adds neck, elbows, knees.
+    Low,
+    /// Adds one spine joint, collars, hands, feet and toes.
+    Medium,
+    /// Adds the refined spine.
+    High,
+    /// Adds the main finger joints.
+    Fingers,
+    /// Every joint.
+    VeryHigh,
+}
+
+impl Complexity {
+    /// All of them, from least to most.
+    pub const ALL: [Self; 7] = [
+        Self::None,
+        Self::VeryLow,
+        Self::Low,
+        Self::Medium,
+        Self::High,
+        Self::Fingers,
+        Self::VeryHigh,
+    ];
+
+    /// The highest data level that it includes; `None` includes none.
+    pub fn level(self) -> Option<u8> {
+        (self as u8).checked_sub(1)
+    }
+
+    /// Name as the expression language spells it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "None",
+            Self::VeryLow => "VeryLow",
+            Self::Low => "Low",
+            Self::Medium => "Medium",
+            Self::High => "High",
+            Self::Fingers => "Fingers",
+            Self::VeryHigh => "VeryHigh",
+        }
+    }
+
+    /// The level of this name; case, spaces, `-` and `_` do not count.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let wanted = folded(name);
+        Self::ALL.into_iter().find(|c| folded(c.name()) == wanted)
+    }
+}
+
+/// An elementary region of the body; each joint belongs to exactly one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Region {
+    /// Eyes, jaw, brows, tongue.
+    Face,
+    /// Collars to wrists.
+    Arms,
+    /// Spine, neck and skull.
+    Torso,
+    /// Root, sacroiliac, hips.
+    Pelvis,
+    /// Knees and ankles.
+    Legs,
+    /// Below the ankles.
+    Feet,
+    /// Below the wrists.
+    Hands,
+}
+
+impl Region {
+    /// All of them, in the order of their numbers 1 to 7.
+    pub const ALL: [Self; 7] = [
+        Self::Face,
+        Self::Arms,
+        Self::Torso,
+        Self::Pelvis,
+        Self::Legs,
+        Self::Feet,
+        Self::Hands,
+    ];
+
+    /// Name as the expression language spells it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Face => "face",
+            Self::Arms => "arms",
+            Self::Torso => "torso",
+            Self::Pelvis => "pelvis",
+            Self::Legs => "legs",
+            Self::Feet => "feet",
+            Self::Hands => "hands",
+        }
+    }
+
+    /// The elementary region of this name, in any case.
+    pub fn from_name(name: &str) -> Option<Self> {
+        let wanted = folded(name);
+        Self::ALL.into_iter().find(|r| r.name() == wanted)
+    }
+}
+
+/// A union of regions, one bit for each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub struct Zone(u8);
+
+impl Zone {
+    /// No region.
+    pub const EMPTY: Self = Self(0);
+    /// Every region.
+    pub const ALL: Self = Self(127);
+    /// Face, arms, torso and hands.
+    pub const UPPER: Self = Self(71);
+    /// Pelvis, legs and feet.
+    pub const LOWER: Self = Self(56);
+    /// Face, arms and torso.
+    pub const FACE_SHOULDERS: Self = Self(7);
+
+    /// The bits, region 1 in bit 0 (the mask of the coded streams).
+    pub fn bits(self) -> u8 {
+        self.0
+    }
+
+    /// Whether the region is part of it.
+    pub fn contains(self, region: Region) -> bool {
+        self.0 & Self::from(region).0 != 0
+    }
+
+    /// Both together.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// A region or a composite (`upper`, `lower`, `face-shoulders`, `all`) by name; case,
+    /// spaces, `-` and `_` do not count.
+    pub fn from_name(name: &str) -> Option<Self> {
+        match folded(name).as_str() {
+            "all" => Some(Self::ALL),
+            "upper" | "upperbody" => Some(Self::UPPER),
+            "lower" | "lowerbody" => Some(Self::LOWER),
+            "faceshoulders" => Some(Self::FACE_SHOULDERS),
+            other => Region::from_name(other).map(Self::from),
+        }
+    }
+}
+
+impl From<Region> for Zone {
+    fn from(region: Region) -> Self {
+        Self(1 << region as u8)
+    }
+}
+
+/// What one joint is in the H-Anim scheme.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct JointArticulation {
+    /// H-Anim 1.1 joint name, if the profile maps the joint.
+    pub hanim: Option<String>,
+    /// First data level (0 to 5) that includes it.
+    pub level: u8,
+    /// The region it belongs to.
+    pub region: Region,
+}
+
+/// Level and region of every joint of one skeleton, in the skeleton's order.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Articulation {
+    /// Name of the profile that mapped the most joints, for people to read.
+    pub profile: String,
+    /// One entry for each joint.
+    pub joints: Vec<JointArticulation>,
+}
+
+impl Articulation {
+    /// Number of joints that a profile maps to an H-Anim joint.
+    pub fn mapped(&self) -> usize {
+        self.joints.iter().filter(|j| j.hanim.is_some()).count()
+    }
+}
+
+fn folded(name: &str) -> String {
+    name.chars()
+        .filter(|c| !matches!(c, ' ' | '-' | '_'))
+        .map(|c| c.to_ascii_lowercase())
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn composites_have_the_masks_of_the_standard_table() {
+        let of = |names: &[&str]| {
+            names
+                .iter()
+                .map(|n| Zone::from_name(n).unwrap())
+                .fold(Zone::EMPTY, Zone::union)
+        };
+        assert_eq!(of(&["face", "arms", "torso", "hands"]), Zone::UPPER);
+        assert_eq!(of(&["pelvis", "legs", "feet"]), Zone::LOWER);
+        assert_eq!(of(&["face", "arms", "torso"]), Zone::FACE_SHOULDERS);
+        assert_eq!(of(&["upper", "lower"]), Zone::ALL);
+        assert!(Zone::from_name("tail").is_none());
+    }
+
+    #[test]
+    fn names_are_read_in_any_spelling() {
+        assert_eq!(Complexity::from_name("very_low"), Some(Complexity::VeryLow));
+        assert_eq!(
+            Complexity::from_name("Very High"),
+            Some(Complexity::VeryHigh)
+        );
+        assert_eq!(Complexity::None.level(), None);
+        assert_eq!(Complexity::VeryHigh.level(), Some(MAX_LEVEL));
+    }
+}

@@ -1,0 +1,66 @@
+//! Local transforms to model space: forward kinematics.
+
+use crate::pose::{LocalPose, ModelPose};
+use crate::rig::Rig;
+use glam::Affine3A;
+
+/// Computes `model_from_joint` of every joint, parents first.
+///
+/// O(joints); does not allocate.
+///
+/// # Panics
+/// If a pose belongs to another rig (another number of joints).
+pub fn local_to_model(rig: &Rig, local: &LocalPose, out: &mut ModelPose) {
+    local_to_model_from(rig, local, Affine3A::IDENTITY, out);
+}
+
+/// The same below a transform of the whole character, such as its place in the world.
+///
+/// # Panics
+/// If a pose belongs to another rig (another number of joints).
+pub fn local_to_model_from(
+    rig: &Rig,
+    local: &LocalPose,
+    world_from_model: Affine3A,
+    out: &mut ModelPose,
+) {
+    assert_eq!(local.len(), rig.len(), "the local pose is of another rig");
+    assert_eq!(
+        out.matrices.len(),
+        rig.len(),
+        "the model pose is of another rig"
+    );
+    for joint in 0..rig.len() {
+        let above = match rig.parent(joint) {
+            Some(parent) => out.matrices[parent],
+            None => world_from_model,
+        };
+        out.matrices[joint] = above * local.get(joint).to_affine();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::tests::rig_of;
+    use glam::{Quat, Vec3};
+    use std::f32::consts::FRAC_PI_2;
+
+    #[test]
+    fn a_bent_arm_by_hand() {
+        // Two bones of one metre along x; the first turned a quarter about z, the second back.
+        let rig = rig_of(&[
+            (None, Vec3::ZERO, 0),
+            (Some(0), Vec3::X, 0),
+            (Some(1), Vec3::X, 0),
+        ]);
+        let mut local = rig.rest_pose().clone();
+        local.rotations[0] = Quat::from_rotation_z(FRAC_PI_2);
+        local.rotations[1] = Quat::from_rotation_z(-FRAC_PI_2);
+        local.scales[1] = Vec3::splat(2.0);
+        let mut model = ModelPose::new(rig.len());
+        local_to_model(&rig, &local, &mut model);
+        assert!((model.position(1) - Vec3::Y).length() < 1e-6);
+        assert!((model.position(2) - Vec3::new(2.0, 1.0, 0.0)).length() < 1e-6);
+    }
+}

@@ -1,0 +1,165 @@
+//! A set of joints of one rig, as bits.
+
+use std::fmt;
+
+/// Most joints that a rig may have; a larger one is refused when it is built.
+pub const MAX_JOINTS: usize = 1024;
+
+const WORDS: usize = MAX_JOINTS / 64;
+
+/// A set of joint indices below [`MAX_JOINTS`]. Copying and combining never allocates.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct JointSet {
+    words: [u64; WORDS],
+}
+
+impl JointSet {
+    /// The set without joints.
+    pub const EMPTY: Self = Self { words: [0; WORDS] };
+
+    /// The first `count` joints.
+    ///
+    /// # Panics
+    /// If `count` exceeds [`MAX_JOINTS`].
+    pub fn first(count: usize) -> Self {
+        assert!(count <= MAX_JOINTS, "a rig has at most {MAX_JOINTS} joints");
+        let mut set = Self::EMPTY;
+        for (w, word) in set.words.iter_mut().enumerate() {
+            let bits = count.saturating_sub(w * 64).min(64);
+            *word = if bits == 64 {
+                u64::MAX
+            } else {
+                (1 << bits) - 1
+            };
+        }
+        set
+    }
+
+    /// Whether `joint` is in the set; an index beyond [`MAX_JOINTS`] never is.
+    pub fn contains(&self, joint: usize) -> bool {
+        joint < MAX_JOINTS && self.words[joint / 64] >> (joint % 64) & 1 == 1
+    }
+
+    /// Adds one joint.
+    ///
+    /// # Panics
+    /// If `joint` is not below [`MAX_JOINTS`].
+    pub fn insert(&mut self, joint: usize) {
+        self.words[joint / 64] |= 1 << (joint % 64);
+    }
+
+    /// Takes one joint out.
+    ///
+    /// # Panics
+    /// If `joint` is not below [`MAX_JOINTS`].
+    pub fn remove(&mut self, joint: usize) {
+        self.words[joint / 64] &= !(1 << (joint % 64));
+    }
+
+    /// Joints in either set.
+    #[must_use]
+    pub fn union(&self, other: &Self) -> Self {
+        self.zip(other, |a, b| a | b)
+    }
+
+    /// Joints in both sets.
+    #[must_use]
+    pub fn intersection(&self, other: &Self) -> Self {
+        self.zip(other, |a, b| a & b)
+    }
+
+    /// Joints in this set and not in the other.
+    #[must_use]
+    pub fn difference(&self, other: &Self) -> Self {
+        self.zip(other, |a, b| a & !b)
+    }
+
+    /// Whether every joint of this set is in the other.
+    pub fn is_subset(&self, other: &Self) -> bool {
+        self.difference(other).is_empty()
+    }
+
+    /// Number of joints in the set.
+    pub fn len(&self) -> usize {
+        self.words.iter().map(|w| w.count_ones() as usize).sum()
+    }
+
+    /// Whether no joint is in the set.
+    pub fn is_empty(&self) -> bool {
+        self.words.iter().all(|w| *w == 0)
+    }
+
+    /// The joints in rising order.
+    pub fn iter(&self) -> impl Iterator<Item = usize> + '_ {
+        self.words.iter().enumerate().flat_map(|(w, word)| {
+            let mut rest = *word;
+            std::iter::from_fn(move || {
+                (rest != 0).then(|| {
+                    let bit = rest.trailing_zeros() as usize;
+                    rest &= rest - 1;
+                    w * 64 + bit
+                })
+            })
+        })
+    }
+
+    fn zip(&self, other: &Self, op: impl Fn(u64, u64) -> u64) -> Self {
+        let mut words = [0; WORDS];
+        for ((out, a), b) in words.iter_mut().zip(&self.words).zip(&other.words) {
+            *out = op(*a, *b);
+        }
+        Self { words }
+    }
+}
+
+impl FromIterator<usize> for JointSet {
+    fn from_iter<I: IntoIterator<Item = usize>>(joints: I) -> Self {
+        let mut set = Self::EMPTY;
+        for joint in joints {
+            set.insert(joint);
+        }
+        set
+    }
+}
+
+impl Default for JointSet {
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
+impl fmt::Debug for JointSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_set().entries(self.iter()).finish()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::BTreeSet;
+
+    fn joints() -> impl Strategy<Value = BTreeSet<usize>> {
+        prop::collection::btree_set(0..MAX_JOINTS, 0..200)
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_a_plain_set(a in joints(), b in joints()) {
+            let (sa, sb): (JointSet, JointSet) =
+                (a.iter().copied().collect(), b.iter().copied().collect());
+            let list = |s: JointSet| s.iter().collect::<Vec<_>>();
+            prop_assert_eq!(list(sa.union(&sb)), a.union(&b).copied().collect::<Vec<_>>());
+            prop_assert_eq!(list(sa.intersection(&sb)), a.intersection(&b).copied().collect::<Vec<_>>());
+            prop_assert_eq!(list(sa.difference(&sb)), a.difference(&b).copied().collect::<Vec<_>>());
+            prop_assert_eq!(sa.len(), a.len());
+            prop_assert_eq!(sa.is_subset(&sb), a.is_subset(&b));
+        }
+
+        #[test]
+        fn first_is_a_range(count in 0..=MAX_JOINTS) {
+            prop_assert_eq!(JointSet::first(count), (0..count).collect());
+        }
+    }
+}

@@ -1,0 +1,8 @@
+//! Levels of articulation: which joints are allowed to move.
+//!
+//! Source: thesis 5.1, `spec/motion-lod.md` part 1. Every selector is a [`JointSet`], so any
+//! combination is set arithmetic.
+
+mod joint_set;
+
+pub use joint_set::{JointSet, MAX_JOINTS};

@@ -1,0 +1,256 @@
+//! The joint tree of the frame: read-only, parents first, checked once when it is built.
+
+use crate::Mismatch;
+use crate::articulation::Articulation;
+use crate::loa::{JointSet, MAX_JOINTS};
+use crate::pose::LocalPose;
+use crate::source::Skeleton;
+
+/// A joint tree with its rest pose and its level of articulation data.
+///
+/// Joints keep the order of the source skeleton; [`Rig::level_order`] lists them by level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rig {
+    names: Vec<String>,
+    parents: Vec<Option<u16>>,
+    depths: Vec<u16>,
+    rest: LocalPose,
+    articulation: Articulation,
+    level_order: Vec<u16>,
+    in_skin: JointSet,
+    root: usize,
+}
+
+impl Rig {
+    /// Checks a skeleton and its articulation and orders the joints by level.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if there is no joint, more than [`MAX_JOINTS`], a parent that does not
+    /// come before its child, a rest transform that is not finite, or an articulation of
+    /// another length.
+    pub fn new(skeleton: &Skeleton, articulation: Articulation) -> Result<Self, Mismatch> {
+        let joints = &skeleton.joints;
+        if joints.is_empty() {
+            return Err(Mismatch::new("joints", "a rig needs at least one joint"));
+        }
+        if joints.len() > MAX_JOINTS {
+            let what = format!(
+                "{} joints, at most {MAX_JOINTS} are supported",
+                joints.len()
+            );
+            return Err(Mismatch::new("joints", what));
+        }
+        if articulation.joints.len() != joints.len() {
+            let (found, expected) = (articulation.joints.len(), joints.len());
+            let what = format!("{found} entries, the skeleton has {expected} joints");
+            return Err(Mismatch::new("articulation.joints", what));
+        }
+        for (j, joint) in joints.iter().enumerate() {
+            if joint.parent.is_some_and(|p| p >= j) {
+                let what = "a parent must come before its child";
+                return Err(Mismatch::new(format!("joints[{j}].parent"), what));
+            }
+            if !joint.rest.is_finite() {
+                let what = "the rest transform must be finite";
+                return Err(Mismatch::new(format!("joints[{j}].rest"), what));
+            }
+        }
+        let parents: Vec<Option<u16>> = joints.iter().map(|j| j.parent.map(|p| p as u16)).collect();
+        let in_skin = (0..joints.len()).filter(|&j| joints[j].in_skin).collect();
+        Ok(Self {
+            names: joints.iter().map(|j| j.name.clone()).collect(),
+            depths: depths(&parents, &in_skin),
+            rest: joints.iter().map(|j| j.rest).collect(),
+            level_order: level_order(&parents, &articulation),
+            root: in_skin.iter().next().unwrap_or(0),
+            parents,
+            articulation,
+            in_skin,
+        })
+    }
+
+    /// Number of joints.
+    pub fn len(&self) -> usize {
+        self.parents.len()
+    }
+
+    /// Never true: a rig has at least one joint.
+    pub fn is_empty(&self) -> bool {
+        self.parents.is_empty()
+    }
+
+    /// Name of a joint, as its file has it.
+    pub fn name(&self, joint: usize) -> &str {
+        &self.names[joint]
+    }
+
+    /// Index of the first joint with this name.
+    pub fn find(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| n == name)
+    }
+
+    /// Parent of a joint, always of smaller index.
+    pub fn parent(&self, joint: usize) -> Option<usize> {
+        self.parents[joint].map(usize::from)
+    }
+
+    /// Number of skin joints above a joint: 0 for the skeleton's root and for the nodes above
+    /// it that are no joints.
+    pub fn depth(&self, joint: usize) -> usize {
+        usize::from(self.depths[joint])
+    }
+
+    /// Local transforms at rest.
+    pub fn rest_pose(&self) -> &LocalPose {
+        &self.rest
+    }
+
+    /// H-Anim name, level and region of each joint.
+    pub fn articulation(&self) -> &Articulation {
+        &self.articulation
+    }
+
+    /// The joints by the level at which they or a descendant first move, breadth first inside a
+    /// level; parents always come before their children, so every level is a prefix.
+    pub fn level_order(&self) -> &[u16] {
+        &self.level_order
+    }
+
+    /// The joints that a skin names (the others are plain nodes).
+    pub fn skin_joints(&self) -> &JointSet {
+        &self.in_skin
+    }
+
+    /// The skeleton's root: the first joint that a skin names.
+    pub fn root(&self) -> usize {
+        self.root
+    }
+
+    /// Every joint.
+    pub fn all(&self) -> JointSet {
+        JointSet::first(self.len())
+    }
+
+    /// Whether `joint` is `ancestor` or stands below it.
+    pub fn is_at_or_below(&self, joint: usize, ancestor: usize) -> bool {
+        let mut at = Some(joint);
+        while let Some(j) = at {
+            if j == ancestor {
+                return true;
+            }
+            // Parents have smaller indices, so nothing below the ancestor's index remains.
+            at = self.parent(j).filter(|p| *p >= ancestor);
+        }
+        false
+    }
+}
+
+fn depths(parents: &[Option<u16>], in_skin: &JointSet) -> Vec<u16> {
+    let mut depths = vec![0; parents.len()];
+    for (j, parent) in parents.iter().enumerate() {
+        if let Some(p) = parent {
+            let p = usize::from(*p);
+            depths[j] = depths[p] + u16::from(in_skin.contains(p));
+        }
+    }
+    depths
+}
+
+fn level_order(parents: &[Option<u16>], articulation: &Articulation) -> Vec<u16> {
+    let mut first_needed: Vec<u8> = articulation.joints.iter().map(|j| j.level).collect();
+    let mut tree_depth = vec![0u16; parents.len()];
+    for j in (0..parents.len()).rev() {
+        if let Some(p) = parents[j] {
+            let p = usize::from(p);
+            first_needed[p] = first_needed[p].min(first_needed[j]);
+        }
+    }
+    for (j, parent) in parents.iter().enumerate() {
+        tree_depth[j] = parent.map_or(0, |p| tree_depth[usize::from(p)] + 1);
+    }
+    let mut order: Vec<u16> = (0..parents.len() as u16).collect();
+    order.sort_by_key(|&j| (first_needed[usize::from(j)], tree_depth[usize::from(j)], j));
+    order
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::articulation::{JointArticulation, Region};
+    use crate::math::Transform;
+    use crate::source::Joint;
+    use glam::Vec3;
+
+    /// A rig from `(parent, offset, level)` rows; every row is a skin joint.
+    pub(crate) fn rig_of(rows: &[(Option<usize>, Vec3, u8)]) -> Rig {
+        let skeleton = Skeleton {
+            joints: rows
+                .iter()
+                .enumerate()
+                .map(|(j, (parent, offset, _))| Joint {
+                    name: format!("j{j}"),
+                    parent: *parent,
+                    rest: Transform::from_translation(*offset),
+                    in_skin: true,
+                })
+                .collect(),
+        };
+        let joints = rows
+            .iter()
+            .map(|(_, _, level)| JointArticulation {
+                hanim: None,
+                level: *level,
+                region: Region::Torso,
+            })
+            .collect();
+        let articulation = Articulation {
+            profile: String::new(),
+            joints,
+        };
+        Rig::new(&skeleton, articulation).unwrap()
+    }
+
+    #[test]
+    fn refuses_what_cannot_be_a_rig() {
+        let empty = Rig::new(&Skeleton::default(), Articulation::default());
+        assert_eq!(empty.unwrap_err().at, "joints");
+        let mut skeleton = Skeleton {
+            joints: vec![Joint {
+                name: "a".into(),
+                parent: Some(0),
+                rest: Transform::IDENTITY,
+                in_skin: true,
+            }],
+        };
+        let one = Articulation {
+            profile: String::new(),
+            joints: vec![JointArticulation {
+                hanim: None,
+                level: 0,
+                region: Region::Pelvis,
+            }],
+        };
+        let cycle = Rig::new(&skeleton, one.clone()).unwrap_err();
+        assert_eq!(cycle.at, "joints[0].parent");
+        skeleton.joints[0].parent = None;
+        skeleton.joints[0].rest.translation.x = f32::NAN;
+        assert_eq!(Rig::new(&skeleton, one).unwrap_err().at, "joints[0].rest");
+    }
+
+    #[test]
+    fn level_order_keeps_parents_first_and_levels_as_prefixes() {
+        // 0 root(0) ─ 1 sacrum(2) ─ 2 hip(0) ; 0 ─ 3 finger(5) ; 0 ─ 4 neck(1)
+        let rig = rig_of(&[
+            (None, Vec3::ZERO, 0),
+            (Some(0), Vec3::Y, 2),
+            (Some(1), Vec3::Y, 0),
+            (Some(0), Vec3::Y, 5),
+            (Some(0), Vec3::Y, 1),
+        ]);
+        // The sacrum moves with the hip's level, because the hip needs its matrix.
+        assert_eq!(rig.level_order(), &[0, 1, 2, 4, 3]);
+        assert!(rig.is_at_or_below(2, 1) && rig.is_at_or_below(2, 0));
+        assert!(!rig.is_at_or_below(3, 1));
+        assert_eq!(rig.depth(2), 2);
+    }
+}

@@ -1,0 +1,14 @@
+//! The editable nouns between readers and builders: public fields, no cleverness.
+//!
+//! A reader gives a [`Character`] with everything difficult about its format resolved; a
+//! builder turns it into the read-only nouns of the frame.
+
+mod character;
+mod clip;
+mod mesh;
+mod skeleton;
+
+pub use character::{Character, Image, Material};
+pub use clip::{Channel, Clip, Interpolation, Property};
+pub use mesh::{Mesh, MorphTarget, Primitive, Skin};
+pub use skeleton::{Joint, Skeleton};

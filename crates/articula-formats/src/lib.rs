@@ -1,0 +1,24 @@
+//! How a virtual human is written down: from bytes to editable nouns, and back.
+//!
+//! Every reader takes bytes and limits, and gives a value with warnings or one error that
+//! names the place. What lies beside a file (buffers, pictures) is asked of a resolver, so
+//! nothing here opens a file.
+//!
+//! - [`gltf`]: GLB and glTF 2.0, VRM files as such, in and out
+//! - [`bvh`]: Biovision hierarchical motion, in and out
+//! - [`profile`]: joint-name profiles, name to H-Anim joint, level and region
+//! - [`loa_profile`]: a saved selection of levels of articulation
+//! - [`error`], [`limits`]: what can be wrong, and how much is too much
+
+pub mod bvh;
+pub mod error;
+pub mod gltf;
+pub mod limits;
+pub mod loa_profile;
+pub mod profile;
+
+pub use error::{Read, ReadError, Warning};
+pub use limits::Limits;
+
+/// Fetches what lies beside a file by its relative URI (already percent-decoded).
+pub type Resolver<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;
