@@ -7,6 +7,7 @@
 //! - [`source`]: the editable nouns that readers give and builders take
 //! - [`rig`], [`clip`], [`mesh`]: the read-only nouns of the frame
 //! - [`articulation`]: H-Anim level and region of every joint
+//! - [`hanim_table`]: the joints of the standard humanoid
 //! - [`loa`]: joint sets, the selectors, their combination and the expression language
 //! - [`view`]: viewport, camera, pixels per metre
 //! - [`pose`], [`sample`], [`hierarchy`], [`skin`]: one verb each
@@ -20,6 +21,7 @@
 
 pub mod articulation;
 pub mod clip;
+pub mod hanim_table;
 pub mod hierarchy;
 pub mod loa;
 pub mod math;

@@ -5,6 +5,7 @@
 
 mod character;
 mod clip;
+pub mod evaluate;
 mod mesh;
 mod skeleton;
 

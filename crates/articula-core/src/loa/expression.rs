@@ -1,0 +1,230 @@
+//! The expression language of joint sets, such as `loa(Low) + zone(hands) - joint(r_wrist)`.
+//!
+//! Source: `spec/motion-lod.md` 1.2; ours, no thesis counterpart.
+//!
+//! ```text
+//! expr := term (('+' | '&' | '-') term)*      left-associative
+//! term := 'depth(' int ')' | 'loa(' name ')' | 'zone(' name ('|' name)* ')'
+//!       | 'joint(' name ')' | '(' expr ')'
+//! ```
+
+use super::{JointSet, selection};
+use crate::articulation::{Complexity, Zone};
+use crate::rig::Rig;
+
+/// Deepest nesting of parentheses that is read.
+const MAX_NESTING: usize = 64;
+
+/// A parsed expression, not yet resolved against a rig.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Expression {
+    /// Joints of smaller depth.
+    Depth(u32),
+    /// Joints of a complexity level.
+    Loa(Complexity),
+    /// Joints of some regions.
+    Zone(Zone),
+    /// One joint, by name of the rig or of H-Anim.
+    Joint(String),
+    /// Union.
+    Plus(Box<Self>, Box<Self>),
+    /// Intersection.
+    And(Box<Self>, Box<Self>),
+    /// Difference.
+    Minus(Box<Self>, Box<Self>),
+}
+
+/// Why an expression could not be read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ExpressionError {
+    /// Column, counted in characters from 1.
+    pub column: usize,
+    /// What was found and what was expected.
+    pub what: String,
+}
+
+impl std::fmt::Display for ExpressionError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "column {}: {}", self.column, self.what)
+    }
+}
+
+impl std::error::Error for ExpressionError {}
+
+impl Expression {
+    /// Reads an expression. White space between words does not count.
+    ///
+    /// # Errors
+    /// [`ExpressionError`] names the column, what stood there and what may stand there.
+    pub fn parse(text: &str) -> Result<Self, ExpressionError> {
+        let mut parser = Parser { text, at: 0 };
+        let expression = parser.expression(0)?;
+        match parser.peek() {
+            None => Ok(expression),
+            Some(c) => Err(parser.error(format!("found '{c}', expected '+', '&', '-' or the end"))),
+        }
+    }
+
+    /// The joints that it stands for.
+    ///
+    /// # Errors
+    /// [`selection::UnknownJoint`] if it names a joint that the rig does not have.
+    pub fn joints(&self, rig: &Rig) -> Result<JointSet, selection::UnknownJoint> {
+        Ok(match self {
+            Self::Depth(k) => selection::depth(rig, *k),
+            Self::Loa(c) => selection::complexity(rig, *c),
+            Self::Zone(z) => selection::zone(rig, *z),
+            Self::Joint(name) => JointSet::from_iter([selection::joint(rig, name)?]),
+            Self::Plus(a, b) => a.joints(rig)?.union(&b.joints(rig)?),
+            Self::And(a, b) => a.joints(rig)?.intersection(&b.joints(rig)?),
+            Self::Minus(a, b) => a.joints(rig)?.difference(&b.joints(rig)?),
+        })
+    }
+}
+
+struct Parser<'a> {
+    text: &'a str,
+    at: usize,
+}
+
+impl Parser<'_> {
+    fn error(&self, what: impl Into<String>) -> ExpressionError {
+        ExpressionError {
+            column: self.text[..self.at].chars().count() + 1,
+            what: what.into(),
+        }
+    }
+
+    fn peek(&mut self) -> Option<char> {
+        let rest = self.text[self.at..].trim_start();
+        self.at = self.text.len() - rest.len();
+        rest.chars().next()
+    }
+
+    fn expect(&mut self, wanted: char) -> Result<(), ExpressionError> {
+        match self.peek() {
+            Some(c) if c == wanted => {
+                self.at += c.len_utf8();
+                Ok(())
+            }
+            Some(c) => Err(self.error(format!("found '{c}', expected '{wanted}'"))),
+            None => Err(self.error(format!("found the end, expected '{wanted}'"))),
+        }
+    }
+
+    fn expression(&mut self, nesting: usize) -> Result<Expression, ExpressionError> {
+        let mut left = self.term(nesting)?;
+        while let Some(operator @ ('+' | '&' | '-')) = self.peek() {
+            self.at += 1;
+            let operands = (Box::new(left), Box::new(self.term(nesting)?));
+            left = match operator {
+                '+' => Expression::Plus(operands.0, operands.1),
+                '&' => Expression::And(operands.0, operands.1),
+                _ => Expression::Minus(operands.0, operands.1),
+            };
+        }
+        Ok(left)
+    }
+
+    fn term(&mut self, nesting: usize) -> Result<Expression, ExpressionError> {
+        if nesting > MAX_NESTING {
+            return Err(self.error(format!("more than {MAX_NESTING} nested parentheses")));
+        }
+        if self.peek() == Some('(') {
+            self.at += 1;
+            let inner = self.expression(nesting + 1)?;
+            self.expect(')')?;
+            return Ok(inner);
+        }
+        let start = self.at;
+        let word = self.word(|c| c.is_ascii_alphabetic());
+        let selector = word.to_ascii_lowercase();
+        if !matches!(selector.as_str(), "depth" | "loa" | "zone" | "joint") {
+            self.at = start;
+            let found = if word.is_empty() {
+                self.peek().map_or("the end".into(), |c| format!("'{c}'"))
+            } else {
+                format!("\"{word}\"")
+            };
+            return Err(self.error(format!(
+                "found {found}, expected depth(…), loa(…), zone(…), joint(…) or a parenthesis"
+            )));
+        }
+        self.expect('(')?;
+        self.peek();
+        let at = self.at;
+        // Joint names of real files hold almost any character, so only ')' ends an argument.
+        let argument = self.word(|c| c != ')').trim().to_owned();
+        self.expect(')')?;
+        argument_of(&selector, &argument).map_err(|what| ExpressionError {
+            column: self.text[..at].chars().count() + 1,
+            what,
+        })
+    }
+
+    fn word(&mut self, belongs: impl Fn(char) -> bool) -> String {
+        self.peek();
+        let rest = &self.text[self.at..];
+        let end = rest.find(|c| !belongs(c)).unwrap_or(rest.len());
+        self.at += end;
+        rest[..end].to_owned()
+    }
+}
+
+fn argument_of(selector: &str, argument: &str) -> Result<Expression, String> {
+    match selector {
+        "depth" => argument
+            .parse()
+            .map(Expression::Depth)
+            .map_err(|_| format!("\"{argument}\" is not a depth; a whole number such as 3 is expected")),
+        "loa" => Complexity::from_name(argument).map(Expression::Loa).ok_or_else(|| {
+            let names = Complexity::ALL.map(Complexity::name).join(", ");
+            format!("\"{argument}\" is not a level; one of {names} is expected")
+        }),
+        "zone" => argument
+            .split('|')
+            .map(|name| {
+                Zone::from_name(name.trim()).ok_or_else(|| {
+                    format!("\"{}\" is not a zone; face, arms, torso, pelvis, legs, feet, hands, upper, lower, face-shoulders or all is expected", name.trim())
+                })
+            })
+            .try_fold(Zone::EMPTY, |all, zone| zone.map(|z| all.union(z)))
+            .map(Expression::Zone),
+        _ if argument.is_empty() => Err("a joint name is expected".into()),
+        _ => Ok(Expression::Joint(argument.to_owned())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Expression::{Depth, Joint, Loa, Minus, Plus};
+
+    #[test]
+    fn operators_are_left_associative() {
+        let parsed = Expression::parse("depth(2)+ loa(low) - joint(l_hip)").unwrap();
+        let sum = Plus(Box::new(Depth(2)), Box::new(Loa(Complexity::Low)));
+        assert_eq!(
+            parsed,
+            Minus(Box::new(sum), Box::new(Joint("l_hip".into())))
+        );
+        let nested = Expression::parse("depth(2) & (zone(torso | legs) - joint(a b.c|d))").unwrap();
+        assert!(matches!(nested, Expression::And(_, _)));
+    }
+
+    #[test]
+    fn errors_name_the_column_and_the_mend() {
+        let of = |text: &str| Expression::parse(text).unwrap_err();
+        assert_eq!(of("").column, 1);
+        assert_eq!(of("loa(Low) zone(arms)").column, 10);
+        assert!(of("loa(Lots)").what.contains("VeryLow"));
+        assert_eq!(of("loa(Lots)").column, 5);
+        assert!(of("depth(-1)").what.contains("whole number"));
+        assert!(of("zone(tail)").what.contains("pelvis"));
+        assert!(of("joint()").what.contains("name"));
+        assert!(of("(depth(1)").what.contains("expected ')'"));
+        assert!(of("depth(1) +").what.contains("the end"));
+        assert!(of("größe(1)").what.contains("expected depth"));
+        assert!(of(&"(".repeat(100_000)).what.contains("nested"));
+    }
+}
