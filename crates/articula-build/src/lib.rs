@@ -1,1 +1,12 @@
-//! Placeholder head; replaced by the first module.
+//! What is prepared before the frame: everything slow happens here, once per character.
+//!
+//! - [`character`]: the recipe, from a source character to rig, mesh and clips
+//! - [`clip`]: keyed channels to a uniform rate
+//! - [`human`]: the procedural reference human
+//! - [`motion_error`]: levers, error matrices, key tables for every metric
+//! - [`evaluate`]: a clip played under a method, its gain and its error in pixels
+//!
+//! What is deliberately absent: files, clocks, and any call from a frame.
+
+pub mod character;
+pub mod clip;

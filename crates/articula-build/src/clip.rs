@@ -1,0 +1,379 @@
+//! Keyed channels to a clip of uniform rate.
+//!
+//! The rate is the one at which the source was keyed, found from its key times, so that
+//! stored keys are hit exactly; channels that curve between their keys raise it until the
+//! clip follows them. The end of the clip always falls on a frame.
+
+use articula_core::Mismatch;
+use articula_core::clip::{Clip, Track, Tracks};
+use articula_core::math::{angle_between, nlerp, same_hemisphere};
+use articula_core::source::{self, Channel, Interpolation, Property, evaluate};
+use glam::{Quat, Vec3};
+
+/// Rates that authors use; a key grid within half a percent of one is taken to be it.
+const USUAL_RATES_HZ: [f32; 10] = [10.0, 12.0, 15.0, 20.0, 24.0, 25.0, 30.0, 48.0, 50.0, 60.0];
+
+/// Highest rate that is chosen without being asked for.
+const MAX_RATE_HZ: f32 = 120.0;
+
+/// How a clip is resampled.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ClipOptions {
+    /// Frames per second; `None` finds the source's own rate.
+    pub rate_hz: Option<f32>,
+}
+
+/// Differences that count as rest: below these a property has no track.
+const STILL_METRES: f32 = 1e-7;
+const STILL_RADIANS: f32 = 1e-6;
+
+/// The rate at which a clip was keyed: that of its most densely keyed channel, or 30 Hz
+/// where there are fewer than three keys.
+pub fn source_rate_hz(clip: &source::Clip) -> f32 {
+    let densest = clip.channels.iter().max_by_key(|c| c.times_secs.len());
+    let Some(channel) = densest.filter(|c| c.times_secs.len() > 2) else {
+        return 30.0;
+    };
+    let times = &channel.times_secs;
+    let mut gaps: Vec<f32> = times.windows(2).map(|w| w[1] - w[0]).collect();
+    gaps.sort_by(f32::total_cmp);
+    // The median survives exporters that thin out keys or start late.
+    let rate = 1.0 / gaps[gaps.len() / 2].max(1e-4);
+    let usual = USUAL_RATES_HZ
+        .iter()
+        .find(|r| (**r / rate - 1.0).abs() < 5e-3);
+    usual.copied().unwrap_or(rate.clamp(1.0, 240.0))
+}
+
+/// Resamples a clip for a rig of `joints` joints; `morph_slots` is the first morph slot of each
+/// mesh and `morph_counts` how many each has.
+///
+/// # Errors
+/// A [`Mismatch`] if a channel names a joint or mesh that is not there, or the clip would have
+/// more than a million frames.
+pub fn resample(
+    clip: &source::Clip,
+    skeleton: &source::Skeleton,
+    morph_slots: &[usize],
+    morph_counts: &[usize],
+    opts: &ClipOptions,
+) -> Result<Clip, Mismatch> {
+    let duration = if clip.duration_secs.is_finite() {
+        clip.duration_secs.max(0.0)
+    } else {
+        0.0
+    };
+    let wanted = opts
+        .rate_hz
+        .unwrap_or_else(|| source_rate_hz(clip) * oversampling(clip) as f32);
+    if !(wanted.is_finite() && wanted > 0.0) {
+        return Err(Mismatch::new(
+            "rate_hz",
+            format!("{wanted} is not a positive rate"),
+        ));
+    }
+    let steps = (f64::from(duration) * f64::from(wanted)).round();
+    if steps > 1e6 {
+        let what = format!("{duration} s at {wanted} Hz would be {steps} frames, at most 1000000");
+        return Err(Mismatch::new(format!("clip \"{}\"", clip.name), what));
+    }
+    let steps = steps as usize;
+    // Stretch the grid by less than half a frame so that it ends exactly with the clip.
+    let rate = if steps == 0 || duration == 0.0 {
+        wanted
+    } else {
+        exact_rate(steps, duration, wanted)
+    };
+    let times: Vec<f32> = (0..=steps)
+        .map(|i| {
+            if i == steps {
+                duration
+            } else {
+                i as f32 / rate
+            }
+        })
+        .collect();
+    let mut tracks = Tracks::default();
+    for (c, channel) in clip.channels.iter().enumerate() {
+        let at =
+            |what: String| Mismatch::new(format!("clip \"{}\".channels[{c}]", clip.name), what);
+        if channel.property == Property::Weights {
+            let mesh = channel.target;
+            if mesh >= morph_slots.len() {
+                return Err(at(format!("mesh {mesh} of {}", morph_slots.len())));
+            }
+            weight_tracks(
+                channel,
+                morph_slots[mesh],
+                morph_counts[mesh],
+                &times,
+                &mut tracks,
+            );
+            continue;
+        }
+        let Some(joint) = skeleton.joints.get(channel.target) else {
+            return Err(at(format!(
+                "joint {} of {}",
+                channel.target,
+                skeleton.joints.len()
+            )));
+        };
+        joint_track(channel, joint, &times, &mut tracks);
+    }
+    Clip::new(&clip.name, rate, times.len(), skeleton.joints.len(), tracks)
+}
+
+/// The rate whose `steps`-th frame is the end; the wanted one where rounding alone differs.
+fn exact_rate(steps: usize, duration: f32, wanted: f32) -> f32 {
+    let exact = steps as f32 / duration;
+    if (exact / wanted - 1.0).abs() < 1e-5 {
+        wanted
+    } else {
+        exact
+    }
+}
+
+fn joint_track(channel: &Channel, joint: &source::Joint, times: &[f32], tracks: &mut Tracks) {
+    let target = channel.target as u16;
+    let step = channel.interpolation == Interpolation::Step;
+    let vectors = |rest: Vec3| -> Option<Track<Vec3>> {
+        let values: Vec<Vec3> = times
+            .iter()
+            .map(|t| {
+                let mut v = [0.0; 3];
+                evaluate::channel(channel, *t, &mut v);
+                Vec3::from_array(v)
+            })
+            .collect();
+        let spread = |from: Vec3| values.iter().map(|v| v.distance(from)).fold(0.0, f32::max);
+        if spread(rest) <= STILL_METRES {
+            return None;
+        }
+        let still = spread(values[0]) <= STILL_METRES;
+        let values = if still { vec![values[0]] } else { values };
+        Some(Track {
+            target,
+            step,
+            values,
+        })
+    };
+    match channel.property {
+        Property::Translation => tracks.translations.extend(vectors(joint.rest.translation)),
+        Property::Scale => tracks.scales.extend(vectors(joint.rest.scale)),
+        Property::Rotation => tracks.rotations.extend(rotations(channel, joint, times)),
+        Property::Weights => {}
+    }
+}
+
+fn rotations(channel: &Channel, joint: &source::Joint, times: &[f32]) -> Option<Track<Quat>> {
+    let mut values: Vec<Quat> = Vec::with_capacity(times.len());
+    for t in times {
+        let mut v = [0.0; 4];
+        evaluate::channel(channel, *t, &mut v);
+        let q = Quat::from_array(v);
+        values.push(
+            values
+                .last()
+                .map_or(q, |before| same_hemisphere(*before, q)),
+        );
+    }
+    let spread = |from: Quat| {
+        values
+            .iter()
+            .map(|q| angle_between(*q, from))
+            .fold(0.0, f32::max)
+    };
+    if spread(joint.rest.rotation) <= STILL_RADIANS {
+        return None;
+    }
+    let still = spread(values[0]) <= STILL_RADIANS;
+    Some(Track {
+        target: channel.target as u16,
+        step: channel.interpolation == Interpolation::Step,
+        values: if still { vec![values[0]] } else { values },
+    })
+}
+
+fn weight_tracks(channel: &Channel, slot: usize, count: usize, times: &[f32], tracks: &mut Tracks) {
+    let mut weights = vec![0.0; count];
+    let mut values = vec![Vec::with_capacity(times.len()); count];
+    for t in times {
+        evaluate::channel(channel, *t, &mut weights);
+        for (track, w) in values.iter_mut().zip(&weights) {
+            track.push(*w);
+        }
+    }
+    for (i, mut values) in values.into_iter().enumerate() {
+        if values.iter().all(|v| *v == values[0]) {
+            values.truncate(1);
+        }
+        tracks.morphs.push(Track {
+            target: (slot + i) as u16,
+            step: channel.interpolation == Interpolation::Step,
+            values,
+        });
+    }
+}
+
+/// How many frames a key interval needs so that straight lines (and normalised linear blends)
+/// follow the source within 0.1 mm and 0.001 rad.
+fn oversampling(clip: &source::Clip) -> usize {
+    let rate = source_rate_hz(clip);
+    let mut factor = 1;
+    while factor < 8
+        && rate * (factor * 2) as f32 <= MAX_RATE_HZ
+        && curves(clip, rate * factor as f32)
+    {
+        factor *= 2;
+    }
+    factor
+}
+
+/// Whether any channel leaves the chord between neighbouring frames by too much.
+fn curves(clip: &source::Clip, rate: f32) -> bool {
+    let frames = (clip.duration_secs * rate).ceil().clamp(0.0, 1e5) as usize;
+    clip.channels
+        .iter()
+        .filter(|c| c.interpolation != Interpolation::Step && c.property != Property::Weights)
+        .any(|c| (0..frames).any(|i| leaves_chord(c, i as f32 / rate, (i + 1) as f32 / rate)))
+}
+
+fn leaves_chord(c: &Channel, from: f32, to: f32) -> bool {
+    // Keys inside the interval are corners, which no chord follows; the quarter points
+    // see the curvature of splines and of fast turns.
+    [0.25, 0.5, 0.75].iter().any(|&u| {
+        let width = if c.property == Property::Rotation {
+            4
+        } else {
+            3
+        };
+        let value = |t: f32| {
+            let mut v = [0.0; 4];
+            evaluate::channel(c, t, &mut v[..width]);
+            v
+        };
+        let (a, m, b) = (value(from), value(from + (to - from) * u), value(to));
+        if c.property == Property::Rotation {
+            let chord = nlerp(Quat::from_array(a), Quat::from_array(b), u);
+            return angle_between(chord, Quat::from_array(m)) > 1e-3;
+        }
+        let [a, m, b] = [a, m, b].map(|v| Vec3::from_slice(&v));
+        (a.lerp(b, u) - m).length() > 1e-4
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::loa::JointSet;
+    use articula_core::pose::LocalPose;
+    use articula_core::sample::{Wrap, sample};
+    use proptest::prelude::*;
+
+    fn skeleton() -> source::Skeleton {
+        source::Skeleton {
+            joints: vec![source::Joint {
+                name: "j".into(),
+                parent: None,
+                rest: articula_core::math::Transform::IDENTITY,
+                in_skin: true,
+            }],
+        }
+    }
+
+    fn turning(times: Vec<f32>, interpolation: Interpolation) -> source::Clip {
+        let values = times
+            .iter()
+            .flat_map(|t| Quat::from_rotation_y(1.3 * t).to_array())
+            .collect();
+        source::Clip {
+            name: "turn".into(),
+            duration_secs: times.last().copied().unwrap_or(0.0),
+            channels: vec![Channel {
+                target: 0,
+                property: Property::Rotation,
+                interpolation,
+                times_secs: times,
+                values,
+            }],
+        }
+    }
+
+    #[test]
+    fn the_source_rate_is_found_and_keys_are_hit() {
+        let clip = turning(
+            (0..=40).map(|i| i as f32 / 30.0).collect(),
+            Interpolation::Linear,
+        );
+        assert_eq!(source_rate_hz(&clip), 30.0);
+        let built = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap();
+        assert_eq!((built.rate_hz(), built.frames()), (30.0, 41));
+        for (i, q) in built.rotations()[0].values.iter().enumerate() {
+            assert!(angle_between(*q, Quat::from_rotation_y(1.3 * i as f32 / 30.0)) < 1e-5);
+        }
+    }
+
+    #[test]
+    fn a_sparse_linear_turn_is_followed_between_its_keys() {
+        let clip = turning(vec![0.0, 0.9, 1.1], Interpolation::Linear);
+        let built = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap();
+        let mut pose = LocalPose::from_iter([articula_core::math::Transform::IDENTITY]);
+        for i in 0..=110 {
+            let t = i as f32 / 100.0;
+            sample(
+                &built,
+                f64::from(t),
+                Wrap::Clamp,
+                &JointSet::first(1),
+                &mut pose,
+            );
+            let err = angle_between(pose.rotations[0], Quat::from_rotation_y(1.3 * t));
+            assert!(err < 2e-3, "{err} rad at {t} s");
+        }
+    }
+
+    #[test]
+    fn still_channels_cost_one_value_or_none() {
+        let mut clip = turning(vec![0.0, 1.0], Interpolation::Linear);
+        clip.channels[0].values = [Quat::IDENTITY.to_array(); 2].concat();
+        let at_rest = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap();
+        assert!(at_rest.rotations().is_empty());
+        clip.channels[0].values = [Quat::from_rotation_x(0.5).to_array(); 2].concat();
+        let held = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap();
+        assert_eq!(held.rotations()[0].values.len(), 1);
+    }
+
+    #[test]
+    fn refuses_targets_that_are_not_there_and_endless_clips() {
+        let mut clip = turning(vec![0.0, 1.0], Interpolation::Linear);
+        clip.channels[0].target = 1;
+        let e = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap_err();
+        assert!(e.what.contains("joint 1 of 1"));
+        let endless = source::Clip {
+            duration_secs: 1e9,
+            ..source::Clip::default()
+        };
+        assert!(resample(&endless, &skeleton(), &[], &[], &ClipOptions::default()).is_err());
+        let empty = resample(
+            &source::Clip::default(),
+            &skeleton(),
+            &[],
+            &[],
+            &ClipOptions::default(),
+        )
+        .unwrap();
+        assert_eq!(empty.frames(), 1);
+    }
+
+    proptest! {
+        #[test]
+        fn the_last_frame_is_the_end(duration in 0.01f32..20.0, rate in 5.0f32..90.0) {
+            let clip = source::Clip { duration_secs: duration, ..source::Clip::default() };
+            let opts = ClipOptions { rate_hz: Some(rate) };
+            let built = resample(&clip, &skeleton(), &[], &[], &opts).unwrap();
+            if built.frames() > 1 {
+                prop_assert!((built.duration_secs() - duration).abs() <= 1e-4 * duration);
+            }
+        }
+    }
+}
