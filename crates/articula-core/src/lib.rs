@@ -12,7 +12,10 @@
 //! - [`view`]: viewport, camera, pixels per metre
 //! - [`pose`], [`sample`], [`hierarchy`], [`skin`]: one verb each
 //! - [`joint_state`]: active, passive and the transitions between them
-//! - [`motion_error`]: errors of held joints, looked up and scaled by the view
+//! - [`motion_error`]: what a held joint costs, in metres and in pixels
+//! - [`thesis_metric`]: the second step of the thesis' metric, kept as a baseline
+//! - [`drift`]: ours, untabled: holds joints while what is shown stays within the tolerance
+//! - [`key_table`]: ours, tabled: nested keys for a ladder of tolerances
 //!
 //! What is deliberately absent: files, clocks, threads, logging, JSON, and any allocation in a
 //! function that runs once a frame (a test counts them).
@@ -21,16 +24,21 @@
 
 pub mod articulation;
 pub mod clip;
+pub mod drift;
 pub mod hanim_table;
 pub mod hierarchy;
+pub mod joint_state;
+pub mod key_table;
 pub mod loa;
 pub mod math;
 pub mod mesh;
+pub mod motion_error;
 pub mod pose;
 pub mod rig;
 pub mod sample;
 pub mod skin;
 pub mod source;
+pub mod thesis_metric;
 pub mod view;
 
 mod mismatch;

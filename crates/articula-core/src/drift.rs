@@ -1,0 +1,252 @@
+//! Ours, untabled: a joint holds while what it shows stays within the tolerance.
+//!
+//! Source: `spec/motion-lod.md` 4.2 to 4.5. Works on any pose (clips, blends, inverse
+//! kinematics), because it only compares what is shown with what is wanted; a bound on each
+//! joint's angular speed tells how long a joint may sleep.
+//!
+//! Differs from the spec's sketch: a joint that must be corrected sooner than the dwell shows
+//! the wanted rotation and stays passive, so that it neither chatters nor exceeds its bound;
+//! a transition that would show more than the bound is cut short.
+
+use crate::joint_state::{JointState, JointStates, TransitionOptions};
+use crate::loa::JointSet;
+use crate::math::angle_between;
+use crate::motion_error::tolerance_metres;
+use crate::pose::LocalPose;
+
+/// What is tolerated and how steadily.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DriftOptions {
+    /// Tolerated displacement in pixels.
+    pub epsilon_px: f32,
+    /// Hysteresis `h`: a joint is corrected above `epsilon (1 + h)` and may become passive
+    /// below `epsilon (1 - h)`.
+    pub hysteresis: f32,
+    /// A joint is not frozen, nor set going, for less than this.
+    pub dwell_secs: f32,
+    /// A jump of at most this many pixels is shown at once, a larger one in a transition.
+    pub pop_px: f32,
+    /// How joints change state.
+    pub transition: TransitionOptions,
+}
+
+impl Default for DriftOptions {
+    /// One pixel, a quarter of hysteresis, 100 ms, transitions of 200 ms.
+    fn default() -> Self {
+        Self {
+            epsilon_px: 1.0,
+            hysteresis: 0.25,
+            dwell_secs: 0.1,
+            pop_px: 1.0,
+            transition: TransitionOptions::default(),
+        }
+    }
+}
+
+impl DriftOptions {
+    /// The error in pixels that is never exceeded: `epsilon (1 + h)`.
+    pub fn bound_px(&self) -> f32 {
+        self.epsilon_px * (1.0 + self.hysteresis)
+    }
+}
+
+/// What one joint is judged by; constant while a clip plays.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointBounds {
+    /// Metres of skin displacement for each radian of error.
+    pub lever_metres: f32,
+    /// Upper bound on the speed at which the joint's own motion moves its skin.
+    pub speed_metres_per_sec: f32,
+    /// Part of the tolerance that is this joint's own, 0 to 1: less than 1 where errors add up
+    /// along a chain.
+    pub share: f32,
+}
+
+/// What the viewer sees of each joint now.
+#[derive(Debug, Clone, Copy)]
+pub struct JointViews<'a> {
+    /// Pixels that a metre spans at each joint's depth; with several cameras the most.
+    pub pixels_per_metre: &'a [f32],
+    /// Multiplier of the tolerance of each joint (contacts below 1, inattention above).
+    pub attention: &'a [f32],
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Judged {
+    wake_secs: f64,
+    pixels_per_metre: f32,
+    changed_secs: f64,
+    last_sample_secs: f64,
+}
+
+/// The controller of one character: which joints to sample, and what is shown.
+#[derive(Debug, Clone)]
+pub struct Drift {
+    opts: DriftOptions,
+    bounds: Vec<JointBounds>,
+    states: JointStates,
+    judged: Vec<Judged>,
+    last: LocalPose,
+    updates: u64,
+}
+
+impl Drift {
+    /// Starts with every joint active and due.
+    ///
+    /// # Panics
+    /// If there is not one entry of `bounds` for each joint of the pose.
+    pub fn new(rest: &LocalPose, bounds: Vec<JointBounds>, opts: DriftOptions) -> Self {
+        assert_eq!(bounds.len(), rest.len(), "one entry for each joint");
+        let start = Judged {
+            wake_secs: f64::NEG_INFINITY,
+            pixels_per_metre: 0.0,
+            changed_secs: f64::NEG_INFINITY,
+            last_sample_secs: f64::NEG_INFINITY,
+        };
+        Self {
+            opts,
+            judged: vec![start; bounds.len()],
+            bounds,
+            states: JointStates::new(rest, opts.transition),
+            last: rest.clone(),
+            updates: 0,
+        }
+    }
+
+    /// States of the joints and what they show.
+    pub fn states(&self) -> &JointStates {
+        &self.states
+    }
+
+    /// Number of rotations shown anew since the start.
+    pub fn updates(&self) -> u64 {
+        self.updates
+    }
+
+    /// Makes every joint due, as after a cut of the camera or of the clip.
+    pub fn wake_all(&mut self) {
+        for judged in &mut self.judged {
+            judged.wake_secs = f64::NEG_INFINITY;
+        }
+    }
+
+    /// The joints whose wanted transform must be known now: those that move, those whose sleep
+    /// ends, and those that have come closer by more than the hysteresis allows.
+    pub fn due(&self, now_secs: f64, views: JointViews<'_>) -> JointSet {
+        let growth = 1.0 + self.opts.hysteresis;
+        let is_due = |j: &usize| {
+            let judged = &self.judged[*j];
+            self.states.state(*j) != JointState::Passive
+                || judged.wake_secs <= now_secs
+                || views.pixels_per_metre[*j] > judged.pixels_per_metre * growth
+        };
+        (0..self.bounds.len()).filter(is_due).collect()
+    }
+
+    /// Judges the joints of `due` by their wanted transforms and gives what is shown. The
+    /// entries of `wanted` for other joints are not read. Does not allocate.
+    pub fn step(
+        &mut self,
+        now_secs: f64,
+        views: JointViews<'_>,
+        due: &JointSet,
+        wanted: &LocalPose,
+    ) -> &LocalPose {
+        let due = due.intersection(&JointSet::first(self.bounds.len()));
+        for joint in due.iter() {
+            self.judge(joint, now_secs, views, wanted);
+        }
+        self.states.step(now_secs, wanted);
+        for joint in due.iter() {
+            self.bound(joint, now_secs, views, wanted);
+        }
+        self.states.shown()
+    }
+
+    fn error_metres(&self, joint: usize, wanted: &LocalPose) -> f32 {
+        let shown = self.states.shown();
+        self.bounds[joint].lever_metres
+            * angle_between(shown.rotations[joint], wanted.rotations[joint])
+            + shown.translations[joint].distance(wanted.translations[joint])
+    }
+
+    fn tolerance(&self, joint: usize, views: JointViews<'_>) -> f32 {
+        let attention = views.attention[joint] * self.bounds[joint].share;
+        tolerance_metres(
+            self.opts.epsilon_px,
+            attention,
+            views.pixels_per_metre[joint],
+        )
+    }
+
+    fn judge(&mut self, joint: usize, now: f64, views: JointViews<'_>, wanted: &LocalPose) {
+        let tolerance = self.tolerance(joint, views);
+        let high = tolerance * (1.0 + self.opts.hysteresis);
+        let settled = now - self.judged[joint].changed_secs >= f64::from(self.opts.dwell_secs);
+        match self.states.state(joint) {
+            JointState::Active if settled => {
+                let low = tolerance * (1.0 - self.opts.hysteresis);
+                if self.predicted_hold_secs(joint, now, low, wanted) >= self.opts.dwell_secs {
+                    // What it holds is what it shows: no jump, hence no transition.
+                    self.states.show(joint, wanted.get(joint), now);
+                    self.judged[joint].changed_secs = now;
+                }
+            }
+            JointState::Passive => {
+                let error = self.error_metres(joint, wanted);
+                if error > high {
+                    let pixels = error * views.pixels_per_metre[joint];
+                    if pixels > self.opts.pop_px && settled {
+                        self.states.activate(joint, now);
+                        self.judged[joint].changed_secs = now;
+                    } else {
+                        self.states.show(joint, wanted.get(joint), now);
+                    }
+                    self.updates += 1;
+                }
+            }
+            _ => {}
+        }
+        let judged = &mut self.judged[joint];
+        judged.pixels_per_metre = views.pixels_per_metre[joint];
+    }
+
+    /// How long the joint would stay within `low` metres at the speed it has now.
+    fn predicted_hold_secs(&self, joint: usize, now: f64, low: f32, wanted: &LocalPose) -> f32 {
+        let elapsed = (now - self.judged[joint].last_sample_secs) as f32;
+        if !elapsed.is_finite() || elapsed <= 0.0 {
+            return 0.0;
+        }
+        let bounds = &self.bounds[joint];
+        let turned = angle_between(self.last.rotations[joint], wanted.rotations[joint]);
+        let moved = self.last.translations[joint].distance(wanted.translations[joint]);
+        let metres_per_sec = (bounds.lever_metres * turned + moved) / elapsed;
+        if metres_per_sec <= 0.0 {
+            f32::INFINITY
+        } else {
+            low / metres_per_sec
+        }
+    }
+
+    /// Keeps what is shown within the bound, counts what moved, and sets the next waking time.
+    fn bound(&mut self, joint: usize, now: f64, views: JointViews<'_>, wanted: &LocalPose) {
+        let tolerance = self.tolerance(joint, views);
+        let mut error = self.error_metres(joint, wanted);
+        match self.states.state(joint) {
+            JointState::ToActive | JointState::ToPassive => {
+                self.updates += 1;
+                if error > tolerance * (1.0 + self.opts.hysteresis) {
+                    self.states.show(joint, wanted.get(joint), now);
+                    error = 0.0;
+                }
+            }
+            JointState::Active => self.updates += 1,
+            JointState::Passive => {}
+        }
+        let speed = self.bounds[joint].speed_metres_per_sec.max(1e-9);
+        let judged = &mut self.judged[joint];
+        judged.wake_secs = now + f64::from((tolerance - error).max(0.0) / speed);
+        judged.last_sample_secs = now;
+        self.last.set(joint, wanted.get(joint));
+    }
+}

@@ -1,0 +1,167 @@
+//! Keys of held joints for a ladder of tolerances, nested: the tabled form of our metric.
+//!
+//! Source: `spec/motion-lod.md` 4.5 and 9. Level `k` of the ladder tolerates `base * 2^k`
+//! metres of skin. The keys of a coarser level are among those of every finer one, so levels
+//! can be stored and streamed as increments.
+
+use crate::Mismatch;
+
+/// Finest tolerance of the usual ladder.
+pub const LADDER_BASE_METRES: f32 = 0.0005;
+/// Number of levels of the usual ladder: 0.5 mm to 256 mm.
+pub const LADDER_LEVELS: usize = 10;
+
+/// What a joint shows between two keys.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KeyMode {
+    /// The rotation of the key before.
+    Hold,
+    /// The normalised linear blend of the keys on both sides.
+    Linear,
+}
+
+/// Fingerprints of what a table was made for; another rig, clip or mesh makes it worthless.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct TableHashes {
+    /// Of joint names, parents and rest pose.
+    pub rig: u64,
+    /// Of the clip's frames.
+    pub clip: u64,
+    /// Of the skin.
+    pub mesh: u64,
+}
+
+/// Key frames of every joint at every level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KeyTable {
+    /// What it was made for.
+    pub hashes: TableHashes,
+    /// Frames per second of the clip.
+    pub rate_hz: f32,
+    /// Frames of the clip.
+    pub frames: u32,
+    /// Tolerance of level 0, metres.
+    pub base_metres: f32,
+    /// What is shown between keys.
+    pub mode: KeyMode,
+    /// `keys[joint][level]`: rising frame numbers, the first 0; an empty list for a joint that
+    /// does not move.
+    pub keys: Vec<Vec<Vec<u32>>>,
+}
+
+impl KeyTable {
+    /// Number of levels.
+    pub fn levels(&self) -> usize {
+        self.keys.iter().map(Vec::len).max().unwrap_or(0)
+    }
+
+    /// The coarsest level whose tolerance does not exceed `tolerance_metres`; `None` if even
+    /// the finest is too coarse and the joint must be evaluated.
+    pub fn level_for(&self, tolerance_metres: f32) -> Option<usize> {
+        let steps = (tolerance_metres / self.base_metres).log2().floor();
+        let highest = self.levels().checked_sub(1)?;
+        (steps >= 0.0).then(|| (steps as usize).min(highest))
+    }
+
+    /// The key at or before a frame, and the one after it if there is one.
+    pub fn span(&self, joint: usize, level: usize, frame: u32) -> Option<(u32, Option<u32>)> {
+        let keys = self.keys.get(joint)?.get(level)?;
+        let after = keys.partition_point(|k| *k <= frame);
+        Some((*keys.get(after.checked_sub(1)?)?, keys.get(after).copied()))
+    }
+
+    /// Checks that the table fits what it is used with.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] that names the part whose hash differs, or a table that is not nested.
+    pub fn check(&self, hashes: &TableHashes) -> Result<(), Mismatch> {
+        let pairs = [
+            ("rig", self.hashes.rig, hashes.rig),
+            ("clip", self.hashes.clip, hashes.clip),
+            ("mesh", self.hashes.mesh, hashes.mesh),
+        ];
+        for (name, stored, found) in pairs {
+            if stored != found {
+                let what = format!(
+                    "the table was made for another {name} ({stored:016x}, this one is {found:016x}); build the asset again"
+                );
+                return Err(Mismatch::new(format!("hashes.{name}"), what));
+            }
+        }
+        for (j, levels) in self.keys.iter().enumerate() {
+            for (k, pair) in levels.windows(2).enumerate() {
+                if !pair[1].iter().all(|f| pair[0].binary_search(f).is_ok()) {
+                    let what = "keys of a coarser level are not among those of the finer one";
+                    return Err(Mismatch::new(format!("keys[{j}][{}]", k + 1), what));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whole-pose keys: frames between which straight lines move every vertex within tolerance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PoseKeys {
+    /// What they were made for.
+    pub hashes: TableHashes,
+    /// Ticks per second of the key times (denser than the clip's frames).
+    pub tick_hz: f32,
+    /// Last tick: the end of the clip.
+    pub ticks: u32,
+    /// Tolerance of level 0, metres.
+    pub base_metres: f32,
+    /// `levels[k]`: rising ticks from 0 to the last, or `None` where even neighbouring frames
+    /// are too far apart for a straight line: evaluate every frame.
+    pub levels: Vec<Option<Vec<u32>>>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> KeyTable {
+        KeyTable {
+            hashes: TableHashes {
+                rig: 1,
+                clip: 2,
+                mesh: 3,
+            },
+            rate_hz: 30.0,
+            frames: 10,
+            base_metres: 0.001,
+            mode: KeyMode::Hold,
+            keys: vec![vec![vec![0, 3, 6], vec![0, 6]], vec![vec![], vec![]]],
+        }
+    }
+
+    #[test]
+    fn levels_and_spans_by_hand() {
+        let t = table();
+        assert_eq!(t.level_for(0.0005), None);
+        assert_eq!(t.level_for(0.001), Some(0));
+        assert_eq!(t.level_for(0.0039), Some(1));
+        assert_eq!(t.level_for(9.0), Some(1));
+        assert_eq!(t.span(0, 0, 4), Some((3, Some(6))));
+        assert_eq!(t.span(0, 1, 9), Some((6, None)));
+        assert_eq!(
+            t.span(1, 0, 4),
+            None,
+            "a joint that does not move has no key"
+        );
+    }
+
+    #[test]
+    fn another_clip_or_a_table_that_is_not_nested_is_refused() {
+        let t = table();
+        assert!(t.check(&t.hashes).is_ok());
+        let other = TableHashes {
+            clip: 9,
+            ..t.hashes
+        };
+        assert_eq!(t.check(&other).unwrap_err().at, "hashes.clip");
+        let mut bad = table();
+        bad.keys[0][1] = vec![0, 5];
+        assert_eq!(bad.check(&t.hashes).unwrap_err().at, "keys[0][1]");
+    }
+}

@@ -1,0 +1,151 @@
+//! What a held joint costs: levers in metres, tolerances in pixels, view dependence.
+//!
+//! Source: `spec/motion-lod.md` 4.1 to 4.3, ours. A joint that shows rotation `b` in place of
+//! `a` moves the skin that hangs on it by at most its lever times the angle between them.
+
+use crate::math::rotation_vector;
+use glam::{Mat3, Quat, Vec3};
+
+/// Least lever, so that the skin right around a leaf joint counts.
+pub const LEVER_FLOOR_METRES: f32 = 0.01;
+
+/// How the skin hangs on one joint.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointLever {
+    /// Farthest skin that the joint moves, from the joint, in the rest pose. Metres, at least
+    /// [`LEVER_FLOOR_METRES`].
+    pub rest_metres: f32,
+    /// The same in whatever pose: the skin's weighted farthest way along the bones. A bound
+    /// where `rest_metres` is an estimate, because a chain that is bent at rest can stretch.
+    pub reach_metres: f32,
+    /// Mean of `x x^T` over the skin below the joint, `x` the offset from the joint at rest in
+    /// the joint's own frame; square metres.
+    pub second_moment: SecondMoment,
+    /// Fraction of the skin's area that the joint moves, 0 to 1.
+    pub skin_share: f32,
+}
+
+/// A symmetric 3x3 matrix: xx, yy, zz, xy, xz, yz.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct SecondMoment(pub [f32; 6]);
+
+impl SecondMoment {
+    /// Mean of `x x^T` over weighted points; zero without weight.
+    pub fn of(points: impl IntoIterator<Item = (Vec3, f32)>) -> Self {
+        let mut sums = [0.0f64; 6];
+        let mut total = 0.0f64;
+        for (p, w) in points {
+            let (x, y, z, w) = (f64::from(p.x), f64::from(p.y), f64::from(p.z), f64::from(w));
+            for (s, v) in sums
+                .iter_mut()
+                .zip([x * x, y * y, z * z, x * y, x * z, y * z])
+            {
+                *s += w * v;
+            }
+            total += w;
+        }
+        Self(sums.map(|s| if total > 0.0 { (s / total) as f32 } else { 0.0 }))
+    }
+
+    /// The full matrix.
+    pub fn matrix(self) -> Mat3 {
+        let [xx, yy, zz, xy, xz, yz] = self.0;
+        Mat3::from_cols(
+            Vec3::new(xx, xy, xz),
+            Vec3::new(xy, yy, yz),
+            Vec3::new(xz, yz, zz),
+        )
+    }
+
+    /// Root mean square displacement of the skin, seen along the unit direction `view`, for a
+    /// small rotation given as a vector (axis times radians, in the joint's frame). Metres.
+    ///
+    /// `phi^2 (a^T (tr(C) I - C) a - (w x a)^T C (w x a))` with axis `a` and direction `w`:
+    /// what the rotation moves in all, less what it moves along the line of sight.
+    pub fn projected_rms(self, rotation: Vec3, view: Vec3) -> f32 {
+        let c = self.matrix();
+        let trace = c.x_axis.x + c.y_axis.y + c.z_axis.z;
+        let along = view.cross(rotation);
+        let whole = trace * rotation.length_squared() - rotation.dot(c * rotation);
+        (whole - along.dot(c * along)).max(0.0).sqrt()
+    }
+}
+
+impl JointLever {
+    /// Bound on the displacement of the skin for showing `shown` in place of `wanted`, metres,
+    /// by the lever at rest.
+    pub fn held_error(&self, shown: Quat, wanted: Quat) -> f32 {
+        self.rest_metres * crate::math::angle_between(shown, wanted)
+    }
+
+    /// The same as it looks from `view`, a unit direction in the joint's frame: root mean
+    /// square over the skin.
+    pub fn projected_error(&self, shown: Quat, wanted: Quat, view: Vec3) -> f32 {
+        self.second_moment
+            .projected_rms(rotation_vector(shown, wanted), view)
+    }
+}
+
+/// Tolerance in metres at a joint: `epsilon_px * attention / pixels_per_metre`.
+///
+/// `attention` lowers it where care is due (contacts, faces looked at) and raises it where
+/// little is seen; 1 is neutral.
+pub fn tolerance_metres(epsilon_px: f32, attention: f32, pixels_per_metre: f32) -> f32 {
+    epsilon_px * attention / pixels_per_metre.max(1e-6)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        (-1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0).prop_map(|(x, y, z)| Vec3::new(x, y, z))
+    }
+
+    fn direction() -> impl Strategy<Value = Vec3> {
+        point().prop_filter_map("direction", |p| p.try_normalize())
+    }
+
+    proptest! {
+        /// Acceptance test 8: the formula against projecting every point's displacement.
+        #[test]
+        fn second_moments_equal_brute_force(
+            points in prop::collection::vec(point(), 5..60),
+            axis in direction(),
+            view in direction(),
+        ) {
+            let rotation = axis * 1e-3;
+            let moment = SecondMoment::of(points.iter().map(|p| (*p, 1.0)));
+            let formula = f64::from(moment.projected_rms(rotation, view)).powi(2);
+            let (r, w) = (rotation.as_dvec3(), view.as_dvec3());
+            let brute = points
+                .iter()
+                .map(|p| r.cross(p.as_dvec3()))
+                .map(|d| (d - w * d.dot(w)).length_squared())
+                .sum::<f64>()
+                / points.len() as f64;
+            // Relative to the unprojected motion: seen end on, both terms cancel.
+            let whole = points.iter().map(|p| r.cross(p.as_dvec3()).length_squared()).sum::<f64>()
+                / points.len() as f64;
+            prop_assert!((formula - brute).abs() <= 1e-5 * whole.max(1e-12), "{formula} {brute}");
+        }
+    }
+
+    #[test]
+    fn a_turn_seen_along_its_axis_shows_wholly_and_from_the_side_in_part() {
+        // A point one metre along x, turned about z: it moves along y.
+        let moment = SecondMoment::of([(Vec3::X, 2.0)]);
+        let turn = Vec3::Z * 0.01;
+        assert!((moment.projected_rms(turn, Vec3::Z) - 0.01).abs() < 1e-7);
+        assert!((moment.projected_rms(turn, Vec3::X) - 0.01).abs() < 1e-7);
+        assert!(moment.projected_rms(turn, Vec3::Y) < 1e-7);
+    }
+
+    #[test]
+    fn tolerance_by_hand() {
+        // One pixel at 100 px/m is a centimetre; half the attention halves it.
+        assert!((tolerance_metres(1.0, 1.0, 100.0) - 0.01).abs() < 1e-9);
+        assert!((tolerance_metres(1.0, 0.5, 100.0) - 0.005).abs() < 1e-9);
+    }
+}
