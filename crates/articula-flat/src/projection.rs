@@ -1,0 +1,168 @@
+//! From metres to pixels: true perspective, or parallel at a fixed scale.
+//!
+//! Source: `spec/motion-lod.md` part 0. A parallel view at `pixels_per_metre` is the weak
+//! perspective of the error tables: every depth has the scale of one.
+
+use articula_core::view::Camera;
+use glam::{Vec2, Vec3, Vec4};
+
+/// How depth changes size.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Projection {
+    /// Far things are smaller, as the camera's viewport says.
+    #[default]
+    Perspective,
+    /// Every metre spans this many pixels at any depth, behind the camera too.
+    Parallel {
+        /// The scale.
+        pixels_per_metre: f32,
+    },
+}
+
+/// A camera with its projection, ready to take points to the screen and back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Screen {
+    camera: Camera,
+    projection: Projection,
+    middle: Vec2,
+}
+
+/// A half line from the camera; a depth along it is a point.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ray {
+    /// Point at depth 0.
+    pub origin: Vec3,
+    /// Step for one metre of depth (longer than one metre off the axis).
+    pub direction: Vec3,
+}
+
+impl Screen {
+    /// Joins a camera and a projection.
+    pub fn new(camera: &Camera, projection: Projection) -> Self {
+        let middle = 0.5 * Vec2::new(camera.viewport.width_px, camera.viewport.height_px);
+        Self {
+            camera: *camera,
+            projection,
+            middle,
+        }
+    }
+
+    /// The point as a homogeneous corner of [`crate::item_buffer::ItemBuffer`].
+    pub fn corner(&self, point: Vec3) -> Vec4 {
+        let p = self.camera.view(point);
+        let scale = self.scale();
+        let (nearness, w) = match self.projection {
+            Projection::Perspective => (1.0, p.z),
+            Projection::Parallel { .. } => (-p.z, 1.0),
+        };
+        let x = self.middle.x * w + scale * p.x;
+        let y = self.middle.y * w - scale * p.y;
+        Vec4::new(x, y, nearness, w)
+    }
+
+    /// Place on the screen in pixels; `None` for a point behind a perspective camera.
+    pub fn place(&self, point: Vec3) -> Option<Vec2> {
+        let corner = self.corner(point);
+        (corner.w > 1e-3).then(|| Vec2::new(corner.x, corner.y) / corner.w)
+    }
+
+    /// Pixels that one metre spans at the depth of a point.
+    pub fn pixels_per_metre_at(&self, point: Vec3) -> f32 {
+        match self.projection {
+            Projection::Perspective => self
+                .camera
+                .viewport
+                .pixels_per_metre(self.camera.depth(point)),
+            Projection::Parallel { pixels_per_metre } => pixels_per_metre,
+        }
+    }
+
+    /// The half line of points that appear at a place of the screen.
+    pub fn ray(&self, at: Vec2) -> Ray {
+        let offset = (at - self.middle) / self.scale();
+        let across = self.camera.orientation * Vec3::new(offset.x, -offset.y, 0.0);
+        let forward = self.camera.forward();
+        match self.projection {
+            Projection::Perspective => Ray {
+                origin: self.camera.eye,
+                direction: forward + across,
+            },
+            Projection::Parallel { .. } => Ray {
+                origin: self.camera.eye + across,
+                direction: forward,
+            },
+        }
+    }
+
+    /// Nearness, as the item buffer keeps it, of a point at a depth.
+    pub fn nearness_of(&self, depth_m: f32) -> f32 {
+        match self.projection {
+            Projection::Perspective => 1.0 / depth_m,
+            Projection::Parallel { .. } => -depth_m,
+        }
+    }
+
+    /// The camera.
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// Pixels a metre spans at depth 1 (perspective) or anywhere (parallel).
+    fn scale(&self) -> f32 {
+        match self.projection {
+            Projection::Perspective => self.camera.viewport.pixels_per_metre(1.0),
+            Projection::Parallel { pixels_per_metre } => pixels_per_metre,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::view::Viewport;
+
+    fn camera() -> Camera {
+        Camera::looking_at(
+            Vec3::new(2.0, 1.5, 4.0),
+            Vec3::new(0.0, 1.0, 0.0),
+            Viewport::default(),
+        )
+    }
+
+    #[test]
+    fn perspective_agrees_with_the_camera() {
+        let screen = Screen::new(&camera(), Projection::Perspective);
+        for point in [Vec3::ZERO, Vec3::new(0.3, 1.8, -0.4), Vec3::X] {
+            let (expected, depth) = camera().project(point);
+            assert!((screen.place(point).unwrap() - expected).length() < 1e-3);
+            let corner = screen.corner(point);
+            assert!((corner.z / corner.w - screen.nearness_of(depth)).abs() < 1e-6);
+        }
+        assert_eq!(screen.place(Vec3::new(4.0, 2.0, 8.0)), None);
+    }
+
+    #[test]
+    fn parallel_scale_does_not_depend_on_depth() {
+        let pixels_per_metre = 100.0;
+        let screen = Screen::new(&camera(), Projection::Parallel { pixels_per_metre });
+        let target = Vec3::new(0.0, 1.0, 0.0);
+        let right = camera().orientation * Vec3::X;
+        let far = camera().forward() * 7.0;
+        let place = screen.place(target + right + far).unwrap();
+        assert!((place - Vec2::new(740.0, 360.0)).length() < 1e-3);
+    }
+
+    #[test]
+    fn rays_lead_back_to_their_points() {
+        let parallel = Projection::Parallel {
+            pixels_per_metre: 80.0,
+        };
+        for projection in [Projection::Perspective, parallel] {
+            let screen = Screen::new(&camera(), projection);
+            let point = Vec3::new(-0.5, 0.7, 0.2);
+            let ray = screen.ray(screen.place(point).unwrap());
+            let again = ray.origin + ray.direction * camera().depth(point);
+            assert!((again - point).length() < 1e-5);
+        }
+    }
+}

@@ -1,0 +1,450 @@
+//! A lit picture of a skinned character, to be looked at and compared.
+//!
+//! Smooth normals under a key light, a weaker fill from the other side and an even ambient;
+//! base colour factor, texture and vertex colour multiply in linear light. Each pixel is
+//! shaded once for every triangle that it shows, in the middle of that triangle's samples.
+
+use crate::appearance::Appearance;
+use crate::error::PictureError;
+use crate::ground::{ContactShadow, Ground, grid_coverage};
+use crate::item_buffer::{Faces, ItemBuffer, Samples, barycentric};
+use crate::picture::{Picture, Rgba, linear_table, srgb_byte};
+use crate::projection::{Projection, Screen};
+use articula_core::mesh::Mesh;
+use articula_core::skin::SkinnedMesh;
+use articula_core::source::Material;
+use articula_core::view::Camera;
+use glam::{Vec2, Vec3, Vec4};
+
+/// Which parts of a mesh are drawn, by their index in [`Mesh::parts`].
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum Parts {
+    /// Every part.
+    #[default]
+    All,
+    /// These parts and no others.
+    Only(Vec<usize>),
+    /// All parts but these.
+    Except(Vec<usize>),
+}
+
+impl Parts {
+    /// Whether a part is drawn.
+    pub fn contains(&self, part: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::Only(parts) => parts.contains(&part),
+            Self::Except(parts) => !parts.contains(&part),
+        }
+    }
+}
+
+/// Where light comes from and how strong it is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Light {
+    /// Direction towards the key light, in camera space (x right, y up, z to the viewer).
+    pub key_direction: Vec3,
+    /// Strength of the key light; a surface that faces all three lights gets their sum.
+    pub key: f32,
+    /// Strength of the fill light, which comes from the opposite side.
+    pub fill: f32,
+    /// Strength of the light from everywhere.
+    pub ambient: f32,
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self {
+            key_direction: Vec3::new(-0.45, 0.65, 0.8),
+            key: 0.72,
+            fill: 0.14,
+            ambient: 0.26,
+        }
+    }
+}
+
+/// How a picture is taken.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RenderOptions {
+    /// What is seen where nothing is; may be transparent.
+    pub background: Rgba,
+    /// Samples a pixel.
+    pub samples: Samples,
+    /// Perspective or parallel.
+    pub projection: Projection,
+    /// A floor with a contact shadow.
+    pub ground: Option<Ground>,
+    /// Where light comes from.
+    pub light: Light,
+    /// Which parts are drawn.
+    pub parts: Parts,
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self {
+            background: [244, 245, 247, 255],
+            samples: Samples::Two,
+            projection: Projection::Perspective,
+            ground: None,
+            light: Light::default(),
+            parts: Parts::All,
+        }
+    }
+}
+
+/// Draws a skinned character as the camera sees it, as large as the camera's viewport.
+///
+/// O(vertices + samples covered).
+///
+/// # Errors
+/// [`PictureError::LimitExceeded`] if the viewport is too large, [`PictureError::Mismatch`]
+/// if `skinned` is of another mesh.
+pub fn render(
+    mesh: &Mesh,
+    skinned: &SkinnedMesh,
+    look: &Appearance,
+    camera: &Camera,
+    options: &RenderOptions,
+) -> Result<Picture, PictureError> {
+    if skinned.positions.len() != mesh.len() || skinned.normals.len() != mesh.len() {
+        return Err(PictureError::Mismatch {
+            at: "skinned",
+            what: format!(
+                "{} positions and {} normals, the mesh has {} vertices",
+                skinned.positions.len(),
+                skinned.normals.len(),
+                mesh.len()
+            ),
+        });
+    }
+    let scene = Scene::new(mesh, skinned, look, camera, options)?;
+    let buffer = scene.draw()?;
+    scene.shade(&buffer)
+}
+
+/// Everything that one picture is made of.
+struct Scene<'a> {
+    mesh: &'a Mesh,
+    skinned: &'a SkinnedMesh,
+    look: &'a Appearance,
+    options: &'a RenderOptions,
+    screen: Screen,
+    corners: Vec<Vec4>,
+    part_of: Vec<u32>,
+    materials: Vec<Material>,
+    lights: Lights,
+    floor: Option<(Ground, ContactShadow)>,
+}
+
+/// Unit directions towards the lights in model space, and their strengths.
+struct Lights {
+    key: Vec3,
+    fill: Vec3,
+    strength: Light,
+}
+
+impl Lights {
+    fn new(light: Light, camera: &Camera) -> Self {
+        let toward = light.key_direction.try_normalize().unwrap_or(Vec3::Z);
+        let opposite = Vec3::new(-toward.x, 0.2, toward.z).normalize_or(Vec3::Z);
+        Self {
+            key: camera.orientation * toward,
+            fill: camera.orientation * opposite,
+            strength: light,
+        }
+    }
+
+    /// Light that a surface with this unit normal receives.
+    fn on(&self, normal: Vec3) -> f32 {
+        // The key light wraps a little around the edge, as a large lamp does.
+        let key = ((normal.dot(self.key) + 0.2) / 1.2).max(0.0);
+        let fill = normal.dot(self.fill).max(0.0);
+        self.strength.ambient + self.strength.key * key + self.strength.fill * fill
+    }
+}
+
+impl<'a> Scene<'a> {
+    fn new(
+        mesh: &'a Mesh,
+        skinned: &'a SkinnedMesh,
+        look: &'a Appearance,
+        camera: &Camera,
+        options: &'a RenderOptions,
+    ) -> Result<Self, PictureError> {
+        let screen = Screen::new(camera, options.projection);
+        let mut part_of = vec![0; mesh.triangles.len()];
+        for (p, part) in mesh.parts.iter().enumerate() {
+            part_of[part.triangles.clone()].fill(p as u32);
+        }
+        let material = |m: Option<usize>| m.and_then(|m| look.materials.get(m)).cloned();
+        let materials = mesh.parts.iter().map(|p| material(p.material));
+        let materials = materials.map(Option::unwrap_or_default).collect();
+        let mut scene = Self {
+            mesh,
+            skinned,
+            look,
+            options,
+            screen,
+            corners: skinned
+                .positions
+                .iter()
+                .map(|p| screen.corner(*p))
+                .collect(),
+            part_of,
+            materials,
+            lights: Lights::new(options.light, camera),
+            floor: None,
+        };
+        if let Some(ground) = options.ground {
+            let triangles = scene.visible().map(|t| mesh.triangles[t]);
+            let shadow = ContactShadow::new(&skinned.positions, triangles, ground.height_m)?;
+            scene.floor = Some((ground, shadow));
+        }
+        Ok(scene)
+    }
+
+    /// Indices of the triangles of the parts that are drawn.
+    fn visible(&self) -> impl Iterator<Item = usize> + '_ {
+        let parts = self.mesh.parts.iter().enumerate();
+        parts
+            .filter(|(p, _)| self.options.parts.contains(*p))
+            .flat_map(|(_, part)| part.triangles.clone())
+    }
+
+    fn draw(&self) -> Result<ItemBuffer, PictureError> {
+        let viewport = self.screen.camera().viewport;
+        let (width, height) = (viewport.width_px.round(), viewport.height_px.round());
+        let mut buffer = ItemBuffer::new(width as u32, height as u32, self.options.samples)?;
+        for t in self.visible() {
+            let material = self.material(t);
+            let corners = self.corners_of(t);
+            let faces = if material.double_sided {
+                Faces::Both
+            } else {
+                Faces::Front
+            };
+            if material.alpha_cutoff > 0.0 {
+                let level = self.texture_level(t);
+                buffer.draw_where(t as u32, corners, faces, |at| {
+                    barycentric(&corners, at)
+                        .is_some_and(|w| self.surface(t, w, level).w >= material.alpha_cutoff)
+                });
+            } else {
+                buffer.draw(t as u32, corners, faces);
+            }
+        }
+        Ok(buffer)
+    }
+
+    fn shade(&self, buffer: &ItemBuffer) -> Result<Picture, PictureError> {
+        let (width, height) = buffer.size();
+        let mut picture = Picture::new(width, height, self.options.background)?;
+        let levels: Vec<u8> = (0..self.mesh.triangles.len())
+            .map(|t| self.texture_level(t) as u8)
+            .collect();
+        let background = linear(self.options.background);
+        for y in 0..height {
+            for x in 0..width {
+                let color = self.pixel(buffer, (x, y), &levels, background);
+                if let Some(color) = color {
+                    picture.set(x, y, color);
+                }
+            }
+        }
+        Ok(picture)
+    }
+
+    /// Colour of a pixel; `None` if it shows the background alone.
+    fn pixel(
+        &self,
+        buffer: &ItemBuffer,
+        (x, y): (u32, u32),
+        levels: &[u8],
+        background: Vec4,
+    ) -> Option<Rgba> {
+        let n = buffer.samples().per_side();
+        let mut groups = Groups::default();
+        for sy in y * n..(y + 1) * n {
+            for sx in x * n..(x + 1) * n {
+                let entry = buffer.item(sx, sy);
+                groups.add(entry, buffer.position(sx, sy), buffer.nearness(sx, sy));
+            }
+        }
+        if self.floor.is_none() && groups.is_empty() {
+            return None;
+        }
+        let mut sum = Vec4::ZERO;
+        for group in groups.iter() {
+            let at = group.places / group.count;
+            let mut color = background;
+            if let Some(t) = group.item {
+                let t = t as usize;
+                color = self.fragment(t, at, usize::from(levels[t]));
+            }
+            color = self.over_floor(color, background, at, group);
+            sum += color.truncate().extend(1.0) * (color.w * group.count);
+        }
+        Some(encode(sum, n * n))
+    }
+
+    /// Lit colour of a triangle at a place of the screen.
+    fn fragment(&self, triangle: usize, at: Vec2, level: usize) -> Vec4 {
+        let corners = self.corners_of(triangle);
+        let weights = barycentric(&corners, at).unwrap_or(Vec3::splat(1.0 / 3.0));
+        let [a, b, c] = self.mesh.triangles[triangle].map(|v| v as usize);
+        let n = &self.skinned.normals;
+        let normal = n[a] * weights.x + n[b] * weights.y + n[c] * weights.z;
+        let mut normal = normal.try_normalize().unwrap_or(Vec3::Y);
+        if self.shows_back(triangle) {
+            normal = -normal;
+        }
+        let color = self.surface(triangle, weights, level);
+        (color.truncate() * self.lights.on(normal)).extend(1.0)
+    }
+
+    /// Base colour of a triangle: factor, texture and vertex colour, linear RGBA.
+    fn surface(&self, triangle: usize, weights: Vec3, level: usize) -> Vec4 {
+        let [a, b, c] = self.mesh.triangles[triangle].map(|v| v as usize);
+        let material = self.material(triangle);
+        let colors = &self.mesh.colors;
+        let vertex = colors[a] * weights.x + colors[b] * weights.y + colors[c] * weights.z;
+        let mut color = material.base_color * vertex;
+        if let Some(texture) = self.look.texture_of(material) {
+            let uv = &self.mesh.texcoords;
+            let at = uv[a] * weights.x + uv[b] * weights.y + uv[c] * weights.z;
+            color *= texture.sample(at, level);
+        }
+        color
+    }
+
+    /// The floor before or behind a colour; what lies below the floor shines through a little.
+    fn over_floor(&self, color: Vec4, background: Vec4, at: Vec2, group: &Group) -> Vec4 {
+        let Some((ground, shadow)) = &self.floor else {
+            return color;
+        };
+        let ray = self.screen.ray(at);
+        let depth = (ground.height_m - ray.origin.y) / ray.direction.y;
+        let seen_from_above = ray.direction.y < 0.0 && depth > 0.0 && depth.is_finite();
+        let nearness = group.nearness / group.count;
+        let floor_is_nearer = seen_from_above && self.screen.nearness_of(depth) > nearness;
+        if !floor_is_nearer {
+            return color;
+        }
+        let point = ray.origin + ray.direction * depth;
+        let place = Vec2::new(point.x, point.z);
+        let away = place.distance(ground.middle) / ground.radius_m.max(1e-3);
+        let fade = (1.0 - away * away).clamp(0.0, 1.0);
+        let metres = 1.0 / self.screen.pixels_per_metre_at(point);
+        let slant = (ray.direction.y / ray.direction.length()).abs().max(1e-3);
+        // A pixel is stretched on the floor along the horizontal viewing direction.
+        let flat = Vec2::new(ray.direction.x, ray.direction.z).normalize_or(Vec2::Y);
+        let footprint = metres * (flat.abs() / slant + Vec2::new(flat.y, flat.x).abs());
+        let line = grid_coverage(place, footprint);
+        let tone = 1.0 - fade * (0.05 + 0.30 * line);
+        let tone = tone * (1.0 - 0.78 * shadow.at(place));
+        let floor = floor_tone(background, tone);
+        match group.item {
+            Some(_) => floor.lerp(color, 0.25),
+            None => floor,
+        }
+    }
+
+    fn material(&self, triangle: usize) -> &Material {
+        &self.materials[self.part_of[triangle] as usize]
+    }
+
+    fn corners_of(&self, triangle: usize) -> [Vec4; 3] {
+        self.mesh.triangles[triangle].map(|v| self.corners[v as usize])
+    }
+
+    /// Whether the camera sees the back of a triangle (only possible if it is double sided).
+    fn shows_back(&self, triangle: usize) -> bool {
+        // The sign of this volume is that of the area on the screen, clipped or not; the
+        // picture's y points down, so the front has a negative one.
+        let [a, b, c] = self.corners_of(triangle).map(|p| Vec3::new(p.x, p.y, p.w));
+        a.dot(b.cross(c)) > 0.0
+    }
+
+    fn texture_level(&self, triangle: usize) -> usize {
+        let Some(texture) = self.look.texture_of(self.material(triangle)) else {
+            return 0;
+        };
+        let uv = self.mesh.triangles[triangle].map(|v| self.mesh.texcoords[v as usize]);
+        let area = 0.5 * (uv[1] - uv[0]).perp_dot(uv[2] - uv[0]);
+        let corners = self.corners_of(triangle);
+        if corners.iter().any(|p| p.w < 1e-3) {
+            return 0;
+        }
+        let [a, b, c] = corners.map(|p| Vec2::new(p.x, p.y) / p.w);
+        texture.level_for(area, 0.5 * (b - a).perp_dot(c - a))
+    }
+}
+
+/// Background with a share of its light taken away; a transparent one gets a black veil.
+fn floor_tone(background: Vec4, tone: f32) -> Vec4 {
+    let alpha = 1.0 - (1.0 - background.w) * tone;
+    if alpha <= 0.0 {
+        return Vec4::ZERO;
+    }
+    (background.truncate() * (background.w * tone / alpha)).extend(alpha)
+}
+
+fn linear([r, g, b, a]: Rgba) -> Vec4 {
+    let table = linear_table();
+    let of = |byte: u8| table[usize::from(byte)];
+    Vec4::new(of(r), of(g), of(b), f32::from(a) / 255.0)
+}
+
+/// Mean colour as bytes, from a sum of colours that were multiplied by their alpha.
+fn encode(sum: Vec4, count: u32) -> Rgba {
+    if sum.w <= 0.0 {
+        return [0; 4];
+    }
+    let [r, g, b] = (sum.truncate() / sum.w).to_array().map(srgb_byte);
+    let alpha = (sum.w / count as f32 * 255.0).round() as u8;
+    [r, g, b, alpha]
+}
+
+/// The samples of a pixel that show the same triangle.
+#[derive(Clone, Copy, Default)]
+struct Group {
+    item: Option<u32>,
+    count: f32,
+    places: Vec2,
+    nearness: f32,
+}
+
+/// The different triangles of a pixel, the first sixteen of them told apart.
+#[derive(Default)]
+struct Groups {
+    groups: [Group; 16],
+    len: usize,
+}
+
+impl Groups {
+    fn add(&mut self, item: Option<u32>, place: Vec2, nearness: f32) {
+        let known = self.groups[..self.len].iter().position(|g| g.item == item);
+        let at = known.unwrap_or_else(|| {
+            if self.len == self.groups.len() {
+                // A pixel with more than sixteen triangles: the last group takes the rest.
+                return self.len - 1;
+            }
+            self.groups[self.len].item = item;
+            self.len += 1;
+            self.len - 1
+        });
+        let group = &mut self.groups[at];
+        group.count += 1.0;
+        group.places += place;
+        group.nearness += nearness;
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &Group> {
+        self.groups[..self.len].iter()
+    }
+
+    fn is_empty(&self) -> bool {
+        self.iter().all(|g| g.item.is_none())
+    }
+}
