@@ -1,2 +1,61 @@
-//! The chores of the project.
-fn main() {}
+//! The project's chores, started as `cargo xtask <chore>`.
+//!
+//! It uses nothing of ours, so that a chore runs even where a crate does not compile.
+#![allow(
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "a program for the project's own developers: it talks, reads files and a clock"
+)]
+
+mod chores;
+mod node;
+mod steps;
+mod tidy;
+mod wasm;
+
+use std::process::ExitCode;
+
+const HELP: &str = "\
+Chores of the project.
+
+Usage: cargo xtask <CHORE>
+
+Chores:
+  demo     Run the main job and say where to look (articula-demo/index.html)
+  test     Run everything that CI runs, in order, up to the first failure
+  tidy     Check what lints cannot: crate edges, file sizes, names, records
+  golden   Renew the golden files, then show which of them changed
+
+Options:
+  -h, --help   Print this
+
+Environment:
+  ARTICULA_DATA             Folder of real character files (else ../shared/data)
+  ARTICULA_REQUIRE_DATA=1   A missing data file fails instead of being skipped
+  ARTICULA_REQUIRE_TOOLS=1  A missing tool (node, wasm target) fails instead of being skipped
+";
+
+fn main() -> ExitCode {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let done = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["demo"] => chores::demo(),
+        ["test"] => steps::test(),
+        ["tidy"] => chores::tidy(),
+        ["golden"] => chores::golden(),
+        ["-h" | "--help" | "help"] => {
+            print!("{HELP}");
+            return ExitCode::SUCCESS;
+        }
+        _ => {
+            eprint!("{HELP}");
+            return ExitCode::from(2);
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(fault) => {
+            eprintln!("xtask: {fault:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

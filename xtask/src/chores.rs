@@ -1,0 +1,75 @@
+//! The chores that are one program call, and the way every call is made.
+
+use anyhow::{Context, Result, bail};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Folder that `demo` writes.
+const DEMO_FOLDER: &str = "articula-demo";
+
+/// Runs the main job in its release form and says where to look.
+pub(crate) fn demo() -> Result<()> {
+    let words = ["run", "--release", "-p", "articula", "--"];
+    let demo = ["demo", "--out", DEMO_FOLDER];
+    run(cargo().args(words).args(demo))?;
+    let page = root().join(DEMO_FOLDER).join("index.html");
+    if !page.is_file() {
+        bail!("the demo ended without writing {}", page.display());
+    }
+    println!("open {} in a browser", page.display());
+    Ok(())
+}
+
+/// Checks the tree and lists every fault.
+pub(crate) fn tidy() -> Result<()> {
+    let faults = crate::tidy::check(&root())?;
+    for fault in &faults {
+        println!("{fault}");
+    }
+    if !faults.is_empty() {
+        bail!("{} faults", faults.len());
+    }
+    Ok(())
+}
+
+/// Lets every golden test write its file anew, then shows what changed.
+pub(crate) fn golden() -> Result<()> {
+    let words = ["test", "--workspace", "--quiet"];
+    run(cargo().args(words).env("ARTICULA_GOLDEN", "renew"))?;
+    println!("golden files that changed (look at each before committing):");
+    run(Command::new("git")
+        .args(["status", "--short", "--", ":(glob)**/tests/golden/**"])
+        .current_dir(root()))
+}
+
+/// Root of the repository.
+pub(crate) fn root() -> PathBuf {
+    let here = Path::new(env!("CARGO_MANIFEST_DIR"));
+    here.parent().unwrap_or(here).to_path_buf()
+}
+
+/// Cargo, the one that started us, in the repository's root.
+pub(crate) fn cargo() -> Command {
+    let mut call = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    call.current_dir(root());
+    call
+}
+
+/// Runs a program with our own terminal and turns a bad end into an error.
+pub(crate) fn run(call: &mut Command) -> Result<()> {
+    let program = call.get_program().to_string_lossy().into_owned();
+    let status = call
+        .status()
+        .with_context(|| format!("cannot start {program}"))?;
+    if !status.success() {
+        bail!("{program} ended with {status}");
+    }
+    Ok(())
+}
+
+/// What a program prints, or `None` if it cannot be started or fails.
+pub(crate) fn answer(program: &str, words: &[&str]) -> Option<String> {
+    let output = Command::new(program).args(words).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    output.status.success().then(|| text.trim().to_owned())
+}

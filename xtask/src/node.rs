@@ -1,0 +1,90 @@
+//! The independent judges that run in node: the glTF validator and three.js (folder `oracle`).
+
+use crate::chores::{answer, root, run};
+use crate::steps::{Outcome, lacking};
+use anyhow::Result;
+use std::path::Path;
+use std::process::Command;
+use std::time::SystemTime;
+
+/// First node version that has everything the scripts use.
+const NODE_MAJOR: u32 = 18;
+
+/// Installs the packages that `oracle/package-lock.json` pins, unless they are there already.
+///
+/// It runs before the tests because `crates/articula/tests/oracle.rs` calls the scripts.
+pub(crate) fn install() -> Result<Outcome> {
+    if let Some(why) = missing() {
+        return lacking(why);
+    }
+    let folder = root().join("oracle");
+    if up_to_date(&folder) {
+        return Ok(Outcome::Done);
+    }
+    let npm = run(Command::new("npm")
+        .args(["ci", "--loglevel", "error"])
+        .current_dir(&folder));
+    match npm {
+        Ok(()) => Ok(Outcome::Done),
+        Err(fault) => lacking(format!("node oracle (npm ci: {fault:#})")),
+    }
+}
+
+/// Lets the judges judge cases worked by hand, good and bad.
+pub(crate) fn self_test() -> Result<Outcome> {
+    if let Some(why) = missing() {
+        return lacking(why);
+    }
+    let folder = root().join("oracle");
+    if !up_to_date(&folder) {
+        return lacking("node oracle (its packages are not installed)".to_owned());
+    }
+    run(Command::new("npm")
+        .args(["test", "--silent"])
+        .current_dir(folder))?;
+    Ok(Outcome::Done)
+}
+
+/// Why the scripts cannot run on this machine, if they cannot.
+fn missing() -> Option<String> {
+    let Some(version) = answer("node", &["--version"]) else {
+        return Some("node oracle (no node)".to_owned());
+    };
+    if major(&version).is_none_or(|m| m < NODE_MAJOR) {
+        return Some(format!(
+            "node oracle (node {version} is older than {NODE_MAJOR})"
+        ));
+    }
+    let npm = answer("npm", &["--version"]);
+    npm.is_none().then(|| "node oracle (no npm)".to_owned())
+}
+
+/// Major number of a version as node prints it (`v20.1.0`).
+fn major(version: &str) -> Option<u32> {
+    version
+        .trim_start_matches('v')
+        .split('.')
+        .next()?
+        .parse()
+        .ok()
+}
+
+/// Whether the installed packages are those of the lock file: npm leaves a note when it is done.
+fn up_to_date(folder: &Path) -> bool {
+    let changed =
+        |name: &str| -> Option<SystemTime> { folder.join(name).metadata().ok()?.modified().ok() };
+    let installed = changed("node_modules/.package-lock.json");
+    installed.is_some() && installed >= changed("package-lock.json")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_the_major_version() {
+        assert_eq!(major("v20.20.2"), Some(20));
+        assert_eq!(major("18.0.0"), Some(18));
+        assert_eq!(major("none"), None);
+    }
+}

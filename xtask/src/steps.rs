@@ -1,0 +1,90 @@
+//! `cargo xtask test`: all that CI runs, as one list in order.
+//!
+//! Everything that is only checked shares one build, everything that is run in tests another:
+//! on two cores compiling is most of the time.
+
+use crate::chores::{cargo, run, tidy};
+use crate::{node, wasm};
+use anyhow::{Context, Result};
+use std::time::Instant;
+
+/// How a step ended, if it did not fail.
+pub(crate) enum Outcome {
+    Done,
+    /// Not run, and why; printed as the step's one line `skipped: …`.
+    Skipped(String),
+}
+
+/// One step: the name a person reads, and what it does.
+type Step = (&'static str, fn() -> Result<Outcome>);
+
+/// The steps in order. **A new step is one line here and one function below.**
+const STEPS: &[Step] = &[
+    ("format", format),
+    ("clippy", clippy),
+    ("oracle packages", node::install),
+    ("tests", tests),
+    ("documentation", documentation),
+    ("wasm build", wasm::check),
+    ("tidy", tidy_step),
+    ("oracle self-test", node::self_test),
+];
+
+/// Runs every step up to the first failure and prints how long each took.
+pub(crate) fn test() -> Result<()> {
+    let begin = Instant::now();
+    let mut times = Vec::new();
+    for (name, step) in STEPS {
+        println!("== {name}");
+        let start = Instant::now();
+        let outcome = step().with_context(|| format!("step \"{name}\" failed"))?;
+        let secs = start.elapsed().as_secs_f64();
+        match outcome {
+            Outcome::Done => println!("== {name}: done in {secs:.1} s"),
+            Outcome::Skipped(why) => println!("skipped: {why}"),
+        }
+        times.push((name, secs));
+    }
+    println!();
+    for (name, secs) in times {
+        println!("{secs:7.1} s  {name}");
+    }
+    let total = begin.elapsed().as_secs_f64();
+    println!("{total:7.1} s  all steps passed");
+    Ok(())
+}
+
+/// Whether a step that lacks a tool must fail (CI) or may be skipped (a person's machine).
+pub(crate) fn lacking(what: String) -> Result<Outcome> {
+    if std::env::var_os("ARTICULA_REQUIRE_TOOLS").is_some_and(|v| v == "1") {
+        anyhow::bail!("ARTICULA_REQUIRE_TOOLS=1, but {what}");
+    }
+    Ok(Outcome::Skipped(what))
+}
+
+fn format() -> Result<Outcome> {
+    run(cargo().args(["fmt", "--all", "--", "--check"]))?;
+    Ok(Outcome::Done)
+}
+
+fn clippy() -> Result<Outcome> {
+    let words = ["clippy", "--workspace", "--all-targets", "--quiet"];
+    run(cargo().args(words).args(["--", "-D", "warnings"]))?;
+    Ok(Outcome::Done)
+}
+
+fn tests() -> Result<Outcome> {
+    run(cargo().args(["test", "--workspace"]))?;
+    Ok(Outcome::Done)
+}
+
+fn documentation() -> Result<Outcome> {
+    let words = ["doc", "--workspace", "--no-deps", "--quiet"];
+    run(cargo().args(words).env("RUSTDOCFLAGS", "-D warnings"))?;
+    Ok(Outcome::Done)
+}
+
+fn tidy_step() -> Result<Outcome> {
+    tidy()?;
+    Ok(Outcome::Done)
+}

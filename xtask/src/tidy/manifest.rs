@@ -1,0 +1,175 @@
+//! Edges between crates: the four siblings never name each other, the core names two libraries.
+//!
+//! Only what a product links is looked at; a dev-dependency may name any crate.
+
+use super::Fault;
+use super::tree::Tree;
+
+/// Crates that meet only in the programs.
+const SIBLINGS: &[&str] = &[
+    "articula-formats",
+    "articula-build",
+    "articula-flat",
+    "articula-adapt",
+];
+
+/// All that the core may ever use.
+const CORE_MAY_USE: &[&str] = &["glam", "multiversion"];
+
+/// Finds an edge that the crate map in ARCHITECTURE.md does not draw.
+pub(crate) fn crate_edges(tree: &Tree) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    for (path, text) in tree.texts() {
+        if !path.ends_with("Cargo.toml") {
+            continue;
+        }
+        let package = package_name(text).unwrap_or_default();
+        for (line, dependency) in dependencies(text) {
+            if let Some(why) = refusal(&package, &dependency) {
+                faults.push(Fault::line(path, line, why));
+            }
+        }
+    }
+    faults
+}
+
+/// Why `package` may not use `dependency`, if it may not.
+fn refusal(package: &str, dependency: &str) -> Option<String> {
+    let ours = dependency.starts_with("articula");
+    if package == "articula-core" && !CORE_MAY_USE.contains(&dependency) {
+        return Some(format!(
+            "the core may use {CORE_MAY_USE:?} only, not {dependency}"
+        ));
+    }
+    if package == "xtask" && ours {
+        return Some(format!("xtask uses nothing of ours, not {dependency}"));
+    }
+    let sibling = SIBLINGS.contains(&package);
+    if sibling && ours && dependency != "articula-core" {
+        return Some(format!(
+            "{package} may use articula-core only, not {dependency}"
+        ));
+    }
+    None
+}
+
+fn package_name(manifest: &str) -> Option<String> {
+    let mut section = "";
+    for line in manifest.lines().map(str::trim) {
+        if line.starts_with('[') {
+            section = line;
+        } else if section == "[package]"
+            && let Some(value) = value_of(line, "name")
+        {
+            return Some(value);
+        }
+    }
+    None
+}
+
+/// Every (line, package) below `[dependencies]`, `[build-dependencies]`, their dotted forms and
+/// those of one target. A renamed dependency gives its real name.
+fn dependencies(manifest: &str) -> Vec<(usize, String)> {
+    let mut found: Vec<(usize, String)> = Vec::new();
+    let mut linked = false;
+    let mut dotted = false;
+    for (index, raw) in manifest.lines().enumerate() {
+        let line = raw.split('#').next().unwrap_or_default().trim();
+        if line.starts_with('[') {
+            let header = line.trim_matches(['[', ']']);
+            let name = dependency_table(header);
+            linked = name.is_some();
+            dotted = name.is_some_and(|n| !n.is_empty());
+            if let Some(name) = name.filter(|n| !n.is_empty()) {
+                found.push((index + 1, name.trim_matches('"').to_owned()));
+            }
+        } else if linked && dotted {
+            // `package = "…"` of the dotted form tells the real name of the entry just found.
+            if let (Some(real), Some(last)) = (value_of(line, "package"), found.last_mut()) {
+                last.1 = real;
+            }
+        } else if linked && let Some((key, value)) = line.split_once('=') {
+            let key = key.split('.').next().unwrap_or_default().trim();
+            let inner = value.split([',', '{', '}']);
+            let real = inner
+                .into_iter()
+                .find_map(|part| value_of(part.trim(), "package"));
+            found.push((
+                index + 1,
+                real.unwrap_or_else(|| key.trim_matches('"').to_owned()),
+            ));
+        }
+    }
+    found
+}
+
+/// For the header of a table of linked dependencies: the dependency it names, or `""`.
+fn dependency_table(header: &str) -> Option<&str> {
+    let header = match header.strip_prefix("target.") {
+        // The target's own name may hold dots, so its end is found from the right.
+        Some(rest) => &rest[rest.find("dependencies")?..],
+        None => header,
+    };
+    let rest = header
+        .strip_prefix("build-dependencies")
+        .or_else(|| header.strip_prefix("dependencies"))?;
+    rest.strip_prefix('.').or(rest.is_empty().then_some(""))
+}
+
+/// The quoted value of `key = "value"`.
+fn value_of(line: &str, key: &str) -> Option<String> {
+    let (found, value) = line.split_once('=')?;
+    (found.trim() == key).then(|| value.trim().trim_matches('"').to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn faults(package: &str, rest: &str) -> usize {
+        let text = format!("[package]\nname = \"{package}\"\n{rest}");
+        crate_edges(&Tree::of(&[("crates/x/Cargo.toml", &text)])).len()
+    }
+
+    #[test]
+    fn siblings_never_name_each_other() {
+        let core = "[dependencies]\narticula-core.workspace = true\n";
+        assert_eq!(faults("articula-build", core), 0);
+        let sibling = "[dependencies]\narticula-flat = { path = \"../articula-flat\" }\n";
+        assert_eq!(faults("articula-build", sibling), 1);
+        let dotted = "[dependencies.articula-flat]\npath = \"../articula-flat\"\n";
+        assert_eq!(faults("articula-build", dotted), 1);
+        let target = "[target.'cfg(unix)'.dependencies]\narticula-adapt.workspace = true\n";
+        assert_eq!(faults("articula-formats", target), 1);
+        let renamed = "[dependencies]\nflat = { package = \"articula-flat\", path = \"..\" }\n";
+        assert_eq!(faults("articula-build", renamed), 1);
+        let renamed = "[dependencies.flat]\npackage = \"articula-flat\"\n";
+        assert_eq!(faults("articula-build", renamed), 1);
+    }
+
+    #[test]
+    fn tests_may_name_any_crate() {
+        let dev = "[dev-dependencies]\narticula-build.workspace = true\n";
+        assert_eq!(faults("articula-formats", dev), 0);
+        assert_eq!(faults("articula-core", dev), 0);
+    }
+
+    #[test]
+    fn the_core_uses_two_libraries_at_most() {
+        let allowed = "[dependencies]\nglam.workspace = true\nmultiversion = \"0.8\"\n";
+        assert_eq!(faults("articula-core", allowed), 0);
+        assert_eq!(
+            faults("articula-core", "[dependencies]\nserde = \"1\"\n"),
+            1
+        );
+    }
+
+    #[test]
+    fn xtask_uses_nothing_of_ours() {
+        assert_eq!(faults("xtask", "[dependencies]\nanyhow = \"1\"\n"), 0);
+        assert_eq!(
+            faults("xtask", "[dependencies]\narticula-core = \"1\"\n"),
+            1
+        );
+    }
+}

@@ -1,0 +1,80 @@
+//! What lints cannot see: edges between crates, sizes and names of files, records that must
+//! stay true. Every rule is one function from the tree of files to its faults.
+
+mod manifest;
+mod record;
+mod source;
+mod tree;
+
+use anyhow::Result;
+use std::fmt;
+use std::path::Path;
+use tree::Tree;
+
+/// One broken rule.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Fault {
+    /// Path of the file, from the root.
+    file: String,
+    /// Line, counted from 1, where one line is to blame.
+    line: Option<usize>,
+    /// What was found and what was expected.
+    what: String,
+}
+
+impl Fault {
+    fn file(file: &str, what: impl Into<String>) -> Self {
+        Self {
+            file: file.to_owned(),
+            line: None,
+            what: what.into(),
+        }
+    }
+
+    fn line(file: &str, line: usize, what: impl Into<String>) -> Self {
+        Self {
+            line: Some(line),
+            ..Self::file(file, what)
+        }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.line {
+            Some(line) => write!(f, "{}:{line}: {}", self.file, self.what),
+            None => write!(f, "{}: {}", self.file, self.what),
+        }
+    }
+}
+
+/// Every rule. A new one is one line here and one function with a test that shows it can fail.
+const RULES: &[fn(&Tree) -> Vec<Fault>] = &[
+    manifest::crate_edges,
+    source::length,
+    source::head,
+    source::module_names,
+    source::ignored_tests,
+    source::marks,
+    source::machine_paths,
+    record::thesis_map,
+    record::data_readmes,
+    record::schemas,
+    record::lock_files,
+];
+
+/// Reads the tree below `root` and gives every fault, in the order of the rules.
+pub(crate) fn check(root: &Path) -> Result<Vec<Fault>> {
+    let tree = Tree::read(root)?;
+    Ok(RULES.iter().flat_map(|rule| rule(&tree)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn this_repository_is_tidy() {
+        let faults = super::check(&crate::chores::root()).unwrap();
+        let lines: Vec<String> = faults.iter().map(ToString::to_string).collect();
+        assert!(lines.is_empty(), "{}", lines.join("\n"));
+    }
+}

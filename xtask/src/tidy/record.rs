@@ -1,0 +1,215 @@
+//! Rules on what is written beside the code: the thesis map, data folders, schemas, lock files.
+
+use super::Fault;
+use super::tree::Tree;
+
+const THESIS_MAP: &str = "docs/thesis-map.md";
+
+/// Finds rows of the thesis map whose module or test does not exist.
+///
+/// A row is `| section | module | test | difference |`. Modules and tests stand in backquotes,
+/// several with commas between; a module is a Rust path (`articula_core::loa::joint_set`) or the
+/// path of a file, a test the name of a `#[test]` function of that crate or of its `tests/`.
+pub(crate) fn thesis_map(tree: &Tree) -> Vec<Fault> {
+    let Some(text) = tree.text(THESIS_MAP) else {
+        return vec![Fault::file(THESIS_MAP, "is missing")];
+    };
+    let mut faults = Vec::new();
+    for (index, line) in text.lines().enumerate() {
+        let Some([_, module, test, _]) = cells(line) else {
+            continue;
+        };
+        let mut wrong = |what: String| faults.push(Fault::line(THESIS_MAP, index + 1, what));
+        let modules = quoted(module);
+        let tests = quoted(test);
+        if modules.is_empty() || tests.is_empty() {
+            wrong("a row names at least one module and one test in backquotes".to_owned());
+        }
+        for module in modules.iter().filter(|m| !has_module(tree, m)) {
+            wrong(format!("there is no module {module}"));
+        }
+        for test in tests.iter().filter(|t| !has_test(tree, t)) {
+            wrong(format!("there is no test {test}"));
+        }
+    }
+    faults
+}
+
+/// The four cells of a table row, but not of its heading and ruler.
+fn cells(line: &str) -> Option<[&str; 4]> {
+    let inner = line.trim().strip_prefix('|')?.strip_suffix('|')?;
+    let cells: Vec<&str> = inner.split('|').map(str::trim).collect();
+    let cells: [&str; 4] = cells.try_into().ok()?;
+    let heading = cells[1] == "module" || cells[1].starts_with("--");
+    (!heading).then_some(cells)
+}
+
+/// What stands in backquotes.
+fn quoted(cell: &str) -> Vec<&str> {
+    cell.split('`').skip(1).step_by(2).collect()
+}
+
+fn has_module(tree: &Tree, module: &str) -> bool {
+    if module.contains('/') {
+        return tree.text(module).is_some();
+    }
+    let (name, path) = module.split_once("::").unwrap_or((module, "lib"));
+    let folder = format!("crates/{}/src", name.replace('_', "-"));
+    let path = path.replace("::", "/");
+    let file = format!("{folder}/{path}.rs");
+    tree.text(&file).is_some() || tree.text(&format!("{folder}/{path}/mod.rs")).is_some()
+}
+
+/// Whether some Rust source has a `#[test]` function of this name.
+fn has_test(tree: &Tree, test: &str) -> bool {
+    let name = test.rsplit("::").next().unwrap_or(test);
+    let head = format!("fn {name}(");
+    tree.sources().any(|(_, text)| {
+        let mut marked = false;
+        text.lines().map(str::trim).any(|line| {
+            if line == "#[test]" {
+                marked = true;
+            } else if line.contains("fn ") {
+                return std::mem::take(&mut marked) && line.starts_with(&head);
+            }
+            false
+        })
+    })
+}
+
+/// Finds data folders without a README that tells licence and origin.
+///
+/// It may lie in the `data` folder itself or in the set's own folder below it.
+pub(crate) fn data_readmes(tree: &Tree) -> Vec<Fault> {
+    let mut faults: Vec<Fault> = Vec::new();
+    for path in tree.paths() {
+        let Some((folder, below)) = data_folder(path) else {
+            continue;
+        };
+        let set = below
+            .split_once('/')
+            .map(|(set, _)| format!("{folder}/{set}"));
+        let told = [Some(folder.clone()), set].into_iter().flatten().any(|f| {
+            tree.text(&format!("{f}/README.md"))
+                .is_some_and(tells_origin)
+        });
+        let fault = Fault::file(&folder, "has no README.md that tells licence and origin");
+        if !told && !faults.contains(&fault) {
+            faults.push(fault);
+        }
+    }
+    faults
+}
+
+/// The `data` folder that holds a file, and the file's path below it.
+fn data_folder(path: &str) -> Option<(String, &str)> {
+    let (before, below) = match path.strip_prefix("data/") {
+        Some(below) => (String::new(), below),
+        None => path
+            .split_once("/data/")
+            .map(|(before, below)| (format!("{before}/"), below))?,
+    };
+    Some((format!("{before}data"), below))
+}
+
+fn tells_origin(readme: &str) -> bool {
+    let text = readme.to_lowercase();
+    text.contains("licence") && (text.contains("origin") || text.contains("source"))
+}
+
+/// Finds schemas that are no JSON.
+pub(crate) fn schemas(tree: &Tree) -> Vec<Fault> {
+    tree.texts()
+        .filter(|(path, _)| path.starts_with("docs/formats/") && path.ends_with(".schema.json"))
+        .filter_map(|(path, text)| {
+            let fault = serde_json::from_str::<serde_json::Value>(text).err()?;
+            Some(Fault::line(path, fault.line(), fault.to_string()))
+        })
+        .collect()
+}
+
+/// Finds npm lock files that bind the packages to one host.
+pub(crate) fn lock_files(tree: &Tree) -> Vec<Fault> {
+    tree.texts()
+        .filter(|(path, text)| path.ends_with("package-lock.json") && text.contains("\"resolved\""))
+        .map(|(path, _)| Fault::file(path, "names a host: set omit-lockfile-registry-resolved"))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CODE: &str = "//! x\n#[test]\nfn nested() {}\nfn plain() {}\n";
+
+    fn map_faults(row: &str) -> usize {
+        let text = format!("| section | module | test | difference |\n|---|---|---|---|\n{row}\n");
+        let files = [
+            (THESIS_MAP, text.as_str()),
+            ("crates/articula-core/src/loa/joint_set.rs", CODE),
+            ("crates/articula-core/src/loa/mod.rs", "//! x\n"),
+        ];
+        thesis_map(&Tree::of(&files)).len()
+    }
+
+    #[test]
+    fn rows_of_the_thesis_map_are_true() {
+        let module = "`articula_core::loa::joint_set`";
+        assert_eq!(map_faults(&format!("| 5.1 | {module} | `nested` | – |")), 0);
+        assert_eq!(
+            map_faults("| 5.1 | `articula_core::loa` | `nested` | – |"),
+            0
+        );
+        let file = "`crates/articula-core/src/loa/mod.rs`";
+        assert_eq!(map_faults(&format!("| 5.1 | {file} | `nested` | – |")), 0);
+        assert_eq!(
+            map_faults("| 5.1 | `articula_core::loa::depth` | `nested` | – |"),
+            1
+        );
+        assert_eq!(map_faults(&format!("| 5.1 | {module} | `absent` | – |")), 1);
+        assert_eq!(map_faults(&format!("| 5.1 | {module} | `plain` | – |")), 1);
+        assert_eq!(map_faults(&format!("| 5.1 | {module} | none | – |")), 1);
+    }
+
+    #[test]
+    fn the_thesis_map_exists() {
+        assert_eq!(thesis_map(&Tree::default()).len(), 1);
+    }
+
+    #[test]
+    fn data_tells_licence_and_origin() {
+        let faults = |files: &[(&str, &str)]| data_readmes(&Tree::of(files)).len();
+        let good = "Licence: CC0. Origin: made by us.";
+        assert_eq!(faults(&[("crates/a/data/x.json", "{}")]), 1);
+        assert_eq!(faults(&[("data/set/x.json", "{}")]), 1);
+        assert_eq!(
+            faults(&[("data/set/x.json", "{}"), ("data/set/README.md", "x")]),
+            1
+        );
+        assert_eq!(
+            faults(&[("data/set/x.json", "{}"), ("data/set/README.md", good)]),
+            0
+        );
+        assert_eq!(
+            faults(&[
+                ("crates/a/data/x.json", "{}"),
+                ("crates/a/data/README.md", good)
+            ]),
+            0
+        );
+    }
+
+    #[test]
+    fn schemas_parse() {
+        let faults = |text: &str| schemas(&Tree::of(&[("docs/formats/a.schema.json", text)])).len();
+        assert_eq!(faults("{}"), 0);
+        assert_eq!(faults("{"), 1);
+    }
+
+    #[test]
+    fn lock_files_name_no_host() {
+        let faults = |text: &str| lock_files(&Tree::of(&[("o/package-lock.json", text)])).len();
+        assert_eq!(faults("{\"version\": 1}"), 0);
+        assert_eq!(faults("{\"resolved\": \"x\"}"), 1);
+    }
+}

@@ -1,0 +1,32 @@
+//! The check that the core and the formats build for the web.
+//!
+//! The target's standard library comes from rustup, or lies in the toolchain already. Debian's
+//! own wasm packages are years older than our language edition, so there is no third way.
+
+use crate::chores::{answer, cargo, run};
+use crate::steps::{Outcome, lacking};
+use anyhow::Result;
+use std::path::Path;
+use std::process::Command;
+
+const TARGET: &str = "wasm32-unknown-unknown";
+
+/// Checks `articula-core` and `articula-formats` for the web, after fetching the target.
+pub(crate) fn check() -> Result<Outcome> {
+    if !installed() && run(Command::new("rustup").args(["target", "add", TARGET])).is_err() {
+        return lacking(format!(
+            "wasm32 target (not installed, and rustup could not add it: `rustup target add {TARGET}`)"
+        ));
+    }
+    let words = ["check", "--quiet", "--target", TARGET];
+    run(cargo()
+        .args(words)
+        .args(["-p", "articula-core", "-p", "articula-formats"]))?;
+    Ok(Outcome::Done)
+}
+
+/// Whether the compiler in use has the target's standard library.
+fn installed() -> bool {
+    let words = ["--print", "target-libdir", "--target", TARGET];
+    answer("rustc", &words).is_some_and(|folder| Path::new(&folder).is_dir())
+}
