@@ -1,5 +1,6 @@
 //! Promises of the drift controller: acceptance tests 3, 4, 6, 7, 11 and 13 of
 //! `spec/motion-lod.md` part 10, and no allocation in a frame.
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use articula_core::articulation::{Articulation, JointArticulation, Region};
 use articula_core::clip::{Clip, Track, Tracks};
