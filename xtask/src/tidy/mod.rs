@@ -59,6 +59,7 @@ const RULES: &[fn(&Tree) -> Vec<Fault>] = &[
     source::machine_paths,
     record::thesis_map,
     record::data_readmes,
+    record::links,
     record::schemas,
     record::lock_files,
 ];

@@ -1,4 +1,5 @@
-//! Rules on what is written beside the code: the thesis map, data folders, schemas, lock files.
+//! Rules on what is written beside the code: the thesis map, data folders, links, schemas,
+//! lock files.
 
 use super::Fault;
 use super::tree::Tree;
@@ -128,6 +129,41 @@ pub(crate) fn schemas(tree: &Tree) -> Vec<Fault> {
         .collect()
 }
 
+/// Finds links between pages that lead nowhere.
+pub(crate) fn links(tree: &Tree) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    for (path, text) in tree.texts().filter(|(path, _)| path.ends_with(".md")) {
+        let folder = path.rsplit_once('/').map_or("", |(folder, _)| folder);
+        for (index, line) in text.lines().enumerate() {
+            for link in line.split("](").skip(1) {
+                let target = link.split([')', '#', ' ']).next().unwrap_or_default();
+                let outside = target.is_empty() || target.contains(':');
+                if !outside && !tree.has(&joined(folder, target)) {
+                    faults.push(Fault::line(
+                        path,
+                        index + 1,
+                        format!("no such file: {target}"),
+                    ));
+                }
+            }
+        }
+    }
+    faults
+}
+
+/// `folder/target` with its `.` and `..` resolved.
+fn joined(folder: &str, target: &str) -> String {
+    let mut parts: Vec<&str> = Vec::new();
+    for part in folder.split('/').chain(target.split('/')) {
+        match part {
+            "" | "." => {}
+            ".." => drop(parts.pop()),
+            name => parts.push(name),
+        }
+    }
+    parts.join("/")
+}
+
 /// Finds npm lock files that bind the packages to one host.
 pub(crate) fn lock_files(tree: &Tree) -> Vec<Fault> {
     tree.texts()
@@ -204,6 +240,24 @@ mod tests {
         let faults = |text: &str| schemas(&Tree::of(&[("docs/formats/a.schema.json", text)])).len();
         assert_eq!(faults("{}"), 0);
         assert_eq!(faults("{"), 1);
+    }
+
+    #[test]
+    fn pages_link_to_what_exists() {
+        let faults = |text: &str| {
+            let files = [
+                ("docs/a.md", text),
+                ("README.md", ""),
+                ("docs/sub/b.md", ""),
+            ];
+            links(&Tree::of(&files)).len()
+        };
+        assert_eq!(
+            faults("[up](../README.md) [down](sub/b.md#part) [folder](sub)"),
+            0
+        );
+        assert_eq!(faults("[out](https://example.org/x) [here](#part)"), 0);
+        assert_eq!(faults("[gone](c.md) ![gone](pictures/d.png)"), 2);
     }
 
     #[test]

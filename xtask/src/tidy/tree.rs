@@ -56,6 +56,12 @@ impl Tree {
         self.files.get(path)?.as_deref()
     }
 
+    /// Whether there is such a file or folder.
+    pub(crate) fn has(&self, path: &str) -> bool {
+        let folder = format!("{path}/");
+        self.files.contains_key(path) || self.paths().any(|p| p.starts_with(&folder))
+    }
+
     /// A tree made of (path, text), for tests of the rules.
     #[cfg(test)]
     pub(crate) fn of(files: &[(&str, &str)]) -> Self {
