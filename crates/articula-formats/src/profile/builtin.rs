@@ -1,0 +1,65 @@
+//! The profiles that come with the library.
+
+use super::file::{self, Profile};
+use crate::limits::Limits;
+use std::sync::LazyLock;
+
+macro_rules! profile {
+    ($name:literal) => {
+        include_str!(concat!("../../data/profiles/", $name, ".json"))
+    };
+}
+
+/// Narrow profiles stand before wide ones: on a tie the first wins.
+const FILES: [&str; 19] = [
+    profile!("vrm-1"),
+    profile!("vrm-0"),
+    profile!("mixamo"),
+    profile!("cmu-bvh"),
+    profile!("cmu-asf"),
+    profile!("mocap-hands"),
+    profile!("unreal"),
+    profile!("smpl"),
+    profile!("smpl-x"),
+    profile!("makehuman"),
+    profile!("makehuman-1"),
+    profile!("kaykit"),
+    profile!("quaternius-modular-men"),
+    profile!("quaternius-modular-women"),
+    profile!("quaternius"),
+    profile!("pab"),
+    profile!("godette"),
+    profile!("torso-joints"),
+    profile!("webxr-hand"),
+];
+
+static PROFILES: LazyLock<Vec<Profile>> = LazyLock::new(|| {
+    let parsed = FILES.iter().map(|json| {
+        file::parse(json.as_bytes(), &Limits::default()).expect("a test reads every own profile")
+    });
+    std::iter::once(Profile::of_the_standard())
+        .chain(parsed)
+        .collect()
+});
+
+/// Gives the profiles that come with the library; on a tie of matches the first wins.
+pub fn builtin() -> &'static [Profile] {
+    &PROFILES
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_own_profile_reads_and_tells_its_source() {
+        let names: BTreeSet<&str> = builtin().iter().map(|p| p.name.as_str()).collect();
+        assert_eq!(names.len(), FILES.len() + 1, "two profiles share a name");
+        assert!(
+            builtin()
+                .iter()
+                .all(|p| !p.title.is_empty() && !p.source.is_empty())
+        );
+    }
+}

@@ -1,0 +1,252 @@
+//! A profile as a JSON file: which joint names of a kind of rig mean which H-Anim joint.
+//!
+//! Source: our own format, described in `docs/formats/profile.md`.
+
+use super::names::{self, HAND, SIDE};
+use super::standard::{self, StandardJoint};
+use crate::error::ReadError;
+use crate::limits::Limits;
+use articula_core::articulation::Region;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// What part of a human the rigs of a profile have.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scope {
+    /// A whole human: hips, legs and arms are required.
+    #[default]
+    Body,
+    /// One hand: a wrist and fingers are required.
+    Hand,
+}
+
+/// What a profile says of one joint name.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) enum Target {
+    /// A joint of the standard.
+    Joint(StandardJoint),
+    /// A joint of a lone hand, named from the `_` on.
+    HandJoint(String),
+    /// A spine joint; which one depends on how many there are.
+    Spine,
+    /// No joint of the standard, but known to belong to a region's finest detail.
+    Helper(Region),
+    /// Known and left out: takes level and region from its parent.
+    Ignored,
+}
+
+/// The joint names of one kind of rig.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Profile {
+    /// Short name, unique among profiles.
+    pub name: String,
+    /// What the rig is called by people.
+    pub title: String,
+    /// Where the names come from.
+    pub source: String,
+    /// What part of a human it covers.
+    pub scope: Scope,
+    pub(super) prefixes: Vec<String>,
+    pub(super) suffixes: Vec<String>,
+    pub(super) targets: BTreeMap<String, Target>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    name: String,
+    #[serde(default)]
+    title: String,
+    #[serde(default)]
+    source: String,
+    #[serde(default)]
+    scope: Scope,
+    #[serde(default)]
+    prefixes: Vec<String>,
+    #[serde(default)]
+    suffixes: Vec<String>,
+    joints: BTreeMap<String, String>,
+    #[serde(default)]
+    helpers: BTreeMap<String, Vec<String>>,
+    #[serde(default)]
+    ignored: Vec<String>,
+}
+
+/// Reads a profile.
+///
+/// # Errors
+/// [`ReadError::Malformed`] if it is no JSON, has an unknown member, names a joint or region
+/// that the standard does not have, or gives one name two meanings;
+/// [`ReadError::LimitExceeded`].
+pub fn parse(json: &[u8], limits: &Limits) -> Result<Profile, ReadError> {
+    Limits::check("profile", "bytes", json.len() as u64, limits.bytes)?;
+    let file: File = serde_json::from_slice(json).map_err(|e| {
+        let at = format!("line {} column {}", e.line(), e.column());
+        ReadError::malformed(at, e.to_string())
+    })?;
+    let lists = file.helpers.values().map(Vec::len).sum::<usize>() + file.ignored.len();
+    let patterns = (file.joints.len() + lists) as u64;
+    Limits::check("profile", "joint name patterns", patterns, limits.nodes)?;
+    let fold = |list: &[String]| list.iter().map(|s| names::folded(s)).collect();
+    Ok(Profile {
+        prefixes: fold(&file.prefixes),
+        suffixes: fold(&file.suffixes),
+        targets: targets(&file)?,
+        name: file.name,
+        title: file.title,
+        source: file.source,
+        scope: file.scope,
+    })
+}
+
+impl Profile {
+    /// What the profile says of a joint name, if anything.
+    pub(super) fn target(&self, name: &str) -> Option<&Target> {
+        let folded = names::folded(name);
+        self.targets.get(&folded).or_else(|| {
+            let core = names::stripped(&folded, &self.prefixes, &self.suffixes);
+            self.targets.get(&core)
+        })
+    }
+
+    /// The profile in which each name of the standard means itself.
+    pub(super) fn of_the_standard() -> Self {
+        let named = |name: &str| {
+            let joint = standard::joint(name)?;
+            Some((names::folded(name), Target::Joint(joint)))
+        };
+        let names = standard::all_names().chain(["HumanoidRoot"]);
+        Self {
+            name: "hanim".to_owned(),
+            title: "H-Anim 1.1 and 2".to_owned(),
+            source: "ISO/IEC 19774".to_owned(),
+            scope: Scope::Body,
+            prefixes: vec!["hanim".to_owned()],
+            suffixes: Vec::new(),
+            targets: names.filter_map(named).collect(),
+        }
+    }
+}
+
+fn targets(file: &File) -> Result<BTreeMap<String, Target>, ReadError> {
+    let mut all = BTreeMap::new();
+    for (pattern, meaning) in &file.joints {
+        let at = format!("joints.\"{pattern}\"");
+        for (name, meaning) in names::spellings(pattern, meaning) {
+            insert(&mut all, &at, name, joint_target(&at, &meaning)?)?;
+        }
+    }
+    for (region_name, patterns) in &file.helpers {
+        let at = format!("helpers.{region_name}");
+        let region = Region::from_name(region_name).ok_or_else(|| {
+            let known = Region::ALL.map(Region::name).join(", ");
+            ReadError::malformed(&*at, format!("no such region; the regions are {known}"))
+        })?;
+        for (name, _) in patterns.iter().flat_map(|p| names::spellings(p, "")) {
+            insert(&mut all, &at, name, Target::Helper(region))?;
+        }
+    }
+    for (name, _) in file.ignored.iter().flat_map(|p| names::spellings(p, "")) {
+        insert(&mut all, "ignored", name, Target::Ignored)?;
+    }
+    Ok(all)
+}
+
+fn joint_target(at: &str, meaning: &str) -> Result<Target, ReadError> {
+    if meaning == "spine" {
+        return Ok(Target::Spine);
+    }
+    if meaning.contains(SIDE) {
+        let what = format!("\"{meaning}\" needs a {SIDE} in the joint name as well");
+        return Err(ReadError::malformed(at, what));
+    }
+    let unknown = || {
+        ReadError::malformed(
+            at,
+            format!("\"{meaning}\" is no H-Anim joint and not \"spine\""),
+        )
+    };
+    if let Some(rest) = meaning.strip_prefix(HAND) {
+        standard::joint(&format!("l{rest}")).ok_or_else(unknown)?;
+        return Ok(Target::HandJoint(rest.to_owned()));
+    }
+    standard::joint(meaning)
+        .map(Target::Joint)
+        .ok_or_else(unknown)
+}
+
+fn insert(
+    all: &mut BTreeMap<String, Target>,
+    at: &str,
+    name: String,
+    target: Target,
+) -> Result<(), ReadError> {
+    if let Some(other) = all.get(&name).filter(|other| **other != target) {
+        let what = format!("the joint name \"{name}\" has two meanings: {other:?} and {target:?}");
+        return Err(ReadError::malformed(at, what));
+    }
+    all.insert(name, target);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(json: &str, wanted: &str) {
+        let error = parse(json.as_bytes(), &Limits::default()).unwrap_err();
+        assert!(error.to_string().contains(wanted), "{error} lacks {wanted}");
+    }
+
+    #[test]
+    fn smallest_profile_maps_both_sides() {
+        let json = r#"{"name": "x", "joints": {"{side}Arm": "{side}_shoulder"}}"#;
+        let profile = parse(json.as_bytes(), &Limits::default()).unwrap();
+        let Some(Target::Joint(joint)) = profile.target("Rig|arm.R") else {
+            panic!("arm.R is not found");
+        };
+        assert_eq!(joint.name, "r_shoulder");
+        assert!(profile.target("leg.R").is_none());
+    }
+
+    #[test]
+    fn every_wrong_profile_is_told_why() {
+        check("{", "line 1");
+        check(r#"{"name": "x"}"#, "joints");
+        check(r#"{"name": "x", "joints": {}, "bones": 1}"#, "bones");
+        check(
+            r#"{"name": "x", "joints": {"Tail": "tail"}}"#,
+            "joints.\"Tail\"",
+        );
+        check(
+            r#"{"name": "x", "joints": {"Arm": "{side}_shoulder"}}"#,
+            "needs a {side}",
+        );
+        check(
+            r#"{"name": "x", "joints": {}, "helpers": {"tail": []}}"#,
+            "no such region",
+        );
+        check(
+            r#"{"name": "x", "joints": {"l_arm": "l_elbow", "{side}Arm": "{side}_shoulder"}}"#,
+            "two meanings",
+        );
+        check(
+            r#"{"name": "x", "joints": {"a": "vl5"}, "ignored": ["A"]}"#,
+            "two meanings",
+        );
+    }
+
+    #[test]
+    fn limits_hold() {
+        let tight = Limits {
+            nodes: 0,
+            ..Limits::default()
+        };
+        let json = br#"{"name": "x", "joints": {"a": "vl5"}}"#;
+        assert!(matches!(
+            parse(json, &tight),
+            Err(ReadError::LimitExceeded { .. })
+        ));
+    }
+}

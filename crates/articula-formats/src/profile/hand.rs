@@ -1,0 +1,29 @@
+//! Whether a lone hand is a left or a right one.
+//!
+//! Source: WebXR Hand Input, where a joint's -Z points to the finger tip and +Y out of the
+//! back of the hand; seen from above, the thumb of a left hand is then at +X of its wrist.
+
+use super::names::{Side, folded};
+use super::rest;
+use articula_core::source::Skeleton;
+
+/// The side told by the rest pose; left if there is no wrist or no thumb.
+pub(super) fn side(skeleton: &Skeleton) -> Side {
+    let find = |wanted: &str| {
+        skeleton
+            .joints
+            .iter()
+            .position(|j| folded(&j.name) == wanted)
+    };
+    let (Some(wrist), Some(thumb)) = (find("wrist"), find("thumbphalanxproximal")) else {
+        return Side::Left;
+    };
+    let matrices = rest::matrices(skeleton);
+    let wrist_from_model = matrices[wrist].inverse();
+    let thumb_in_wrist = wrist_from_model.transform_point3a(matrices[thumb].translation);
+    if thumb_in_wrist.x < 0.0 {
+        Side::Right
+    } else {
+        Side::Left
+    }
+}

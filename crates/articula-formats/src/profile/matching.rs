@@ -1,0 +1,138 @@
+//! Which joint of a rig is which joint of the standard, under one profile.
+//!
+//! Source: spec of the H-Anim mapping, rule 1: hips, both upper legs and both upper arms must
+//! be found or the profile does not fit.
+//! Differs: a joint whose name says the other side than the limb it hangs from goes with the
+//! limb (rigs with crossed thumbs exist).
+
+use super::file::{Profile, Scope, Target};
+use super::names::Side;
+use super::standard;
+use super::{GapReason, spine};
+use articula_core::source::Skeleton;
+use std::collections::{BTreeMap, BTreeSet};
+
+const BODY: [&str; 5] = [
+    "humanoid_root",
+    "l_hip",
+    "r_hip",
+    "l_shoulder",
+    "r_shoulder",
+];
+
+/// Fewest finger joints of a rig that is a hand and nothing else.
+const HAND_FINGER_JOINTS: usize = 5;
+
+/// A profile's answer for every joint of one skeleton.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Candidate {
+    pub(super) profile: String,
+    /// One for each joint: what it is, or why it is nothing.
+    pub(super) meanings: Vec<Result<Target, GapReason>>,
+    /// Joints whose name says the wrong side.
+    pub(super) crossed: Vec<usize>,
+}
+
+impl Candidate {
+    /// Matches a skeleton's names; `None` if the profile does not fit.
+    pub(super) fn by_name(skeleton: &Skeleton, profile: &Profile, lone_hand: Side) -> Option<Self> {
+        let found = skeleton.joints.iter().map(|joint| {
+            let target = profile.target(&joint.name)?;
+            Some(match target {
+                Target::HandJoint(rest) => {
+                    let name = format!("{}{rest}", lone_hand.letter());
+                    Target::Joint(standard::joint(&name)?)
+                }
+                other => other.clone(),
+            })
+        });
+        Self::new(skeleton, &profile.name, found.collect(), profile.scope)
+    }
+
+    /// Cleans up what each joint was found to mean; `None` if required joints are missing.
+    pub(super) fn new(
+        skeleton: &Skeleton,
+        profile: &str,
+        found: Vec<Option<Target>>,
+        scope: Scope,
+    ) -> Option<Self> {
+        let mut found = found;
+        let crossed = uncross(skeleton, &mut found);
+        let mut meanings = without_duplicates(skeleton, found);
+        spine::name_by_arc_length(skeleton, &mut meanings);
+        let candidate = Self {
+            profile: profile.to_owned(),
+            meanings,
+            crossed,
+        };
+        candidate.fits(scope).then_some(candidate)
+    }
+
+    /// Number of joints mapped to the standard.
+    pub(super) fn mapped(&self) -> usize {
+        self.names().count()
+    }
+
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.meanings.iter().filter_map(|m| match m {
+            Ok(Target::Joint(joint)) => Some(joint.name.as_str()),
+            _ => None,
+        })
+    }
+
+    fn fits(&self, scope: Scope) -> bool {
+        let names: BTreeSet<&str> = self.names().collect();
+        match scope {
+            Scope::Body => BODY.iter().all(|b| names.contains(b)),
+            Scope::Hand => {
+                let wrist = names.iter().any(|n| n.ends_with("_wrist"));
+                wrist && names.len() > HAND_FINGER_JOINTS
+            }
+        }
+    }
+}
+
+/// Gives each sided joint the side of the nearest sided joint above it.
+fn uncross(skeleton: &Skeleton, found: &mut [Option<Target>]) -> Vec<usize> {
+    let mut limb: Vec<Option<Side>> = Vec::with_capacity(found.len());
+    let mut crossed = Vec::new();
+    for (index, joint) in skeleton.joints.iter().enumerate() {
+        let above = joint.parent.and_then(|p| limb[p]);
+        let own = match &found[index] {
+            Some(Target::Joint(joint)) => Side::of(&joint.name),
+            _ => None,
+        };
+        if let (Some(above), Some(own), Some(Target::Joint(j))) = (above, own, &found[index])
+            && above != own
+        {
+            found[index] = standard::joint(&Side::mirrored(&j.name)).map(Target::Joint);
+            crossed.push(index);
+        }
+        limb.push(above.or(own));
+    }
+    crossed
+}
+
+/// Keeps the first joint of each standard name; joints of a skin go before other nodes.
+fn without_duplicates(
+    skeleton: &Skeleton,
+    found: Vec<Option<Target>>,
+) -> Vec<Result<Target, GapReason>> {
+    let mut first: BTreeMap<&str, usize> = BTreeMap::new();
+    for in_skin in [true, false] {
+        for (index, target) in found.iter().enumerate() {
+            if let Some(Target::Joint(joint)) = target
+                && skeleton.joints[index].in_skin == in_skin
+            {
+                first.entry(&joint.name).or_insert(index);
+            }
+        }
+    }
+    let kept: BTreeSet<usize> = first.into_values().collect();
+    let keep = |(index, target): (usize, Option<Target>)| match target {
+        None => Err(GapReason::NoEntry),
+        Some(Target::Joint(_)) if !kept.contains(&index) => Err(GapReason::Duplicate),
+        Some(target) => Ok(target),
+    };
+    found.into_iter().enumerate().map(keep).collect()
+}

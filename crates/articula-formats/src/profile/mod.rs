@@ -1,0 +1,185 @@
+//! Joint-name profiles: from the names of a rig to H-Anim joints, levels and regions.
+//!
+//! - [`builtin`], [`parse`]: the profiles that come along, and the user's own
+//! - [`map`]: the profile that fits a skeleton best, applied
+//! - [`vrm_humanoid`]: the map that a VRM file brings itself
+//!
+//! Source: thesis 3.1.3; H-Anim 1.1 and 2 (ISO/IEC 19774); the mapping rules are described in
+//! `docs/formats/profile.md`.
+
+mod builtin;
+mod file;
+mod hand;
+mod humanoid;
+mod levels;
+mod matching;
+mod names;
+pub(crate) mod rest;
+mod spine;
+mod standard;
+
+pub use builtin::builtin;
+pub use file::{Profile, Scope, parse};
+pub use humanoid::vrm_humanoid;
+
+use articula_core::articulation::Articulation;
+use articula_core::hanim_table::{self, HanimJoint};
+use articula_core::source::Skeleton;
+use file::Target;
+use matching::Candidate;
+use std::collections::BTreeSet;
+
+/// Highest level whose joints [`Mapping::missing`] lists: below it fingers and single
+/// vertebrae begin, which most rigs lack on purpose.
+const EXPECTED_LEVEL: u8 = 2;
+
+/// Why a joint of a rig maps to no joint of the standard.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum GapReason {
+    /// The profile does not know the name.
+    NoEntry,
+    /// Another joint already stands for the same joint of the standard.
+    Duplicate,
+    /// The profile knows it as a detail of a region, such as a finger tip or the tongue.
+    Helper,
+    /// The profile leaves it out, such as a twist joint.
+    Ignored,
+}
+
+/// A joint of a rig that maps to no joint of the standard.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Gap {
+    /// Index in the skeleton.
+    pub joint: usize,
+    /// Its name.
+    pub name: String,
+    /// Why it maps to nothing.
+    pub reason: GapReason,
+}
+
+/// What the joints of a skeleton are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Mapping {
+    /// Level and region of every joint; its profile is empty if none fits.
+    pub articulation: Articulation,
+    /// Joints without a twin in the standard, in the skeleton's order.
+    pub gaps: Vec<Gap>,
+    /// Joints of the standard up to level 2 that the rig lacks.
+    pub missing: Vec<&'static str>,
+    /// Joints whose name says the other side than the limb they hang from; they are mapped
+    /// with the limb.
+    pub crossed: Vec<usize>,
+    /// Whether hips, both legs and both arms were found. Without them levels are tree depths
+    /// and everything is torso, unless the rig is a lone hand.
+    pub humanoid: bool,
+}
+
+/// Gives the joint table of the standard humanoid.
+pub fn hanim_table() -> &'static [HanimJoint] {
+    &hanim_table::JOINTS
+}
+
+/// Maps a skeleton by its names, under the profile that matches the most joints among those
+/// that fit. On a tie the first in the list wins, so put the user's own before [`builtin`].
+///
+/// `given` is a map that the file brings itself: joint index and VRM human bone. If it names
+/// hips, legs and arms it decides alone.
+pub fn map(
+    skeleton: &Skeleton,
+    profiles: &[Profile],
+    given: Option<&[(usize, String)]>,
+) -> Mapping {
+    let candidate = given
+        .and_then(|bones| by_humanoid_map(skeleton, bones))
+        .or_else(|| best(skeleton, profiles, Scope::Body));
+    if let Some(candidate) = candidate {
+        return mapping(skeleton, candidate, true);
+    }
+    match best(skeleton, profiles, Scope::Hand) {
+        Some(candidate) => mapping(skeleton, candidate, false),
+        None => unmapped(skeleton),
+    }
+}
+
+fn best(skeleton: &Skeleton, profiles: &[Profile], scope: Scope) -> Option<Candidate> {
+    let side = hand::side(skeleton);
+    let mut best: Option<Candidate> = None;
+    for profile in profiles.iter().filter(|p| p.scope == scope) {
+        let Some(candidate) = Candidate::by_name(skeleton, profile, side) else {
+            continue;
+        };
+        if best
+            .as_ref()
+            .is_none_or(|b| b.mapped() < candidate.mapped())
+        {
+            best = Some(candidate);
+        }
+    }
+    best
+}
+
+fn by_humanoid_map(skeleton: &Skeleton, bones: &[(usize, String)]) -> Option<Candidate> {
+    let name = humanoid::profile_of(bones);
+    let profile = builtin().iter().find(|p| p.name == name)?;
+    let mut found = vec![None; skeleton.joints.len()];
+    for (joint, bone) in bones {
+        if let Some(slot) = found.get_mut(*joint) {
+            *slot = profile.target(bone).cloned();
+        }
+    }
+    Candidate::new(skeleton, name, found, Scope::Body)
+}
+
+fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> Mapping {
+    let present: BTreeSet<&str> = candidate.names().collect();
+    let expected = hanim_table().iter().filter(|j| j.level <= EXPECTED_LEVEL);
+    let missing = expected.map(|j| j.name).filter(|n| !present.contains(n));
+    let missing = missing.collect();
+    let gap = |(joint, meaning): (usize, &Result<Target, GapReason>)| {
+        let reason = match meaning {
+            Ok(Target::Joint(_)) => return None,
+            Ok(Target::Helper(_)) => GapReason::Helper,
+            Ok(_) => GapReason::Ignored,
+            Err(reason) => *reason,
+        };
+        let name = skeleton.joints[joint].name.clone();
+        Some(Gap {
+            joint,
+            name,
+            reason,
+        })
+    };
+    Mapping {
+        gaps: candidate
+            .meanings
+            .iter()
+            .enumerate()
+            .filter_map(gap)
+            .collect(),
+        missing,
+        articulation: Articulation {
+            joints: levels::articulated(skeleton, &candidate.meanings),
+            profile: candidate.profile,
+        },
+        crossed: candidate.crossed,
+        humanoid,
+    }
+}
+
+fn unmapped(skeleton: &Skeleton) -> Mapping {
+    let gap = |joint: usize| Gap {
+        joint,
+        name: skeleton.joints[joint].name.clone(),
+        reason: GapReason::NoEntry,
+    };
+    Mapping {
+        articulation: Articulation {
+            profile: String::new(),
+            joints: levels::by_depth(skeleton),
+        },
+        gaps: (0..skeleton.joints.len()).map(gap).collect(),
+        missing: Vec::new(),
+        crossed: Vec::new(),
+        humanoid: false,
+    }
+}

@@ -1,0 +1,90 @@
+//! What a standard joint name means: its level and its region.
+//!
+//! Source: H-Anim 1.1 (94 joints, [`articula_core::hanim_table`]) and the 52 joints that
+//! H-Anim 2 adds (data file `hanim-2.json`); those have no twin in the older standard, so they
+//! belong to the last level.
+
+use super::names::{SIDE, Side};
+use articula_core::articulation::{MAX_LEVEL, Region};
+use articula_core::hanim_table;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+/// A joint of the standard with its place in the levels of articulation.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct StandardJoint {
+    pub(super) name: String,
+    pub(super) level: u8,
+    pub(super) region: Region,
+}
+
+#[derive(Deserialize)]
+struct Added {
+    feet: Vec<String>,
+    hands: Vec<String>,
+}
+
+static ADDED: LazyLock<BTreeMap<String, Region>> = LazyLock::new(|| {
+    let text = include_str!("../../data/profiles/hanim-2.json");
+    let added: Added = serde_json::from_str(text).expect("hanim-2.json is read by every test");
+    let regions = [(added.feet, Region::Feet), (added.hands, Region::Hands)];
+    let mut names = BTreeMap::new();
+    for (patterns, region) in regions {
+        for pattern in patterns {
+            for side in Side::BOTH {
+                names.insert(pattern.replace(SIDE, side.letter()), region);
+            }
+        }
+    }
+    names
+});
+
+/// The joint of an H-Anim 1.1 or 2 name; the older name is given where there are two.
+pub(super) fn joint(name: &str) -> Option<StandardJoint> {
+    if let Some(index) = hanim_table::find(name) {
+        let joint = &hanim_table::JOINTS[index];
+        return Some(StandardJoint {
+            name: joint.name.to_owned(),
+            level: joint.level,
+            region: joint.region,
+        });
+    }
+    let folded = name.to_ascii_lowercase();
+    let region = *ADDED.get(&folded)?;
+    Some(StandardJoint {
+        name: folded,
+        level: MAX_LEVEL,
+        region,
+    })
+}
+
+/// Every name of both standards, for the profile that maps each to itself.
+pub(super) fn all_names() -> impl Iterator<Item = &'static str> {
+    let table = hanim_table::JOINTS.iter();
+    let old = table.clone().map(|j| j.name);
+    let renamed = table.filter(|j| j.name != j.name_v2).map(|j| j.name_v2);
+    old.chain(renamed).chain(ADDED.keys().map(String::as_str))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_standards_are_complete() {
+        assert_eq!(hanim_table::JOINTS.len() + ADDED.len(), 146);
+        for name in all_names() {
+            assert!(joint(name).is_some(), "{name}");
+        }
+    }
+
+    #[test]
+    fn new_names_of_old_joints_keep_their_level() {
+        let wrist = joint("l_radiocarpal").unwrap();
+        assert_eq!((wrist.name.as_str(), wrist.level), ("l_wrist", 2));
+        let toe = joint("r_metatarsophalangeal_1").unwrap();
+        assert_eq!((toe.level, toe.region), (5, Region::Feet));
+        assert!(joint("tail").is_none());
+    }
+}
