@@ -33,6 +33,21 @@ pub(crate) fn crate_edges(tree: &Tree) -> Vec<Fault> {
     faults
 }
 
+/// Finds libraries of the root manifest for which deny.toml gives no reason.
+pub(crate) fn reasons(tree: &Tree) -> Vec<Fault> {
+    let reasons = tree.text("deny.toml").unwrap_or_default();
+    let is_name = |c: char| c.is_alphanumeric() || c == '-' || c == '_';
+    let told: Vec<&str> = reasons.split(|c| !is_name(c)).collect();
+    dependencies(tree.text("Cargo.toml").unwrap_or_default())
+        .into_iter()
+        .filter(|(_, name)| !name.starts_with("articula") && !told.contains(&name.as_str()))
+        .map(|(line, name)| {
+            let what = format!("deny.toml does not tell why {name} is here");
+            Fault::line("Cargo.toml", line, what)
+        })
+        .collect()
+}
+
 /// Why `package` may not use `dependency`, if it may not.
 fn refusal(package: &str, dependency: &str) -> Option<String> {
     let ours = dependency.starts_with("articula");
@@ -68,7 +83,7 @@ fn package_name(manifest: &str) -> Option<String> {
 }
 
 /// Every (line, package) below `[dependencies]`, `[build-dependencies]`, their dotted forms and
-/// those of one target. A renamed dependency gives its real name.
+/// those of one target or of the whole workspace. A renamed dependency gives its real name.
 fn dependencies(manifest: &str) -> Vec<(usize, String)> {
     let mut found: Vec<(usize, String)> = Vec::new();
     let mut linked = false;
@@ -108,7 +123,7 @@ fn dependency_table(header: &str) -> Option<&str> {
     let header = match header.strip_prefix("target.") {
         // The target's own name may hold dots, so its end is found from the right.
         Some(rest) => &rest[rest.find("dependencies")?..],
-        None => header,
+        None => header.strip_prefix("workspace.").unwrap_or(header),
     };
     let rest = header
         .strip_prefix("build-dependencies")
@@ -162,6 +177,15 @@ mod tests {
             faults("articula-core", "[dependencies]\nserde = \"1\"\n"),
             1
         );
+    }
+
+    #[test]
+    fn every_library_has_a_reason() {
+        let libraries = "[workspace.dependencies]\nglam = \"1\"\narticula-core = \"1\"\n";
+        let faults =
+            |deny: &str| reasons(&Tree::of(&[("Cargo.toml", libraries), ("deny.toml", deny)]));
+        assert_eq!(faults("#   glam   vectors").len(), 0);
+        assert_eq!(faults("#   glamour   vectors").len(), 1);
     }
 
     #[test]

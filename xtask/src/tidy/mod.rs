@@ -51,6 +51,7 @@ impl fmt::Display for Fault {
 /// Every rule. A new one is one line here and one function with a test that shows it can fail.
 const RULES: &[fn(&Tree) -> Vec<Fault>] = &[
     manifest::crate_edges,
+    manifest::reasons,
     source::length,
     source::head,
     source::module_names,

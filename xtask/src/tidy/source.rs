@@ -23,7 +23,7 @@ const MACHINE_ROOTS: &[&str] = &[
     concat!("/ro", "ot/"),
     concat!("/wo", "rk/"),
     concat!("/t", "mp/"),
-    concat!("C:", "\\"),
+    concat!("C:\\Us", "ers"),
 ];
 
 fn is_table(path: &str) -> bool {
