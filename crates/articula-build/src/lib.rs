@@ -10,3 +10,5 @@
 
 pub mod character;
 pub mod clip;
+pub mod evaluate;
+pub mod motion_error;

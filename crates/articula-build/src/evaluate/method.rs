@@ -1,0 +1,308 @@
+//! The methods, each as the rotations that it shows at every frame of one pass.
+//!
+//! Source: `spec/motion-lod.md` 3 (thesis, Ahn), 4 (ours), 11 (baselines).
+
+use super::stage::Stage;
+use crate::motion_error::contacts::attention;
+use crate::motion_error::keys::{Segment, central_rotation, linear_keys, pose_segments};
+use crate::motion_error::thesis::{ThesisOptions, radii};
+use crate::motion_error::{ahn, closed_loop};
+use articula_core::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
+use articula_core::loa::JointSet;
+use articula_core::math::nlerp;
+use articula_core::motion_error::SecondMoment;
+use articula_core::thesis_metric::{ErrorMatrix, Threshold, switch};
+use glam::{Quat, Vec3};
+
+/// Form of our metric.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SkinPxVariant {
+    /// Holds the last key until the drift exceeds the tolerance (4.2).
+    #[default]
+    Hold,
+    /// As `Hold`, with the error as each camera sees it (4.1); one playback for each azimuth.
+    View,
+    /// Shows one central rotation for each run of frames.
+    KeyPose,
+    /// Holds, and lets children cancel their ancestors' error (4.4).
+    ClosedLoop,
+    /// Blends between keys; every frame still blends, keys alone are counted.
+    Linear,
+}
+
+/// A way to save joint updates. Its one parameter is given when it is played.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Method {
+    /// Ours; the parameter is the tolerance in metres of skin.
+    SkinPx(SkinPxVariant),
+    /// The thesis' two-step metric; the parameter is the threshold on the normalised error.
+    Thesis,
+    /// Posture clusters of each joint; the parameter is the threshold in metres.
+    Ahn,
+    /// Updates all joints every n-th frame and holds; the parameter is n.
+    SkipHold,
+    /// Updates all joints every n-th frame and blends ideally; the parameter is n.
+    SkipLerp,
+    /// A fixed level of articulation; the parameter is the index of the level.
+    Loa(Vec<JointSet>),
+}
+
+impl Method {
+    /// Name as the command line spells it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::SkinPx(_) => "skin-px",
+            Self::Thesis => "thesis",
+            Self::Ahn => "ahn",
+            Self::SkipHold => "skip-hold",
+            Self::SkipLerp => "skip-lerp",
+            Self::Loa(_) => "loa",
+        }
+    }
+}
+
+/// What methods need besides their parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MethodOptions {
+    /// The formula of the thesis' first step.
+    pub thesis: ThesisOptions,
+    /// The threshold of its second step, used where no parameter is given.
+    pub threshold: Threshold,
+    /// Transitions of the thesis' joints, and what passive joints of a fixed level show.
+    pub transition: TransitionOptions,
+    /// Whether joints on the way to a standing foot get a quarter of the tolerance (4.6).
+    pub contact_care: bool,
+}
+
+impl Default for MethodOptions {
+    fn default() -> Self {
+        Self {
+            thesis: ThesisOptions::default(),
+            threshold: Threshold::default(),
+            transition: TransitionOptions {
+                secs: 0.0,
+                policy: PassivePolicy::KeyPose,
+                ..TransitionOptions::default()
+            },
+            contact_care: false,
+        }
+    }
+}
+
+/// One pass of a clip as a method shows it.
+#[derive(Debug, Clone, Default)]
+pub struct Playback {
+    /// `shown[frame][joint]`: local rotations.
+    pub shown: Vec<Vec<Quat>>,
+    /// Joints updated at each frame.
+    pub updated: Vec<JointSet>,
+    /// Joints in transition at each frame.
+    pub in_transition: Vec<JointSet>,
+}
+
+/// Plays a method: one pass, or one for each azimuth where the view decides.
+pub(super) fn playbacks(stage: &Stage<'_>, method: &Method, parameter: f32) -> Vec<Playback> {
+    match method {
+        Method::SkinPx(SkinPxVariant::View) => stage
+            .view_directions()
+            .map(|view| held_in_view(stage, parameter, view))
+            .collect(),
+        Method::SkinPx(variant) => vec![skin_px(stage, *variant, parameter)],
+        Method::Thesis => vec![thesis(stage, parameter)],
+        Method::Ahn => {
+            let radii = radii(&stage.asset.rig, stage.options.thesis.radius);
+            let alpha = stage.options.thesis.alpha;
+            vec![segmented(stage, |joint, values| {
+                ahn::clusters(values, alpha, radii[joint], parameter)
+            })]
+        }
+        Method::SkipHold => vec![skipped(stage, parameter, false)],
+        Method::SkipLerp => vec![skipped(stage, parameter, true)],
+        Method::Loa(levels) => {
+            let at = (parameter.max(0.0) as usize).min(levels.len().saturating_sub(1));
+            let set = levels.get(at).copied().unwrap_or(stage.asset.rig.all());
+            vec![fixed(stage, &set)]
+        }
+    }
+}
+
+fn skin_px(stage: &Stage<'_>, variant: SkinPxVariant, tolerance: f32) -> Playback {
+    let radians = |joint: usize| tolerance / stage.levers[joint].rest_metres;
+    match variant {
+        SkinPxVariant::Hold | SkinPxVariant::View => held(stage, tolerance),
+        SkinPxVariant::KeyPose => {
+            segmented(stage, |joint, values| pose_segments(values, radians(joint)))
+        }
+        SkinPxVariant::ClosedLoop => {
+            let limits: Vec<f32> = (0..stage.asset.rig.len()).map(radians).collect();
+            let truth: Vec<&[Quat]> = stage.truth.iter().map(|p| p.rotations.as_slice()).collect();
+            let played = closed_loop::closed_loop(&stage.asset.rig, &truth, &stage.moving, &limits);
+            Playback {
+                in_transition: vec![JointSet::EMPTY; truth.len()],
+                shown: played.shown,
+                updated: played.renewed,
+            }
+        }
+        SkinPxVariant::Linear => linear(stage, tolerance),
+    }
+}
+
+/// Starts from the truth; `per_joint` then rewrites the moving joints one by one.
+fn per_joint(
+    stage: &Stage<'_>,
+    mut rewrite: impl FnMut(usize, &[Quat], &mut Playback),
+) -> Playback {
+    let mut out = stage.true_playback();
+    for joint in stage.moving.iter() {
+        let values: Vec<Quat> = stage.truth.iter().map(|p| p.rotations[joint]).collect();
+        rewrite(joint, &values, &mut out);
+    }
+    out
+}
+
+fn held(stage: &Stage<'_>, tolerance: f32) -> Playback {
+    let mut care = vec![1.0; stage.asset.rig.len()];
+    let mut out = stage.true_playback();
+    for frame in 1..stage.truth.len() {
+        if stage.options.contact_care {
+            attention(stage.asset, &stage.contacts, frame, &mut care);
+        }
+        for joint in stage.moving.iter() {
+            let (before, wanted) = (out.shown[frame - 1][joint], out.shown[frame][joint]);
+            if stage.levers[joint].held_error(before, wanted) > tolerance * care[joint] {
+                out.updated[frame].insert(joint);
+            } else {
+                out.shown[frame][joint] = before;
+            }
+        }
+    }
+    out
+}
+
+fn held_in_view(stage: &Stage<'_>, tolerance: f32, view: Vec3) -> Playback {
+    let mut out = stage.true_playback();
+    for frame in 1..stage.truth.len() {
+        for joint in stage.moving.iter() {
+            let (before, wanted) = (out.shown[frame - 1][joint], out.shown[frame][joint]);
+            let lever = &stage.levers[joint];
+            let in_joint = stage.true_models[frame][joint].conjugate() * view;
+            // A joint without skin of its own still counts by its floor.
+            let error = if lever.second_moment == SecondMoment::default() {
+                lever.held_error(before, wanted)
+            } else {
+                lever.projected_error(before, wanted, in_joint)
+            };
+            if error > tolerance {
+                out.updated[frame].insert(joint);
+            } else {
+                out.shown[frame][joint] = before;
+            }
+        }
+    }
+    out
+}
+
+fn segmented(stage: &Stage<'_>, mut cut: impl FnMut(usize, &[Quat]) -> Vec<Segment>) -> Playback {
+    per_joint(stage, |joint, values, out| {
+        let segments = cut(joint, values);
+        for (s, segment) in segments.iter().enumerate() {
+            let end = segments.get(s + 1).map_or(values.len(), |next| next.start);
+            for frame in segment.start..end {
+                out.shown[frame][joint] = segment.key;
+            }
+            if segment.start > 0 {
+                out.updated[segment.start].insert(joint);
+            }
+        }
+    })
+}
+
+fn linear(stage: &Stage<'_>, tolerance: f32) -> Playback {
+    per_joint(stage, |joint, values, out| {
+        let all: Vec<u32> = (0..values.len() as u32).collect();
+        let keys = linear_keys(values, tolerance / stage.levers[joint].rest_metres, &all);
+        for span in keys.windows(2) {
+            let (from, to) = (span[0] as usize, span[1] as usize);
+            for frame in from..to {
+                let u = (frame - from) as f32 / (to - from) as f32;
+                out.shown[frame][joint] = nlerp(values[from], values[to], u);
+            }
+            out.updated[to].insert(joint);
+        }
+    })
+}
+
+fn thesis(stage: &Stage<'_>, threshold: f32) -> Playback {
+    let matrix: &ErrorMatrix = stage.thesis_matrix();
+    let hold_last = TransitionOptions {
+        policy: PassivePolicy::HoldLast,
+        ..stage.options.transition
+    };
+    let mut states = JointStates::new(&stage.truth[0], hold_last);
+    let mut out = stage.true_playback();
+    for (frame, pose) in stage.truth.iter().enumerate() {
+        let secs = frame as f64 / f64::from(stage.clip.rate_hz());
+        if frame > 0 {
+            switch(matrix, frame, threshold, &mut states, secs, pose);
+        }
+        let shown = states.step(secs, pose);
+        for joint in stage.moving.iter() {
+            out.shown[frame][joint] = shown.rotations[joint];
+        }
+        for joint in stage.moving.iter().filter(|_| frame > 0) {
+            let state = states.state(joint);
+            if state != JointState::Passive {
+                out.updated[frame].insert(joint);
+            }
+            if matches!(state, JointState::ToActive | JointState::ToPassive) {
+                out.in_transition[frame].insert(joint);
+            }
+        }
+    }
+    out
+}
+
+fn skipped(stage: &Stage<'_>, every: f32, blended: bool) -> Playback {
+    let every = (every.max(1.0) as usize).min(stage.truth.len());
+    let last = stage.truth.len() - 1;
+    let mut out = stage.true_playback();
+    for frame in 1..=last {
+        let key = frame - frame % every;
+        let next = (key + every).min(last);
+        if frame == key || (blended && frame == last) {
+            out.updated[frame] = stage.moving;
+            continue;
+        }
+        let u = if blended {
+            (frame - key) as f32 / (next - key) as f32
+        } else {
+            0.0
+        };
+        for joint in stage.moving.iter() {
+            let [from, to] = [key, next].map(|f| stage.truth[f].rotations[joint]);
+            out.shown[frame][joint] = if blended { nlerp(from, to, u) } else { from };
+        }
+    }
+    out
+}
+
+fn fixed(stage: &Stage<'_>, level: &JointSet) -> Playback {
+    let mut out = per_joint(stage, |joint, values, out| {
+        if level.contains(joint) {
+            return;
+        }
+        let rest = stage.asset.rig.rest_pose().rotations[joint];
+        let key = match stage.options.transition.policy {
+            PassivePolicy::KeyPose => central_rotation(values).unwrap_or(rest),
+            PassivePolicy::HoldLast => values[0],
+            PassivePolicy::Rest | PassivePolicy::BlendToRest { .. } => rest,
+        };
+        for frame in &mut out.shown {
+            frame[joint] = key;
+        }
+    });
+    for frame in out.updated.iter_mut().skip(1) {
+        *frame = stage.moving.intersection(level);
+    }
+    out
+}

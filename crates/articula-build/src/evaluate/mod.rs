@@ -1,0 +1,19 @@
+//! A clip played under a method: what it saved, and what it cost in pixels.
+//!
+//! Source: the protocol of `spec/motion-lod.md` 11.1 and 12. One pass of the clip at its own
+//! frames; the camera follows the root's horizontal motion; weak perspective at the root's
+//! distance, level cameras at several azimuths. Calibrate, then compare: every method has one
+//! parameter, and gains are reported at the parameter that meets an error target.
+//!
+//! The gate is on rotations ("orientation updates", thesis 5.2); local translations, scales,
+//! the root and morph weights always follow the clip.
+
+mod calibrate;
+mod method;
+mod points;
+mod stage;
+
+pub use calibrate::{calibrate, parameters, sweep};
+pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
+pub use points::Points;
+pub use stage::{ErrorMetres, ErrorPx, Row, Setup, Stage, Trial, play};

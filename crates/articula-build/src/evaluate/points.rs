@@ -1,0 +1,66 @@
+//! A fixed, seeded sample of the skin.
+
+use crate::character::Asset;
+use articula_core::clip::Clip;
+use articula_core::hierarchy::local_to_model;
+use articula_core::pose::{LocalPose, ModelPose};
+use articula_core::sample::{Wrap, sample};
+use articula_core::skin::{palette, skin_points};
+use glam::{Affine3A, Vec3};
+
+/// Vertices that stand for the whole skin; for a rig without mesh, its joints.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Points {
+    vertices: Vec<u32>,
+}
+
+impl Points {
+    /// Draws `count` different vertices (all of them if there are fewer).
+    pub fn draw(asset: &Asset, count: usize, seed: u64) -> Self {
+        let total = asset.mesh.len();
+        let mut vertices: Vec<u32> = (0..total as u32).collect();
+        let mut random = SplitMix(seed);
+        // Partial Fisher-Yates: the first `count` places hold the sample.
+        for i in 0..count.min(total) {
+            let j = i + (random.next() % (total - i) as u64) as usize;
+            vertices.swap(i, j);
+        }
+        vertices.truncate(count);
+        vertices.sort_unstable();
+        Self { vertices }
+    }
+
+    /// Model-space positions under a local pose, without morph targets.
+    pub fn posed(&self, asset: &Asset, pose: &LocalPose) -> Vec<Vec3> {
+        let mut model = ModelPose::new(asset.rig.len());
+        local_to_model(&asset.rig, pose, &mut model);
+        if asset.mesh.is_empty() {
+            return (0..asset.rig.len()).map(|j| model.position(j)).collect();
+        }
+        let mut matrices = vec![Affine3A::IDENTITY; asset.mesh.bindings.len()];
+        palette(&asset.mesh, &model, &mut matrices);
+        let mut out = vec![Vec3::ZERO; self.vertices.len()];
+        skin_points(&asset.mesh, &matrices, &self.vertices, &mut out);
+        out
+    }
+
+    /// Model-space positions at a time of a clip.
+    pub fn at(&self, asset: &Asset, clip: &Clip, time_secs: f64) -> Vec<Vec3> {
+        let mut pose = asset.rig.rest_pose().clone();
+        sample(clip, time_secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
+        self.posed(asset, &pose)
+    }
+}
+
+/// The generator of Steele, Lea and Flood (2014): small, seeded, the same everywhere.
+struct SplitMix(u64);
+
+impl SplitMix {
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+}

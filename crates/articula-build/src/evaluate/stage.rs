@@ -1,0 +1,310 @@
+//! The set-up of an evaluation, the truth of a clip, and the statistics of one run.
+
+use super::method::{Method, MethodOptions, Playback, playbacks};
+use super::points::Points;
+use crate::character::Asset;
+use crate::motion_error::bounds::moving_joints;
+use crate::motion_error::contacts::{Contact, contacts};
+use crate::motion_error::levers::levers;
+use crate::motion_error::thesis::error_matrix;
+use articula_core::clip::Clip;
+use articula_core::loa::JointSet;
+use articula_core::motion_error::JointLever;
+use articula_core::pose::LocalPose;
+use articula_core::sample::{Wrap, sample};
+use articula_core::thesis_metric::ErrorMatrix;
+use articula_core::view::Viewport;
+use glam::{Quat, Vec3};
+use std::cell::OnceCell;
+
+/// Where the viewers stand and which skin is watched.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// Picture size and opening.
+    pub viewport: Viewport,
+    /// Directions of the level cameras, degrees from the front.
+    pub azimuths_deg: Vec<f32>,
+    /// Vertices that are watched.
+    pub points: usize,
+    /// Seed of their choice.
+    pub seed: u64,
+}
+
+impl Default for Setup {
+    /// 1280 x 720 at 45 degrees; 0, 45 and 90 degrees; 700 vertices.
+    fn default() -> Self {
+        Self {
+            viewport: Viewport::default(),
+            azimuths_deg: vec![0.0, 45.0, 90.0],
+            points: 700,
+            seed: 1,
+        }
+    }
+}
+
+/// A clip ready to be played under methods: its truth is worked out once.
+pub struct Stage<'a> {
+    /// The character.
+    pub asset: &'a Asset,
+    /// The clip.
+    pub clip: &'a Clip,
+    /// The viewers.
+    pub setup: Setup,
+    /// Parameters of the methods.
+    pub options: MethodOptions,
+    /// Joints that move, the root left out.
+    pub moving: JointSet,
+    /// How the skin hangs on each joint.
+    pub levers: Vec<JointLever>,
+    /// When feet stand still.
+    pub contacts: Vec<Contact>,
+    /// True local poses of all frames.
+    pub truth: Vec<LocalPose>,
+    /// True model-space rotations of all frames.
+    pub(super) true_models: Vec<Vec<Quat>>,
+    points: Points,
+    true_points: Vec<Vec<Vec3>>,
+    matrix: OnceCell<ErrorMatrix>,
+}
+
+/// Displacement in metres as projected: percentiles over frames of the 95th over vertices, the
+/// worst azimuth.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ErrorMetres {
+    /// Median over frames.
+    pub p50: f32,
+    /// 95th percentile over frames.
+    pub p95: f32,
+    /// Worst frame.
+    pub max: f32,
+}
+
+/// The same in pixels at a distance.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ErrorPx {
+    /// Median over frames.
+    pub p50: f32,
+    /// 95th percentile over frames.
+    pub p95: f32,
+    /// Worst frame.
+    pub max: f32,
+}
+
+/// One run of a method at one parameter. Under weak perspective it is the same from every
+/// distance, but for the scale of its error.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trial {
+    /// The method's parameter.
+    pub parameter: f32,
+    /// Share of joint updates saved, of moving joints times frames after the first.
+    pub joint_update_gain: f32,
+    /// Share of frames after the first at which no joint was updated.
+    pub evaluations_saved: f32,
+    /// Mean number of joints sampled a frame.
+    pub joints_sampled: f32,
+    /// Mean number of joints a frame whose model matrix changed, relative to the root.
+    pub fk_joints: f32,
+    /// Displacement of the skin.
+    pub error: ErrorMetres,
+}
+
+/// A [`Trial`] as seen from a distance.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// Distance of the camera to the root, metres.
+    pub distance_m: f32,
+    /// What was saved, and the parameter.
+    pub trial: Trial,
+    /// What it cost.
+    pub error_px: ErrorPx,
+}
+
+impl<'a> Stage<'a> {
+    /// Works out the truth of a clip.
+    pub fn new(asset: &'a Asset, clip: &'a Clip, setup: Setup, options: MethodOptions) -> Self {
+        let mut pose = asset.rig.rest_pose().clone();
+        let truth: Vec<LocalPose> = (0..clip.frames())
+            .map(|i| {
+                let secs = i as f64 / f64::from(clip.rate_hz());
+                sample(clip, secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
+                pose.clone()
+            })
+            .collect();
+        let points = Points::draw(asset, setup.points, setup.seed);
+        Self {
+            moving: moving_joints(asset, clip),
+            levers: levers(&asset.rig, &asset.mesh),
+            contacts: contacts(asset, clip, false),
+            true_models: truth.iter().map(|p| models(asset, &p.rotations)).collect(),
+            true_points: truth.iter().map(|p| points.posed(asset, p)).collect(),
+            truth,
+            points,
+            matrix: OnceCell::new(),
+            asset,
+            clip,
+            setup,
+            options,
+        }
+    }
+
+    /// Unit directions from the figure to each camera.
+    pub fn view_directions(&self) -> impl Iterator<Item = Vec3> + '_ {
+        self.setup.azimuths_deg.iter().map(|a| {
+            let (sin, cos) = a.to_radians().sin_cos();
+            Vec3::new(sin, 0.0, cos)
+        })
+    }
+
+    /// The row of a trial at a distance.
+    pub fn row(&self, trial: Trial, distance_m: f32) -> Row {
+        let ppm = self.setup.viewport.pixels_per_metre(distance_m);
+        let ErrorMetres { p50, p95, max } = trial.error;
+        let error_px = ErrorPx {
+            p50: p50 * ppm,
+            p95: p95 * ppm,
+            max: max * ppm,
+        };
+        Row {
+            distance_m,
+            trial,
+            error_px,
+        }
+    }
+
+    /// The parameter that a method takes at a distance when it is not calibrated: one pixel of
+    /// tolerance for ours and Ahn's, the thesis' own threshold, every second frame.
+    pub fn usual_parameter(&self, method: &Method, distance_m: f32) -> f32 {
+        let pixel_metres = 1.0 / self.setup.viewport.pixels_per_metre(distance_m);
+        match method {
+            Method::SkinPx(_) | Method::Ahn => pixel_metres,
+            Method::Thesis => self.options.threshold.at(distance_m),
+            Method::SkipHold | Method::SkipLerp => 2.0,
+            Method::Loa(_) => 0.0,
+        }
+    }
+
+    pub(super) fn thesis_matrix(&self) -> &ErrorMatrix {
+        self.matrix
+            .get_or_init(|| error_matrix(self.asset, self.clip, &self.moving, &self.options.thesis))
+    }
+
+    /// Everything as the clip has it, nothing counted yet.
+    pub(super) fn true_playback(&self) -> Playback {
+        Playback {
+            shown: self.truth.iter().map(|p| p.rotations.clone()).collect(),
+            updated: vec![JointSet::EMPTY; self.truth.len()],
+            in_transition: vec![JointSet::EMPTY; self.truth.len()],
+        }
+    }
+
+    fn trial(&self, parameter: f32, playbacks: &[Playback]) -> Trial {
+        let count = playbacks.len().max(1) as f32;
+        let frames = (self.truth.len() - 1).max(1) as f32;
+        let mean = |of: &dyn Fn(&Playback) -> usize| {
+            playbacks.iter().map(|p| of(p) as f32).sum::<f32>() / count / frames
+        };
+        let sampled = mean(&|p| p.updated.iter().map(JointSet::len).sum());
+        let moving = self.moving.len() as f32;
+        let free = |p: &Playback| p.updated.iter().skip(1).filter(|u| u.is_empty()).count();
+        Trial {
+            parameter,
+            joint_update_gain: if moving > 0.0 {
+                1.0 - sampled / moving
+            } else {
+                1.0
+            },
+            evaluations_saved: mean(&free),
+            joints_sampled: sampled,
+            fk_joints: mean(&|p| p.updated.iter().map(|u| self.dirty(u)).sum()),
+            error: self.error(playbacks),
+        }
+    }
+
+    /// Joints at or below an updated one.
+    fn dirty(&self, updated: &JointSet) -> usize {
+        let rig = &self.asset.rig;
+        let mut dirty = *updated;
+        for joint in 0..rig.len() {
+            if rig.parent(joint).is_some_and(|p| dirty.contains(p)) {
+                dirty.insert(joint);
+            }
+        }
+        dirty.len()
+    }
+
+    fn error(&self, playbacks: &[Playback]) -> ErrorMetres {
+        let views: Vec<Vec3> = self.view_directions().collect();
+        let mut worst = ErrorMetres::default();
+        for (p, playback) in playbacks.iter().enumerate() {
+            // A playback made for one view is judged from there, a common one from everywhere.
+            let seen = if playbacks.len() == views.len() && views.len() > 1 {
+                &views[p..=p]
+            } else {
+                &views
+            };
+            let offsets = self.offsets(playback);
+            for view in seen {
+                let mut frames: Vec<f32> = offsets
+                    .iter()
+                    .map(|frame| {
+                        let mut lengths: Vec<f32> = frame
+                            .iter()
+                            .map(|d| (*d - *view * d.dot(*view)).length())
+                            .collect();
+                        percentile(&mut lengths, 0.95)
+                    })
+                    .collect();
+                worst.max = worst.max.max(percentile(&mut frames, 1.0));
+                worst.p95 = worst.p95.max(percentile(&mut frames, 0.95));
+                worst.p50 = worst.p50.max(percentile(&mut frames, 0.5));
+            }
+        }
+        worst
+    }
+
+    /// Shown less true positions of the watched vertices at every frame after the first.
+    fn offsets(&self, playback: &Playback) -> Vec<Vec<Vec3>> {
+        let mut pose = self.truth[0].clone();
+        (0..self.truth.len())
+            .map(|f| {
+                pose.copy_from(&self.truth[f]);
+                pose.rotations.copy_from_slice(&playback.shown[f]);
+                let shown = self.points.posed(self.asset, &pose);
+                shown
+                    .iter()
+                    .zip(&self.true_points[f])
+                    .map(|(s, t)| *s - *t)
+                    .collect()
+            })
+            .collect()
+    }
+}
+
+/// Plays a method at one parameter.
+pub fn play(stage: &Stage<'_>, method: &Method, parameter: f32) -> (Trial, Vec<Playback>) {
+    let playbacks = playbacks(stage, method, parameter);
+    (stage.trial(parameter, &playbacks), playbacks)
+}
+
+/// The value below which a fraction of the values lies, interpolated between neighbours; 0 of
+/// nothing. Sorts the slice.
+pub(super) fn percentile(values: &mut [f32], fraction: f32) -> f32 {
+    if values.is_empty() {
+        return 0.0;
+    }
+    values.sort_by(f32::total_cmp);
+    let at = fraction * (values.len() - 1) as f32;
+    let below = at as usize;
+    let above = (below + 1).min(values.len() - 1);
+    values[below] + (values[above] - values[below]) * (at - below as f32)
+}
+
+fn models(asset: &Asset, locals: &[Quat]) -> Vec<Quat> {
+    let mut out = locals.to_vec();
+    for joint in 0..out.len() {
+        if let Some(parent) = asset.rig.parent(joint) {
+            out[joint] = out[parent] * out[joint];
+        }
+    }
+    out
+}

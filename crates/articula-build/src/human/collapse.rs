@@ -1,0 +1,274 @@
+//! Fewer triangles for the same surface: edge collapse by quadric error.
+//!
+//! Source: Garland and Heckbert, *Surface simplification using quadric error metrics* (1997),
+//! with the link condition of Dey et al. so that a manifold stays one. Differs: every new point
+//! is moved onto the distance field, and the open rim of a half surface stays in its plane.
+
+use super::polygonise::Surface;
+use glam::{DMat3, DVec3, Vec3};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// A symmetric quadratic form: squared distances to planes, weighted by area.
+#[derive(Debug, Clone, Copy, Default)]
+struct Quadric {
+    a: [f64; 6],
+    b: DVec3,
+    c: f64,
+}
+
+impl Quadric {
+    fn plane(normal: DVec3, point: DVec3, weight: f64) -> Self {
+        let (n, d) = (normal, -normal.dot(point));
+        Self {
+            a: [n.x * n.x, n.x * n.y, n.x * n.z, n.y * n.y, n.y * n.z, n.z * n.z].map(|v| v * weight),
+            b: n * (d * weight),
+            c: d * d * weight,
+        }
+    }
+
+    /// Weakly pulls towards a point, so that flat regions have an optimum too.
+    fn point(point: DVec3, weight: f64) -> Self {
+        Self {
+            a: [weight, 0.0, 0.0, weight, 0.0, weight],
+            b: -point * weight,
+            c: point.length_squared() * weight,
+        }
+    }
+
+    fn add(&mut self, o: &Self) {
+        for (a, b) in self.a.iter_mut().zip(o.a) {
+            *a += b;
+        }
+        self.b += o.b;
+        self.c += o.c;
+    }
+
+    fn matrix(&self) -> DMat3 {
+        let a = self.a;
+        DMat3::from_cols_array(&[a[0], a[1], a[2], a[1], a[3], a[4], a[2], a[4], a[5]])
+    }
+
+    fn at(&self, p: DVec3) -> f64 {
+        p.dot(self.matrix() * p) + 2.0 * self.b.dot(p) + self.c
+    }
+
+    /// The point of least error, if it lies within `radius` of `near`.
+    fn optimum(&self, near: DVec3, radius: f64) -> DVec3 {
+        let m = self.matrix();
+        if m.determinant().abs() < 1e-30 {
+            return near;
+        }
+        let p = m.inverse() * -self.b;
+        if p.is_finite() && p.distance(near) < radius { p } else { near }
+    }
+}
+
+/// How a surface is thinned.
+pub(super) struct Options<'a> {
+    /// Triangles to keep.
+    pub(super) target: usize,
+    /// Whether the open rim lies in the plane x = 0.
+    pub(super) mirrored: bool,
+    /// How much an error at a point counts; 1 is normal.
+    pub(super) importance: &'a dyn Fn(Vec3) -> f32,
+    /// Moves a point onto the surface; the flag keeps it in the plane x = 0.
+    pub(super) onto: &'a dyn Fn(Vec3, bool) -> Vec3,
+}
+
+struct Mesh {
+    positions: Vec<DVec3>,
+    triangles: Vec<Option<[u32; 3]>>,
+    /// Triangles around each vertex.
+    around: Vec<Vec<u32>>,
+    quadrics: Vec<Quadric>,
+    versions: Vec<u32>,
+    on_rim: Vec<bool>,
+    live: usize,
+}
+
+/// Order of the queue: bits of a non-negative cost, then vertices and their versions.
+type Entry = Reverse<(u64, u32, u32, u32, u32)>;
+
+/// Collapses edges, cheapest first, until the target is met or no edge may go.
+pub(super) fn collapse(surface: &Surface, options: &Options<'_>) -> Surface {
+    let mut mesh = Mesh::new(surface, options);
+    let mut queue = BinaryHeap::<Entry>::new();
+    for v in 0..mesh.positions.len() as u32 {
+        for n in mesh.neighbours(v).into_iter().filter(|n| *n > v) {
+            queue.push(mesh.entry(v, n));
+        }
+    }
+    while mesh.live > options.target {
+        let Some(Reverse((_, a, b, va, vb))) = queue.pop() else {
+            break;
+        };
+        if mesh.versions[a as usize] != va || mesh.versions[b as usize] != vb {
+            continue;
+        }
+        let Some(point) = mesh.allowed(a, b, options) else {
+            continue;
+        };
+        mesh.merge(a, b, point);
+        for n in mesh.neighbours(a) {
+            queue.push(mesh.entry(a.min(n), a.max(n)));
+        }
+    }
+    mesh.surface()
+}
+
+impl Mesh {
+    fn new(surface: &Surface, options: &Options<'_>) -> Self {
+        let count = surface.positions.len();
+        let positions: Vec<DVec3> = surface.positions.iter().map(|p| p.as_dvec3()).collect();
+        let mut mesh = Self {
+            around: vec![Vec::new(); count],
+            quadrics: vec![Quadric::default(); count],
+            versions: vec![0; count],
+            on_rim: surface.positions.iter().map(|p| options.mirrored && p.x == 0.0).collect(),
+            triangles: surface.triangles.iter().copied().map(Some).collect(),
+            live: surface.triangles.len(),
+            positions,
+        };
+        for (t, triangle) in surface.triangles.iter().enumerate() {
+            let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
+            let normal = (b - a).cross(c - a);
+            let area = normal.length() * 0.5;
+            let weight = area * f64::from((options.importance)(((a + b + c) / 3.0).as_vec3()));
+            let mut quadric = Quadric::plane(normal.normalize_or_zero(), a, weight);
+            quadric.add(&Quadric::point((a + b + c) / 3.0, weight * 2e-3));
+            for v in triangle {
+                mesh.around[*v as usize].push(t as u32);
+                mesh.quadrics[*v as usize].add(&quadric);
+            }
+        }
+        mesh
+    }
+
+    fn neighbours(&self, v: u32) -> Vec<u32> {
+        let mut all: Vec<u32> = self.fan(v).flatten().filter(|n| *n != v).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    fn fan(&self, v: u32) -> impl Iterator<Item = [u32; 3]> + '_ {
+        self.around[v as usize].iter().filter_map(|t| self.triangles[*t as usize])
+    }
+
+    /// Where the edge would go, before projection.
+    fn meeting_point(&self, a: u32, b: u32) -> (DVec3, f64) {
+        let (pa, pb) = (self.positions[a as usize], self.positions[b as usize]);
+        let mut quadric = self.quadrics[a as usize];
+        quadric.add(&self.quadrics[b as usize]);
+        let middle = match (self.on_rim[a as usize], self.on_rim[b as usize]) {
+            (true, false) => pa,
+            (false, true) => pb,
+            _ => 0.5 * (pa + pb),
+        };
+        let mut point = quadric.optimum(middle, pa.distance(pb));
+        if self.on_rim[a as usize] || self.on_rim[b as usize] {
+            point.x = 0.0;
+        }
+        (point, quadric.at(point).max(0.0))
+    }
+
+    fn entry(&self, a: u32, b: u32) -> Entry {
+        let cost = self.meeting_point(a, b).1;
+        Reverse((cost.to_bits(), a, b, self.versions[a as usize], self.versions[b as usize]))
+    }
+
+    /// The new point, if the surface stays a manifold and no triangle turns over.
+    fn allowed(&self, a: u32, b: u32, options: &Options<'_>) -> Option<Vec3> {
+        let (na, nb) = (self.neighbours(a), self.neighbours(b));
+        let shared = na.iter().filter(|n| nb.contains(n)).count();
+        let faces = self.fan(a).filter(|t| t.contains(&b)).count();
+        let rim = |v: u32| self.on_rim[v as usize];
+        let expected = if rim(a) && rim(b) { 1 } else { 2 };
+        if shared != expected || faces != expected || !self.rim_stays_simple(a, b, &na, &nb) {
+            return None;
+        }
+        if na.len() + nb.len() - shared - 2 < 4 || na.len() + nb.len() > 18 {
+            return None;
+        }
+        let flat = rim(a) || rim(b);
+        let point = (options.onto)(self.meeting_point(a, b).0.as_vec3(), flat);
+        let keeps = |v: u32, other: u32| {
+            self.fan(v)
+                .filter(|t| !t.contains(&other))
+                .all(|t| self.stays_upright(t, v, point.as_dvec3()))
+        };
+        (keeps(a, b) && keeps(b, a)).then_some(point)
+    }
+
+    /// An inner edge between two rim vertices would be doubled by the mirror.
+    fn rim_stays_simple(&self, a: u32, b: u32, na: &[u32], nb: &[u32]) -> bool {
+        let rim = |v: u32| self.on_rim[v as usize];
+        let (inner, rest) = match (rim(a), rim(b)) {
+            (true, false) => (nb, na),
+            (false, true) => (na, nb),
+            _ => return true,
+        };
+        let kept = if rim(a) { a } else { b };
+        inner
+            .iter()
+            .all(|n| *n == kept || !rim(*n) || (rest.contains(n) && self.is_rim_edge(kept, *n)))
+    }
+
+    fn is_rim_edge(&self, a: u32, b: u32) -> bool {
+        self.fan(a).filter(|t| t.contains(&b)).count() == 1
+    }
+
+    fn stays_upright(&self, triangle: [u32; 3], moved: u32, to: DVec3) -> bool {
+        let before = triangle.map(|v| self.positions[v as usize]);
+        let after = triangle.map(|v| if v == moved { to } else { self.positions[v as usize] });
+        let normal = |p: [DVec3; 3]| (p[1] - p[0]).cross(p[2] - p[0]);
+        let (old, new) = (normal(before), normal(after));
+        let longest = (0..3).map(|i| after[i].distance_squared(after[(i + 1) % 3])).fold(0.0, f64::max);
+        // Neither turned by more than 60 degrees nor thinner than about one in twelve.
+        old.dot(new) > 0.5 * old.length() * new.length() && new.length() > 0.08 * longest
+    }
+
+    fn merge(&mut self, a: u32, b: u32, point: Vec3) {
+        for t in std::mem::take(&mut self.around[b as usize]) {
+            let Some(mut triangle) = self.triangles[t as usize] else {
+                continue;
+            };
+            if triangle.contains(&a) {
+                self.triangles[t as usize] = None;
+                self.live -= 1;
+                continue;
+            }
+            for v in &mut triangle {
+                if *v == b {
+                    *v = a;
+                }
+            }
+            self.triangles[t as usize] = Some(triangle);
+            self.around[a as usize].push(t);
+        }
+        let triangles = &self.triangles;
+        self.around[a as usize].retain(|t| triangles[*t as usize].is_some());
+        let moved = self.quadrics[b as usize];
+        self.quadrics[a as usize].add(&moved);
+        self.positions[a as usize] = point.as_dvec3();
+        self.on_rim[a as usize] |= self.on_rim[b as usize];
+        self.versions[a as usize] += 1;
+        self.versions[b as usize] += 1;
+    }
+
+    fn surface(&self) -> Surface {
+        let mut out = Surface::default();
+        let mut renamed = vec![u32::MAX; self.positions.len()];
+        for triangle in self.triangles.iter().flatten() {
+            out.triangles.push(triangle.map(|v| {
+                if renamed[v as usize] == u32::MAX {
+                    renamed[v as usize] = out.positions.len() as u32;
+                    out.positions.push(self.positions[v as usize].as_vec3());
+                }
+                renamed[v as usize]
+            }));
+        }
+        out
+    }
+}

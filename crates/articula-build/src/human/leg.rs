@@ -1,0 +1,56 @@
+//! Two-bone legs: hip and knee angles that put an ankle where a foot needs it.
+
+use super::motion::{Pose, Side};
+use super::skeleton::centers;
+use articula_core::hanim_table::JOINTS;
+use glam::{Mat3, Quat, Vec3};
+
+/// Where one foot stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Foothold {
+    /// Ankle joint in model space, metres.
+    pub(super) ankle: Vec3,
+    /// Foot pitch in radians; positive lifts the heel.
+    pub(super) pitch: f32,
+    /// How much of the pitch the toes undo, in radians.
+    pub(super) toes: f32,
+}
+
+/// Bends hip, knee, ankle and toes so that the foot stands there; the knee points forward.
+///
+/// A foothold out of reach is approached along the line from the hip.
+pub(super) fn stand(pose: &mut Pose, side: Side, foot: Foothold) {
+    let [hip, knee, ankle] = ["hip", "knee", "ankle"].map(|n| side.joint(n));
+    let rest = centers();
+    let (thigh, shin) = (rest[knee] - rest[hip], rest[ankle] - rest[knee]);
+    let (at, _) = pose.model(hip);
+    let pelvis = pose.model(JOINTS[hip].parent.unwrap_or(0)).1;
+    let line = foot.ankle - at;
+    let reach = (thigh.length() + shin.length()) * 0.9995;
+    let length = line.length().min(reach);
+    let direction = line.normalize();
+    // Law of cosines: how far along the line the knee's foot point lies, and how far off it is.
+    let along = (length * length + thigh.length_squared() - shin.length_squared()) / (2.0 * length);
+    let off = (thigh.length_squared() - along * along).max(0.0).sqrt();
+    let ahead = Vec3::new(0.06 * side.sign(), 0.0, 1.0);
+    let forward = (ahead - direction * ahead.dot(direction)).normalize();
+    let bend = direction * along + forward * off;
+    let hinge = forward.cross(direction);
+    let thigh_turn = aim(thigh, bend, hinge);
+    let shin_turn = aim(shin, direction * length - bend, hinge);
+    let foot_turn = Quat::from_rotation_x(foot.pitch);
+    pose.rotations[hip] = pelvis.inverse() * thigh_turn;
+    pose.rotations[knee] = thigh_turn.inverse() * shin_turn;
+    pose.rotations[ankle] = shin_turn.inverse() * foot_turn;
+    pose.rotations[side.joint("metatarsal")] = Quat::from_rotation_x(-foot.toes);
+}
+
+/// The rotation that takes a bone at rest, bending about -x, to a direction and bending axis.
+fn aim(bone: Vec3, to: Vec3, hinge: Vec3) -> Quat {
+    let frame = |along: Vec3, hinge: Vec3| {
+        let y = along.normalize();
+        let x = (hinge - y * hinge.dot(y)).normalize();
+        Mat3::from_cols(x, y, x.cross(y))
+    };
+    Quat::from_mat3(&(frame(to, hinge) * frame(bone, Vec3::Z.cross(Vec3::NEG_Y)).transpose()))
+}

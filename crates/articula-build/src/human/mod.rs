@@ -1,0 +1,168 @@
+//! The reference human: a smooth mannequin on the 89 H-Anim joints, made from formulas alone.
+//!
+//! One signed distance field is the body. It is polygonised finely, thinned to the triangle
+//! count that the caller wants, skinned by position and set in motion: options → field →
+//! surfaces → weights → character. Nothing is read from a file, and the same options give the
+//! same bytes.
+
+mod body;
+mod collapse;
+mod field;
+mod foot;
+mod gait;
+mod gestures;
+mod hand;
+mod head;
+mod leg;
+mod motion;
+mod pieces;
+mod polygonise;
+mod skeleton;
+mod weights;
+
+use articula_core::source::{Character, Material, Mesh, Primitive, Skin};
+use body::Body;
+use glam::{Affine3A, Vec3, Vec4};
+use pieces::Pieces;
+use polygonise::Surface;
+use std::ops::RangeInclusive;
+use weights::{INFLUENCES, Weigher};
+
+/// Triangle counts that [`human`] makes.
+pub const TRIANGLES: RangeInclusive<usize> = 2_000..=70_000;
+
+/// What the reference human is made of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct HumanOptions {
+    /// Triangles of all meshes together, within [`TRIANGLES`]; met to 5 %.
+    pub triangles: usize,
+}
+
+impl Default for HumanOptions {
+    fn default() -> Self {
+        Self { triangles: 12_000 }
+    }
+}
+
+/// Why there is no human.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum HumanError {
+    /// The triangle count is outside of what the surface gives.
+    #[error("{found} triangles: the reference human has {} to {} triangles", TRIANGLES.start(), TRIANGLES.end())]
+    Triangles {
+        /// What was asked for.
+        found: usize,
+    },
+}
+
+/// Makes the reference human: skin, lips, brows and eyes, with the clips `idle`, `walk` and
+/// `wave`, all of which loop.
+///
+/// It stands 1.75 m tall on y = 0, faces +Z and has its left side at +X, arms hanging; all
+/// rest rotations are the identity. The meshes are mirror images of themselves.
+///
+/// # Errors
+/// [`HumanError::Triangles`] if the count is outside of [`TRIANGLES`].
+pub fn human(options: &HumanOptions) -> Result<Character, HumanError> {
+    if !TRIANGLES.contains(&options.triangles) {
+        return Err(HumanError::Triangles { found: options.triangles });
+    }
+    let body = Body::new();
+    let pieces = Pieces::new(&body, options.triangles);
+    Ok(Character {
+        name: "Reference human".to_owned(),
+        skeleton: skeleton::skeleton(),
+        articulation: Some(skeleton::articulation()),
+        meshes: meshes(&body, &pieces),
+        clips: vec![gestures::idle(), gait::walk(), gestures::wave()],
+        materials: materials(),
+        images: Vec::new(),
+    })
+}
+
+/// Names and linear colours; primitives refer to them by place.
+const MATERIALS: [(&str, [f32; 3]); 6] = [
+    ("skin", [0.6, 0.4, 0.25]),
+    ("lips", [0.4, 0.19, 0.13]),
+    ("brows", [0.13, 0.07, 0.04]),
+    ("sclera", [0.8, 0.77, 0.72]),
+    ("iris", [0.11, 0.17, 0.2]),
+    ("pupil", [0.01, 0.01, 0.01]),
+];
+
+fn materials() -> Vec<Material> {
+    let material = |(name, color): &(&str, [f32; 3])| Material {
+        name: (*name).to_owned(),
+        base_color: Vec4::from((Vec3::from(*color), 1.0)),
+        ..Material::default()
+    };
+    MATERIALS.iter().map(material).collect()
+}
+
+fn meshes(body: &Body, pieces: &Pieces) -> Vec<Mesh> {
+    let skull = skeleton::joint("skullbase") as u16;
+    let eyes = [skeleton::joint("l_eyeball_joint"), skeleton::joint("r_eyeball_joint")];
+    let eye = |p: Vec3| eyes[usize::from(p.x < 0.0)] as u16;
+    let eye_normal = |p: Vec3| {
+        let center = Vec3::new(skeleton::EYE.x.copysign(p.x), skeleton::EYE.y, skeleton::EYE.z);
+        (p - center).normalize()
+    };
+    let iris = |i: usize| rigid(&pieces.eyes[i], 3 + i, eye_normal, eye);
+    let brow = head::brow(&body.head);
+    let lips = head::lips(&body.head);
+    vec![
+        mesh("skin", vec![skin(body, &pieces.skin)]),
+        mesh("lips", vec![rigid(&pieces.lips, 1, |p| lips.normal(p), |_| skull)]),
+        mesh("brows", vec![rigid(&pieces.brows, 2, |p| brow.normal(p), |_| skull)]),
+        mesh("eyes", (0..3).map(iris).collect()),
+    ]
+}
+
+/// A mesh in model space on all joints.
+fn mesh(name: &str, primitives: Vec<Primitive>) -> Mesh {
+    let centers = skeleton::centers();
+    Mesh {
+        name: name.to_owned(),
+        skin: Skin {
+            joints: (0..centers.len()).collect(),
+            inverse_bind: centers.iter().map(|c| Affine3A::from_translation(-*c)).collect(),
+        },
+        primitives,
+        ..Mesh::default()
+    }
+}
+
+fn skin(body: &Body, surface: &Surface) -> Primitive {
+    let weigher = Weigher::new(body);
+    let influences: Vec<_> = surface.positions.iter().map(|p| weigher.at(*p)).collect();
+    Primitive {
+        positions: surface.positions.clone(),
+        normals: surface.positions.iter().map(|p| body.normal(*p)).collect(),
+        influences: INFLUENCES,
+        joints: influences.iter().flatten().map(|(j, _)| *j).collect(),
+        weights: influences.iter().flatten().map(|(_, w)| *w).collect(),
+        triangles: surface.triangles.clone(),
+        material: Some(0),
+        ..Primitive::default()
+    }
+}
+
+/// A surface that one joint carries.
+fn rigid(
+    surface: &Surface,
+    material: usize,
+    normal: impl Fn(Vec3) -> Vec3,
+    joint: impl Fn(Vec3) -> u16,
+) -> Primitive {
+    let positions = surface.positions.clone();
+    Primitive {
+        normals: positions.iter().map(|p| normal(*p)).collect(),
+        influences: 1,
+        joints: positions.iter().map(|p| joint(*p)).collect(),
+        weights: vec![1.0; positions.len()],
+        triangles: surface.triangles.clone(),
+        material: Some(material),
+        positions,
+        ..Primitive::default()
+    }
+}

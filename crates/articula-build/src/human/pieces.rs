@@ -1,0 +1,164 @@
+//! The surfaces of the human at a triangle budget: skin, lips, brows and eyes.
+
+use super::body::Body;
+use super::collapse::{Options, collapse};
+use super::field::Group;
+use super::head::{self, EYE_RADIUS};
+use super::polygonise::{Grid, Surface, onto, polygonise};
+use super::skeleton::EYE;
+use glam::Vec3;
+
+/// Spacing of the samples of the skin, in metres: finer than half a finger's radius.
+const SKIN_STEP: f32 = 0.0026;
+
+/// Everything that is drawn, in both halves.
+pub(super) struct Pieces {
+    pub(super) skin: Surface,
+    pub(super) lips: Surface,
+    pub(super) brows: Surface,
+    /// Sclera, iris and pupil of both eyes, the left first.
+    pub(super) eyes: [Surface; 3],
+}
+
+impl Pieces {
+    /// Cuts the budget and makes each piece from its field.
+    pub(super) fn new(body: &Body, triangles: usize) -> Self {
+        let lips = mirrored(&piece(&head::lips(&body.head), triangles / 80));
+        let brow = piece(&head::brow(&body.head), triangles / 160);
+        let brows = both_sides(&brow);
+        let eyes = eyes(triangles);
+        let spent = lips.triangles.len()
+            + brows.triangles.len()
+            + eyes.iter().map(|e| e.triangles.len()).sum::<usize>();
+        let skin = mirrored(&skin_half(body, triangles.saturating_sub(spent) / 2));
+        Self { skin, lips, brows, eyes }
+    }
+}
+
+/// The left half of the skin, not simplified below `target` triangles.
+fn skin_half(body: &Body, target: usize) -> Surface {
+    let field = |p: Vec3| body.distance(p);
+    let grid = Grid::uniform(Vec3::new(0.0, -0.012, -0.15), Vec3::new(0.3, 1.765, 0.185), SKIN_STEP);
+    let fine = polygonise(&grid, &field);
+    let options = Options {
+        target,
+        mirrored: true,
+        importance: &importance,
+        onto: &|p, flat| onto(&field, p, flat),
+    };
+    collapse(&fine, &options)
+}
+
+/// Small round features need as many triangles around them as large ones, so that errors count
+/// by about the inverse square of the local radius.
+fn importance(p: Vec3) -> f32 {
+    let hand = p.y < 0.87 && p.x > 0.2;
+    let near_eye = p.distance(EYE + Vec3::Z * 0.012) < 0.017;
+    let face = p.y > 1.53 && p.z > 0.03;
+    let ear = p.y > 1.59 && p.y < 1.665 && p.x > 0.062;
+    if near_eye {
+        60.0
+    } else if hand {
+        30.0
+    } else if face || ear {
+        20.0
+    } else if p.y > 1.58 {
+        6.0
+    } else if p.y < 0.05 {
+        12.0
+    } else {
+        1.0
+    }
+}
+
+/// A small group meshed a millimetre apart or finer.
+fn piece(group: &Group, target: usize) -> Surface {
+    let (low, high) = group.bounds();
+    let margin = Vec3::splat(0.003);
+    let grid = Grid::uniform(low - margin, high + margin, 0.0006);
+    let field = |p: Vec3| group.distance(Vec3::new(p.x.abs(), p.y, p.z));
+    let fine = polygonise(&grid, &field);
+    let options = Options {
+        target: target.max(16),
+        mirrored: grid.axes[0][0] < 0.0,
+        importance: &|_| 1.0,
+        onto: &|p, flat| onto(&field, p, flat),
+    };
+    collapse(&fine, &options)
+}
+
+const FLIP: Vec3 = Vec3::new(-1.0, 1.0, 1.0);
+
+/// The whole of a half surface: the rim in x = 0 is shared, the rest doubled.
+fn mirrored(half: &Surface) -> Surface {
+    let mut whole = half.clone();
+    let twin: Vec<u32> = half
+        .positions
+        .iter()
+        .enumerate()
+        .map(|(v, p)| {
+            if p.x == 0.0 {
+                return v as u32;
+            }
+            whole.positions.push(*p * FLIP);
+            whole.positions.len() as u32 - 1
+        })
+        .collect();
+    let other = half.triangles.iter().map(|[a, b, c]| [*a, *c, *b].map(|v| twin[v as usize]));
+    whole.triangles.extend(other);
+    whole
+}
+
+/// A closed surface and its mirror image.
+fn both_sides(one: &Surface) -> Surface {
+    let count = one.positions.len() as u32;
+    let mut both = one.clone();
+    both.positions.extend(one.positions.iter().map(|p| *p * FLIP));
+    both.triangles.extend(one.triangles.iter().map(|[a, b, c]| [a + count, c + count, b + count]));
+    both
+}
+
+/// Sclera, iris and pupil: bands of one turned profile.
+fn eyes(triangles: usize) -> [Surface; 3] {
+    let around = (triangles / 600).clamp(6, 28);
+    let rings = |from: f32, to: f32, count: usize| -> Vec<f32> {
+        (0..=count).map(|i| from + (to - from) * i as f32 / count as f32).collect()
+    };
+    let detail = (around / 4).max(2);
+    let sclera = rings(0.46, std::f32::consts::PI, detail + 1);
+    [sclera, rings(0.2, 0.46, 1), rings(0.0, 0.2, 1)].map(|angles| both_sides(&band(&angles, around)))
+}
+
+/// A band of the left eyeball between polar angles from the line of sight.
+fn band(angles: &[f32], around: usize) -> Surface {
+    let mut out = Surface::default();
+    let mut rows: Vec<Vec<u32>> = Vec::new();
+    for angle in angles {
+        let pole = angle.sin() < 1e-3;
+        let count = if pole { 1 } else { around };
+        let row = (0..count)
+            .map(|i| {
+                let turn = std::f32::consts::TAU * i as f32 / around as f32;
+                let flat = angle.sin();
+                let direction = Vec3::new(flat * turn.cos(), flat * turn.sin(), angle.cos());
+                out.positions.push(EYE + direction * EYE_RADIUS);
+                out.positions.len() as u32 - 1
+            })
+            .collect();
+        rows.push(row);
+    }
+    for pair in rows.windows(2) {
+        for i in 0..around {
+            let at = |row: &[u32], i: usize| row[i % row.len()];
+            let (a, b) = (at(&pair[0], i), at(&pair[0], i + 1));
+            let (c, d) = (at(&pair[1], i), at(&pair[1], i + 1));
+            if a != b {
+                out.triangles.push([a, c, b]);
+            }
+            if c != d {
+                out.triangles.push([b, c, d]);
+            }
+        }
+    }
+    out
+}

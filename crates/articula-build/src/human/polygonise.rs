@@ -1,0 +1,209 @@
+//! Triangles from a distance field: dual surface nets over the half space x >= 0.
+//!
+//! Source: S. Gibson, *Constrained elastic surface nets* (1998), with each vertex then moved
+//! onto the surface along the field's slope. Differs: only the half with x >= 0 is meshed, on
+//! a grid whose first cells straddle the mirror plane, and the other half is its exact mirror.
+
+use super::field::gradient;
+use glam::Vec3;
+
+/// A closed surface, or half of one whose open rim lies in the plane x = 0.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(super) struct Surface {
+    pub(super) positions: Vec<Vec3>,
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+/// Sample heights along each axis; the first two of x are mirror images.
+#[derive(Debug, Clone)]
+pub(super) struct Grid {
+    pub(super) axes: [Vec<f32>; 3],
+}
+
+/// Samples along the edge of a block that is skipped as a whole where no surface can be.
+const BLOCK: usize = 4;
+
+impl Grid {
+    /// A grid over a box, `step` apart; where the box reaches x = 0 it is mirrored there.
+    pub(super) fn uniform(low: Vec3, high: Vec3, step: f32) -> Self {
+        let axis = |from: f32, to: f32| {
+            let count = ((to - from) / step).ceil() as usize + 1;
+            (0..=count).map(|i| from + step * i as f32).collect()
+        };
+        let start = if low.x <= step { -0.5 * step } else { low.x };
+        Self {
+            axes: [axis(start, high.x), axis(low.y, high.y), axis(low.z, high.z)],
+        }
+    }
+
+    fn counts(&self) -> [usize; 3] {
+        [0, 1, 2].map(|a| self.axes[a].len())
+    }
+
+    fn at(&self, i: [usize; 3]) -> Vec3 {
+        Vec3::new(self.axes[0][i[0]], self.axes[1][i[1]], self.axes[2][i[2]])
+    }
+}
+
+/// Field values at every sample of a grid; far from the surface only the sign is right.
+struct Samples<'a> {
+    grid: &'a Grid,
+    values: Vec<f32>,
+}
+
+impl<'a> Samples<'a> {
+    fn new(grid: &'a Grid, field: &impl Fn(Vec3) -> f32) -> Self {
+        let [nx, ny, nz] = grid.counts();
+        let mut samples = Self { grid, values: vec![0.0; nx * ny * nz] };
+        for k in (0..nz).step_by(4 * BLOCK) {
+            for j in (0..ny).step_by(4 * BLOCK) {
+                for i in (0..nx).step_by(4 * BLOCK) {
+                    samples.fill([i, j, k], 4 * BLOCK, field);
+                }
+            }
+        }
+        samples
+    }
+
+    fn index(&self, [i, j, k]: [usize; 3]) -> usize {
+        let [nx, ny, _] = self.grid.counts();
+        (k * ny + j) * nx + i
+    }
+
+    /// Fills a block of `size` samples an edge, by quarters where the surface may come near.
+    fn fill(&mut self, low: [usize; 3], size: usize, field: &impl Fn(Vec3) -> f32) {
+        let counts = self.grid.counts();
+        if (0..3).any(|a| low[a] >= counts[a]) {
+            return;
+        }
+        let end: [usize; 3] = std::array::from_fn(|a| (low[a] + size).min(counts[a]));
+        // One sample beyond the block, since cells reach over its rim.
+        let last: [usize; 3] = std::array::from_fn(|a| end[a].min(counts[a] - 1));
+        let (a, b) = (self.grid.at(low), self.grid.at(last));
+        let middle = field(0.5 * (a + b));
+        // Slopes stay under 1.5 outside of creases, so this leaves room.
+        if middle.abs() > 0.8 * (b - a).length() {
+            self.each(low, end, |_| middle);
+        } else if size > BLOCK {
+            for corner in 0..8_usize {
+                let half = size / 2;
+                let sub = std::array::from_fn(|a| low[a] + half * ((corner >> a) & 1));
+                self.fill(sub, half, field);
+            }
+        } else {
+            self.each(low, end, field);
+        }
+    }
+
+    fn each(&mut self, low: [usize; 3], end: [usize; 3], value: impl Fn(Vec3) -> f32) {
+        for k in low[2]..end[2] {
+            for j in low[1]..end[1] {
+                for i in low[0]..end[0] {
+                    let at = self.index([i, j, k]);
+                    self.values[at] = value(self.grid.at([i, j, k]));
+                }
+            }
+        }
+    }
+
+    fn inside(&self, i: [usize; 3]) -> bool {
+        self.values[self.index(i)] < 0.0
+    }
+
+    /// Mean of the points where the surface crosses the edges of a cell.
+    fn cell_vertex(&self, cell: [usize; 3]) -> Option<Vec3> {
+        let corner = |c: usize| std::array::from_fn(|a| cell[a] + ((c >> a) & 1));
+        let (mut sum, mut count) = (Vec3::ZERO, 0.0);
+        for c in 0..8_usize {
+            for axis in 0..3 {
+                let d = c | (1 << axis);
+                if d == c {
+                    continue;
+                }
+                let (i, j): ([usize; 3], [usize; 3]) = (corner(c), corner(d));
+                let (a, b) = (self.values[self.index(i)], self.values[self.index(j)]);
+                if (a < 0.0) != (b < 0.0) {
+                    sum += self.grid.at(i).lerp(self.grid.at(j), a / (a - b));
+                    count += 1.0;
+                }
+            }
+        }
+        (count > 0.0).then(|| sum / count)
+    }
+}
+
+/// The surface where `field` is zero, over the grid. The grid must enclose it, but for the
+/// mirror plane.
+pub(super) fn polygonise(grid: &Grid, field: &impl Fn(Vec3) -> f32) -> Surface {
+    let samples = Samples::new(grid, field);
+    let counts = grid.counts();
+    let mut surface = Surface::default();
+    let mut vertices = std::collections::HashMap::<usize, u32>::new();
+    for k in 0..counts[2] - 1 {
+        for j in 0..counts[1] - 1 {
+            for i in 0..counts[0] - 1 {
+                let cell = [i, j, k];
+                if let Some(vertex) = samples.cell_vertex(cell) {
+                    let mirrored = i == 0 && grid.axes[0][0] < 0.0;
+                    vertices.insert(samples.index(cell), surface.positions.len() as u32);
+                    surface.positions.push(onto(field, vertex, mirrored));
+                }
+            }
+        }
+    }
+    let vertex = |cell: [usize; 3]| vertices[&samples.index(cell)];
+    for k in 1..counts[2] - 1 {
+        for j in 1..counts[1] - 1 {
+            for i in 1..counts[0] - 1 {
+                for axis in 0..3 {
+                    quad(&samples, [i, j, k], axis, &vertex, &mut surface);
+                }
+            }
+        }
+    }
+    surface
+}
+
+/// The two triangles around a grid edge that the surface crosses.
+fn quad(
+    samples: &Samples<'_>,
+    from: [usize; 3],
+    axis: usize,
+    vertex: &impl Fn([usize; 3]) -> u32,
+    out: &mut Surface,
+) {
+    let mut to = from;
+    to[axis] += 1;
+    let inside = samples.inside(from);
+    if inside == samples.inside(to) {
+        return;
+    }
+    let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+    let around = [(1, 1), (0, 1), (0, 0), (1, 0)].map(|(du, dv)| {
+        let mut cell = from;
+        cell[u] -= du;
+        cell[v] -= dv;
+        vertex(cell)
+    });
+    let [a, b, c, d] = if inside { around } else { [around[3], around[2], around[1], around[0]] };
+    let p = |i: u32| out.positions[i as usize];
+    // The shorter diagonal bends less.
+    let halves = if p(a).distance_squared(p(c)) <= p(b).distance_squared(p(d)) {
+        [[a, b, c], [a, c, d]]
+    } else {
+        [[a, b, d], [b, c, d]]
+    };
+    out.triangles.extend(halves);
+}
+
+/// Moves a point onto the surface; `mirrored` keeps it in the plane x = 0.
+pub(super) fn onto(field: &impl Fn(Vec3) -> f32, from: Vec3, mirrored: bool) -> Vec3 {
+    let flat = if mirrored { Vec3::new(0.0, 1.0, 1.0) } else { Vec3::ONE };
+    let mut p = from * flat;
+    for _ in 0..3 {
+        let slope = gradient(field, p) * flat;
+        let step = slope * (field(p) / slope.length_squared().max(0.05));
+        p -= step.clamp_length_max(0.002);
+    }
+    p
+}

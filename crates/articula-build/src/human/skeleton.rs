@@ -1,0 +1,131 @@
+//! The joints of the reference human: the tree and order of H-Anim, centres fitted to its body.
+//!
+//! Source: ISO/IEC 19774 through `articula_core::hanim_table`. Differs: the standard's centres
+//! put the spine beside the middle, both feet flat on the floor and the arms so close to the
+//! thighs that a body around them would merge; those centres are replaced here, and the right
+//! side is the exact mirror of the left.
+
+use articula_core::articulation::{Articulation, JointArticulation};
+use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
+use articula_core::math::Transform;
+use articula_core::source;
+use glam::{Mat3, Vec3};
+
+/// Centres that differ from the standard: pelvis, legs and arms of the left side.
+const FITTED: [(&str, [f32; 3]); 13] = [
+    ("humanoid_root", [0.0, 0.9, 0.0]),
+    ("sacroiliac", [0.0, 0.93, -0.01]),
+    ("l_hip", [0.088, 0.9124, 0.0]),
+    ("l_knee", [0.097, 0.4867, 0.006]),
+    ("l_ankle", [0.104, 0.082, -0.04]),
+    ("l_subtalar", [0.105, 0.05, -0.036]),
+    ("l_midtarsal", [0.109, 0.046, 0.03]),
+    ("l_metatarsal", [0.114, 0.016, 0.094]),
+    ("l_sternoclavicular", [0.022, 1.452, -0.005]),
+    ("l_acromioclavicular", [0.145, 1.462, -0.035]),
+    ("l_shoulder", [0.18, 1.4376, -0.03]),
+    ("l_elbow", [0.2225, 1.1357, -0.045]),
+    ("l_wrist", WRIST),
+];
+
+const WRIST: [f32; 3] = [0.247, 0.868, -0.02];
+
+/// Names of the five fingers, thumb first.
+pub(super) const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "pinky"];
+
+/// Joint centres and the tip of each finger in the hand's own frame: metres towards the back of
+/// the hand, towards the finger tips, towards the thumb's side.
+pub(super) const FINGER_POINTS: [[[f32; 3]; 5]; 5] = [
+    [[-0.009, 0.026, 0.02], [-0.009, 0.026, 0.02], [-0.021, 0.058, 0.047], [-0.027, 0.088, 0.062], [-0.03, 0.114, 0.071]],
+    [[0.0, 0.03, 0.011], [0.003, 0.091, 0.0275], [-0.001, 0.133, 0.0335], [-0.0065, 0.157, 0.036], [-0.0145, 0.177, 0.0375]],
+    [[0.001, 0.03, 0.002], [0.004, 0.094, 0.005], [-0.001, 0.14, 0.007], [-0.0075, 0.167, 0.0075], [-0.0165, 0.188, 0.008]],
+    [[0.0, 0.031, -0.007], [0.002, 0.089, -0.0165], [-0.004, 0.131, -0.0195], [-0.0115, 0.1565, -0.021], [-0.021, 0.1765, -0.0215]],
+    [[-0.002, 0.032, -0.015], [-0.002, 0.08, -0.0365], [-0.008, 0.113, -0.0445], [-0.0145, 0.132, -0.048], [-0.0225, 0.148, -0.05]],
+];
+
+/// Axes of the left hand in model space: back of the hand, finger tips, thumb's side.
+pub(super) fn hand_axes() -> Mat3 {
+    let down = Vec3::new(0.05, -1.0, 0.075).normalize();
+    let back = Vec3::new(1.0, 0.05, -0.12);
+    let back = (back - down * back.dot(down)).normalize();
+    Mat3::from_cols(back, down, down.cross(back))
+}
+
+/// A point of the left hand, given in the hand's frame, in model space.
+pub(super) fn hand_point(point: [f32; 3]) -> Vec3 {
+    Vec3::from(WRIST) + hand_axes() * Vec3::from(point)
+}
+
+/// Rest centres of the 89 joints in model space, in the order of the joint table.
+pub(super) fn centers() -> Vec<Vec3> {
+    let body = &JOINTS[..BODY_JOINTS];
+    body.iter()
+        .map(|joint| match joint.name.strip_prefix("r_") {
+            Some(rest) => left_center(&format!("l_{rest}"), joint.center) * Vec3::new(-1.0, 1.0, 1.0),
+            None => left_center(joint.name, joint.center),
+        })
+        .collect()
+}
+
+fn left_center(name: &str, standard: Vec3) -> Vec3 {
+    if let Some((_, center)) = FITTED.iter().find(|(n, _)| *n == name) {
+        return Vec3::from(*center);
+    }
+    if name.contains("eyeball") {
+        return EYE;
+    }
+    for (finger, points) in FINGERS.iter().zip(&FINGER_POINTS) {
+        let digit = name.strip_prefix("l_").and_then(|n| n.strip_prefix(finger));
+        if let Some(index) = digit.and_then(|d| d.parse::<usize>().ok()) {
+            return hand_point(points[index.min(3)]);
+        }
+    }
+    // What remains is the spine and the skull.
+    Vec3::new(0.0, standard.y, standard.z)
+}
+
+/// Centre of the left eyeball.
+pub(super) const EYE: Vec3 = Vec3::new(0.0315, 1.6332, 0.0655);
+
+/// Index of a body joint by its H-Anim name.
+///
+/// # Panics
+/// If there is no such joint; the names are constants of this module.
+pub(super) fn joint(name: &str) -> usize {
+    JOINTS[..BODY_JOINTS]
+        .iter()
+        .position(|j| j.name == name)
+        .unwrap_or_else(|| panic!("{name} is no H-Anim body joint"))
+}
+
+/// The joint tree at rest: identity rotations, offsets between centres.
+pub(super) fn skeleton() -> source::Skeleton {
+    let centers = centers();
+    let joints = JOINTS[..BODY_JOINTS]
+        .iter()
+        .zip(&centers)
+        .map(|(joint, center)| source::Joint {
+            name: joint.name.to_owned(),
+            parent: joint.parent,
+            rest: Transform::from_translation(*center - joint.parent.map_or(Vec3::ZERO, |p| centers[p])),
+            in_skin: true,
+        })
+        .collect();
+    source::Skeleton { joints }
+}
+
+/// Level and region of each joint, straight from the joint table.
+pub(super) fn articulation() -> Articulation {
+    let joints = JOINTS[..BODY_JOINTS]
+        .iter()
+        .map(|j| JointArticulation {
+            hanim: Some(j.name.to_owned()),
+            level: j.level,
+            region: j.region,
+        })
+        .collect();
+    Articulation {
+        profile: "H-Anim".to_owned(),
+        joints,
+    }
+}

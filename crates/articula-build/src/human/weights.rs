@@ -1,0 +1,222 @@
+//! Skin weights of the reference human, from where a point lies in the body.
+//!
+//! Along a limb every joint has a plane; a point's weight passes from the bone before to the
+//! bone behind over a band around that plane, about as wide as the limb is thick. So weights
+//! are smooth, sum to one, and depend on the position only: every level of the surface, and
+//! both sides of the body, bend alike.
+
+use super::body::Body;
+use super::skeleton::{FINGER_POINTS, FINGERS, centers, hand_axes, hand_point, joint};
+use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
+use glam::Vec3;
+
+/// Influences of a skin vertex.
+pub(super) const INFLUENCES: usize = 4;
+
+/// Joints and weights of one vertex, heaviest first; unused ones weigh nothing.
+pub(super) type Influences = [(u16, f32); INFLUENCES];
+
+/// Computes weights for points on or near the skin.
+pub(super) struct Weigher<'a> {
+    body: &'a Body,
+    centers: Vec<Vec3>,
+    /// The same joint on the other side; the joint itself in the middle.
+    twins: Vec<usize>,
+    /// Pelvis to skull base with the height at which each takes over.
+    spine: Vec<(usize, f32)>,
+}
+
+/// Spreads weight over joints, a share of what is left at a time.
+#[derive(Default)]
+struct Sum(Vec<(usize, f32)>);
+
+impl Sum {
+    fn add(&mut self, joint: usize, weight: f32) {
+        if weight > 0.0 {
+            match self.0.iter_mut().find(|(j, _)| *j == joint) {
+                Some((_, w)) => *w += weight,
+                None => self.0.push((joint, weight)),
+            }
+        }
+    }
+
+    /// The heaviest influences, made to sum to one.
+    fn heaviest(mut self) -> Influences {
+        self.0.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        self.0.truncate(INFLUENCES);
+        let total: f32 = self.0.iter().map(|(_, w)| w).sum();
+        std::array::from_fn(|i| match self.0.get(i) {
+            Some((j, w)) => (*j as u16, w / total),
+            None => (self.0[0].0 as u16, 0.0),
+        })
+    }
+}
+
+impl<'a> Weigher<'a> {
+    /// Weights for this body.
+    pub(super) fn new(body: &'a Body) -> Self {
+        let centers = centers();
+        let twin = |name: &str| {
+            let (side, rest) = name.split_at(2.min(name.len()));
+            match side {
+                "l_" => joint(&format!("r_{rest}")),
+                "r_" => joint(&format!("l_{rest}")),
+                _ => joint(name),
+            }
+        };
+        let first = joint("vl5");
+        let spine = (first..joint("skullbase")).map(|j| (j, centers[j].y)).collect();
+        Self {
+            body,
+            twins: JOINTS[..BODY_JOINTS].iter().map(|j| twin(j.name)).collect(),
+            centers,
+            spine,
+        }
+    }
+
+    /// The influences at a point of the skin.
+    pub(super) fn at(&self, p: Vec3) -> Influences {
+        let left = Vec3::new(p.x.abs(), p.y, p.z);
+        let mut sum = Sum::default();
+        let arm = self.arm_share(left);
+        let leg = self.leg_share(left) * (1.0 - arm);
+        self.arm(left, arm, &mut sum);
+        self.legs(left, leg, &mut sum);
+        self.core(left, 1.0 - arm - leg, &mut sum);
+        if p.x < 0.0 {
+            for (j, _) in &mut sum.0 {
+                *j = self.twins[*j];
+            }
+        }
+        sum.heaviest()
+    }
+
+    /// Share of the side behind a joint's plane; `band` is half the width of the passage.
+    fn behind(&self, name: &str, normal: Vec3, band: f32, p: Vec3) -> f32 {
+        let along = (p - self.centers[joint(name)]).dot(normal.normalize());
+        smooth_step(-band, band, along)
+    }
+
+    fn arm_share(&self, p: Vec3) -> f32 {
+        let core = self.body.trunk.distance(p).min(self.body.leg.distance(p));
+        let nearer = core - self.body.upper_limb(p);
+        let plane = self.behind("l_shoulder", Vec3::new(0.82, -0.57, 0.0), 0.055, p);
+        plane * smooth_step(-0.026, 0.026, nearer)
+    }
+
+    fn leg_share(&self, p: Vec3) -> f32 {
+        self.behind("l_hip", Vec3::new(0.3, -0.95, 0.0), 0.075, p)
+    }
+
+    fn legs(&self, p: Vec3, share: f32, sum: &mut Sum) {
+        let knee = self.behind("l_knee", Vec3::NEG_Y, 0.05, p);
+        let ankle = self.behind("l_ankle", Vec3::new(0.0, -0.92, 0.4), 0.03, p);
+        let heel = self.behind("l_subtalar", Vec3::NEG_Y, 0.025, p) * ankle;
+        let middle = self.behind("l_midtarsal", Vec3::Z, 0.03, p);
+        let toes = self.behind("l_metatarsal", Vec3::new(0.35, 0.0, 0.94), 0.016, p);
+        // Between the legs both sides pull alike.
+        let own = smooth_step(-0.02, 0.02, p.x);
+        sum.add(joint("l_hip"), share * (1.0 - knee) * own);
+        sum.add(joint("r_hip"), share * (1.0 - knee) * (1.0 - own));
+        let shin = share * knee;
+        sum.add(joint("l_knee"), shin * (1.0 - ankle));
+        sum.add(joint("l_ankle"), shin * (ankle - heel) * (1.0 - middle));
+        sum.add(joint("l_subtalar"), shin * heel * (1.0 - middle));
+        sum.add(joint("l_midtarsal"), shin * ankle * middle * (1.0 - toes));
+        sum.add(joint("l_metatarsal"), shin * ankle * middle * toes);
+    }
+
+    fn arm(&self, p: Vec3, share: f32, sum: &mut Sum) {
+        if share <= 0.0 {
+            return;
+        }
+        let elbow = self.behind("l_elbow", Vec3::new(0.11, -1.0, 0.02), 0.045, p);
+        let wrist = self.behind("l_wrist", hand_axes().y_axis, 0.022, p);
+        sum.add(joint("l_shoulder"), share * (1.0 - elbow));
+        sum.add(joint("l_elbow"), share * elbow * (1.0 - wrist));
+        self.hand(p, share * elbow * wrist, sum);
+    }
+
+    fn hand(&self, p: Vec3, share: f32, sum: &mut Sum) {
+        if share <= 0.0 {
+            return;
+        }
+        let gaps = self.body.fingers.each_ref().map(|finger| finger.distance(p));
+        let nearest = (0..5).fold(0, |best, f| if gaps[f] < gaps[best] { f } else { best });
+        let second = (0..5).filter(|f| *f != nearest).map(|f| gaps[f]).fold(f32::MAX, f32::min);
+        // Where two fingers are as near, the skin stays with the palm.
+        let own = smooth_step(0.0, 0.003, second - gaps[nearest]);
+        let thumb = if nearest == 0 { own } else { 0.0 };
+        let near_thumb = smooth_step(0.02, 0.003, gaps[0]).min(if nearest == 0 { 1.0 } else { thumb });
+        let knuckle = match nearest {
+            0 => near_thumb * self.phalanx(p, 0, 1, 0.02),
+            f => own * self.phalanx(p, f, 1, 0.009) * smooth_step(0.012, 0.002, gaps[f]),
+        };
+        self.palm(p, share * (1.0 - knuckle), sum);
+        let middle = self.phalanx(p, nearest, 2, 0.007);
+        let end = self.phalanx(p, nearest, 3, 0.006);
+        let name = |digit: usize| joint(&format!("l_{}{digit}", FINGERS[nearest]));
+        sum.add(name(1), share * knuckle * (1.0 - middle));
+        sum.add(name(2), share * knuckle * middle * (1.0 - end));
+        sum.add(name(3), share * knuckle * middle * end);
+    }
+
+    /// Share behind a finger's joint, across the bones that meet there.
+    fn phalanx(&self, p: Vec3, finger: usize, digit: usize, band: f32) -> f32 {
+        let points = FINGER_POINTS[finger].map(hand_point);
+        let before = (points[digit] - points[digit - 1]).normalize_or_zero();
+        let after = (points[digit + 1] - points[digit]).normalize();
+        smooth_step(-band, band, (p - points[digit]).dot((before + after).normalize()))
+    }
+
+    /// Wrist and the metacarpals, between the two knuckles beside the point.
+    fn palm(&self, p: Vec3, share: f32, sum: &mut Sum) {
+        let local = hand_axes().transpose() * (p - self.centers[joint("l_wrist")]);
+        let forward = smooth_step(0.03, 0.075, local.y) * share;
+        sum.add(joint("l_wrist"), share - forward);
+        let sides: [f32; 4] = std::array::from_fn(|f| FINGER_POINTS[f + 1][1][2]);
+        let place = (0..3)
+            .map(|f| ((sides[f] - local.z) / (sides[f] - sides[f + 1])).clamp(0.0, 1.0))
+            .sum::<f32>();
+        for f in 0..4 {
+            let weight = (1.0 - (place - f as f32).abs()).max(0.0);
+            sum.add(joint(&format!("l_{}0", FINGERS[f + 1])), forward * weight);
+        }
+    }
+
+    /// Pelvis, spine, skull and collars.
+    fn core(&self, p: Vec3, share: f32, sum: &mut Sum) {
+        let ahead = p.z + 0.01;
+        let skull = smooth_step(1.57, 1.614, p.y + 0.9 * ahead.max(0.0) + 0.2 * ahead.min(0.0));
+        sum.add(joint("skullbase"), share * skull);
+        let rest = share * (1.0 - skull);
+        let collar = smooth_step(0.03, 0.16, p.x) * smooth_step(1.34, 1.45, p.y) * 0.9;
+        let outer = smooth_step(0.09, 0.17, p.x);
+        sum.add(joint("l_sternoclavicular"), rest * collar * (1.0 - outer));
+        sum.add(joint("l_acromioclavicular"), rest * collar * outer);
+        self.spine(p.y + 0.35 * ahead.max(0.0) * smooth_step(1.45, 1.52, p.y), rest * (1.0 - collar), sum);
+    }
+
+    fn spine(&self, height: f32, share: f32, sum: &mut Sum) {
+        let waist = smooth_step(0.94, 1.01, height);
+        sum.add(joint("sacroiliac"), share * (1.0 - waist));
+        let mut left = share * waist;
+        // The belly between pelvis and spine hangs on the root, the parent of both.
+        let first = smooth_step(0.99, self.spine[0].1 + 0.02, height);
+        sum.add(joint("humanoid_root"), left * (1.0 - first));
+        left *= first;
+        for pair in self.spine.windows(2) {
+            let ((at, low), (_, high)) = (pair[0], pair[1]);
+            let passed = ((height - low) / (high - low)).clamp(0.0, 1.0);
+            sum.add(at, left * (1.0 - passed));
+            left *= passed;
+        }
+        sum.add(self.spine[self.spine.len() - 1].0, left);
+    }
+}
+
+/// Cubic step from 0 at `from` to 1 at `to`, which may be the smaller.
+pub(super) fn smooth_step(from: f32, to: f32, x: f32) -> f32 {
+    let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}

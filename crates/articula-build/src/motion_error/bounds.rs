@@ -1,0 +1,100 @@
+//! What the drift controller judges each joint by while a clip plays.
+
+use super::levers::chain_counts;
+use crate::character::Asset;
+use articula_core::clip::Clip;
+use articula_core::drift::JointBounds;
+use articula_core::loa::JointSet;
+use articula_core::math::angle_between;
+use articula_core::motion_error::JointLever;
+
+/// Which lever turns radians into metres.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LeverKind {
+    /// The lever at rest, as the spec measures: a good estimate.
+    #[default]
+    Rest,
+    /// The reach in any pose: a bound.
+    Reach,
+}
+
+/// How a tolerance is shared along a chain of joints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ChainShare {
+    /// Every joint has the whole tolerance; errors of a chain may add up.
+    #[default]
+    Whole,
+    /// The tolerance over the square root of the joints of the chain: errors that are
+    /// independent of each other stay within it on average.
+    Root,
+    /// The tolerance over the number of joints of the chain: errors stay within it always.
+    Split,
+}
+
+/// Joints that move in a clip by the rule of the published numbers: all but the root whose
+/// rotation ranges over more than `1e-4` in any quaternion component.
+pub fn moving_joints(asset: &Asset, clip: &Clip) -> JointSet {
+    let mut moving: JointSet = clip
+        .rotations()
+        .iter()
+        .filter(|t| {
+            let range = |pick: fn(&glam::Quat) -> f32| {
+                let values = t.values.iter().map(pick);
+                let (lo, hi) =
+                    values.fold((f32::MAX, f32::MIN), |(lo, hi), v| (lo.min(v), hi.max(v)));
+                hi - lo > 1e-4
+            };
+            range(|q| q.x) || range(|q| q.y) || range(|q| q.z) || range(|q| q.w)
+        })
+        .map(|t| usize::from(t.target))
+        .collect();
+    moving.remove(asset.rig.root());
+    moving
+}
+
+/// Bounds of all joints for one clip.
+pub fn joint_bounds(
+    asset: &Asset,
+    clip: &Clip,
+    levers: &[JointLever],
+    kind: LeverKind,
+    share: ChainShare,
+) -> Vec<JointBounds> {
+    let counts = match share {
+        ChainShare::Whole => vec![1; asset.rig.len()],
+        _ => chain_counts(&asset.rig, &asset.mesh, &moving_joints(asset, clip)),
+    };
+    let mut bounds: Vec<JointBounds> = levers
+        .iter()
+        .zip(&counts)
+        .map(|(lever, count)| JointBounds {
+            lever_metres: match kind {
+                LeverKind::Rest => lever.rest_metres,
+                LeverKind::Reach => lever.reach_metres,
+            },
+            speed_metres_per_sec: 0.0,
+            share: match share {
+                ChainShare::Whole => 1.0,
+                ChainShare::Root => 1.0 / (*count as f32).sqrt(),
+                ChainShare::Split => 1.0 / *count as f32,
+            },
+        })
+        .collect();
+    for track in clip.rotations() {
+        // A normalised linear blend turns fastest in the middle of its interval: an interval
+        // of angle a passes there at 4 tan(a / 4) a frame, a little more than its mean.
+        let fastest = track
+            .values
+            .windows(2)
+            .map(|w| 4.0 * (0.25 * angle_between(w[0], w[1])).tan())
+            .fold(0.0, f32::max);
+        let joint = &mut bounds[usize::from(track.target)];
+        joint.speed_metres_per_sec += joint.lever_metres * fastest * clip.rate_hz();
+    }
+    for track in clip.translations() {
+        let steps = track.values.windows(2).map(|w| w[0].distance(w[1]));
+        let fastest = steps.fold(0.0, f32::max);
+        bounds[usize::from(track.target)].speed_metres_per_sec += fastest * clip.rate_hz();
+    }
+    bounds
+}

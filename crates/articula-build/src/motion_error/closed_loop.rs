@@ -1,0 +1,48 @@
+//! Held keys in which a child cancels the error of its ancestors.
+//!
+//! Source: `spec/motion-lod.md` 4.4. Walking parents first, the model-space error of each
+//! joint under its *shown* parent decides; a renewed joint takes the local rotation that puts
+//! it where it truly is.
+
+use articula_core::loa::JointSet;
+use articula_core::math::angle_between;
+use articula_core::rig::Rig;
+use glam::Quat;
+
+/// Local rotations shown at each frame, and which joints were renewed.
+#[derive(Debug, Clone, Default)]
+pub struct ClosedLoop {
+    /// `shown[frame][joint]`.
+    pub shown: Vec<Vec<Quat>>,
+    /// Joints renewed at each frame; none at the first.
+    pub renewed: Vec<JointSet>,
+}
+
+/// Plays true local rotations (`truth[frame][joint]`) holding each of `moving` while its
+/// model-space error stays within its `radians`.
+pub fn closed_loop(rig: &Rig, truth: &[&[Quat]], moving: &JointSet, radians: &[f32]) -> ClosedLoop {
+    let mut out = ClosedLoop::default();
+    let mut held: Vec<Quat> = truth.first().map_or_else(Vec::new, |first| first.to_vec());
+    let mut true_model = held.clone();
+    let mut shown_model = held.clone();
+    for (frame, locals) in truth.iter().enumerate() {
+        let mut renewed = JointSet::EMPTY;
+        for joint in 0..rig.len() {
+            let above = |models: &[Quat]| rig.parent(joint).map_or(Quat::IDENTITY, |p| models[p]);
+            true_model[joint] = above(&true_model) * locals[joint];
+            let parent = above(&shown_model);
+            if !moving.contains(joint) {
+                held[joint] = locals[joint];
+            } else if frame == 0 {
+                held[joint] = locals[joint];
+            } else if angle_between(parent * held[joint], true_model[joint]) > radians[joint] {
+                held[joint] = (parent.conjugate() * true_model[joint]).normalize();
+                renewed.insert(joint);
+            }
+            shown_model[joint] = parent * held[joint];
+        }
+        out.shown.push(held.clone());
+        out.renewed.push(renewed);
+    }
+    out
+}

@@ -1,0 +1,131 @@
+//! When feet and hands stand still: intervals in which errors show as sliding.
+//!
+//! Source: `spec/motion-lod.md` 4.6: slower than 0.15 m/s and, for feet, within 5 cm of the
+//! lowest height of the clip, for 80 ms or more.
+
+use crate::character::Asset;
+use articula_core::clip::Clip;
+use articula_core::hierarchy::local_to_model;
+use articula_core::pose::ModelPose;
+use articula_core::sample::{Wrap, sample};
+use glam::Vec3;
+use std::ops::Range;
+
+/// Attention multiplier of the tolerance on the chain from the root to a joint in contact.
+pub const CONTACT_ATTENTION: f32 = 0.25;
+
+const SLOWER_THAN_METRES_PER_SEC: f32 = 0.15;
+const FOOT_WITHIN_METRES: f32 = 0.05;
+const LEAST_SECS: f32 = 0.08;
+
+/// One contact of one joint.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Contact {
+    /// The foot or hand joint.
+    pub joint: usize,
+    /// Frames of the clip during which it stands still.
+    pub frames: Range<usize>,
+}
+
+/// Contacts of the feet (and toes) of a clip, found by their H-Anim names; hands count only
+/// where they rest, which for them is slowness alone, and are left out unless `hands`.
+pub fn contacts(asset: &Asset, clip: &Clip, hands: bool) -> Vec<Contact> {
+    let is = |names: &[&str]| -> Vec<usize> {
+        let joints = &asset.rig.articulation().joints;
+        (0..joints.len())
+            .filter(|j| {
+                joints[*j]
+                    .hanim
+                    .as_deref()
+                    .is_some_and(|n| names.contains(&n))
+            })
+            .collect()
+    };
+    let feet = is(&["l_ankle", "r_ankle", "l_metatarsal", "r_metatarsal"]);
+    let wrists = if hands {
+        is(&["l_wrist", "r_wrist"])
+    } else {
+        Vec::new()
+    };
+    let paths = paths(asset, clip, &[feet.as_slice(), wrists.as_slice()].concat());
+    let mut found = Vec::new();
+    for (i, joint) in feet.iter().chain(&wrists).enumerate() {
+        let path: Vec<Vec3> = paths.iter().map(|frame| frame[i]).collect();
+        let lowest = path.iter().map(|p| p.y).fold(f32::MAX, f32::min);
+        let is_foot = i < feet.len();
+        let stands = |f: usize| {
+            let near = [f.saturating_sub(1), (f + 1).min(path.len() - 1)];
+            let secs = (near[1] - near[0]) as f32 / clip.rate_hz();
+            let slow = path[near[1]].distance(path[near[0]]) <= SLOWER_THAN_METRES_PER_SEC * secs;
+            slow && (!is_foot || path[f].y <= lowest + FOOT_WITHIN_METRES)
+        };
+        let least = (LEAST_SECS * clip.rate_hz()).ceil() as usize;
+        found.extend(
+            runs(path.len(), stands, least)
+                .into_iter()
+                .map(|frames| Contact {
+                    joint: *joint,
+                    frames,
+                }),
+        );
+    }
+    found
+}
+
+/// Attention of every joint at a frame: [`CONTACT_ATTENTION`] on the way from the root to a
+/// joint in contact, 1 elsewhere.
+pub fn attention(asset: &Asset, contacts: &[Contact], frame: usize, out: &mut [f32]) {
+    out.fill(1.0);
+    for contact in contacts.iter().filter(|c| c.frames.contains(&frame)) {
+        let mut at = Some(contact.joint);
+        while let Some(j) = at {
+            out[j] = CONTACT_ATTENTION;
+            at = asset.rig.parent(j);
+        }
+    }
+}
+
+/// Runs of at least `least` frames for which `stands` holds.
+fn runs(frames: usize, stands: impl Fn(usize) -> bool, least: usize) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    let mut start = None;
+    for f in 0..=frames {
+        match (start, f < frames && stands(f)) {
+            (None, true) => start = Some(f),
+            (Some(s), false) => {
+                if f - s >= least.max(1) {
+                    runs.push(s..f);
+                }
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    runs
+}
+
+fn paths(asset: &Asset, clip: &Clip, joints: &[usize]) -> Vec<Vec<Vec3>> {
+    let mut pose = asset.rig.rest_pose().clone();
+    let mut model = ModelPose::new(asset.rig.len());
+    (0..clip.frames())
+        .map(|i| {
+            let secs = i as f64 / f64::from(clip.rate_hz());
+            sample(clip, secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
+            local_to_model(&asset.rig, &pose, &mut model);
+            joints.iter().map(|j| model.position(*j)).collect()
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_stops_are_no_contacts() {
+        let still = [true, false, true, true, true, false, true, true];
+        assert_eq!(runs(8, |f| still[f], 3), [2..5]);
+        assert_eq!(runs(8, |f| still[f], 2), [2..5, 6..8]);
+        assert_eq!(runs(0, |_| true, 1), Vec::<Range<usize>>::new());
+    }
+}

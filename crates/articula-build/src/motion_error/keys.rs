@@ -1,0 +1,203 @@
+//! Keys of one joint at one tolerance.
+//!
+//! Source: `spec/motion-lod.md` 4.5 and 11. All three take the longest run that fits before
+//! they start the next one.
+
+use articula_core::math::{angle_between, nlerp};
+use glam::Quat;
+
+/// A run of frames and the one rotation that it shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Segment {
+    /// First frame of the run.
+    pub start: usize,
+    /// What is shown during the run.
+    pub key: Quat,
+}
+
+/// Frames at which a held rotation is renewed: as soon as it is farther than `radians` from
+/// the frame's own. Frame 0 is always a key. `candidates` are frames that may be keys, rising;
+/// a coarser level passes the finer one's keys, and then its own are among them.
+pub fn hold_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32> {
+    let mut keys: Vec<u32> = candidates.first().copied().into_iter().collect();
+    let mut next = 1;
+    for frame in 0..values.len() {
+        let Some(&held) = keys.last() else { break };
+        if angle_between(values[held as usize], values[frame]) <= radians {
+            continue;
+        }
+        // The latest candidate up to here; a frame that is none was covered by one before it.
+        while next < candidates.len() && candidates[next] as usize <= frame {
+            next += 1;
+        }
+        let latest = candidates[next - 1];
+        if latest > held {
+            keys.push(latest);
+        }
+    }
+    keys
+}
+
+/// Frames between which a normalised linear blend stays within `radians` of every frame. Both
+/// ends are keys. `candidates` as for [`hold_keys`].
+pub fn linear_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32> {
+    let mut keys: Vec<u32> = candidates.first().copied().into_iter().collect();
+    let mut at = 0;
+    while at + 1 < candidates.len() {
+        let mut reached = at + 1;
+        for c in at + 2..candidates.len() {
+            if !blends_within(
+                values,
+                candidates[at] as usize,
+                candidates[c] as usize,
+                radians,
+            ) {
+                break;
+            }
+            reached = c;
+        }
+        keys.push(candidates[reached]);
+        at = reached;
+    }
+    keys
+}
+
+/// Runs of frames that one rotation stands for within `radians`: half-way between the two
+/// frames of the run that differ most.
+pub fn pose_segments(values: &[Quat], radians: f32) -> Vec<Segment> {
+    let mut segments = Vec::new();
+    let mut start = 0;
+    while start < values.len() {
+        let mut key = values[start];
+        let mut widest = (0.0, values[start], values[start]);
+        let mut end = start + 1;
+        while end < values.len() {
+            for q in &values[start..end] {
+                let angle = angle_between(*q, values[end]);
+                if angle > widest.0 {
+                    widest = (angle, *q, values[end]);
+                }
+            }
+            let middle = nlerp(widest.1, widest.2, 0.5);
+            let run = &values[start..=end];
+            if widest.0 > 2.0 * radians || run.iter().any(|q| angle_between(*q, middle) > radians) {
+                break;
+            }
+            key = middle;
+            end += 1;
+        }
+        segments.push(Segment { start, key });
+        start = end;
+    }
+    segments
+}
+
+/// The rotation whose greatest angle to all values is least, nearly: half-way between the two
+/// values that differ most, or the best value where that fails.
+pub fn central_rotation(values: &[Quat]) -> Option<Quat> {
+    let first = *values.first()?;
+    let farthest = |from: Quat| {
+        values
+            .iter()
+            .copied()
+            .max_by(|a, b| angle_between(from, *a).total_cmp(&angle_between(from, *b)))
+    };
+    let a = farthest(first)?;
+    let b = farthest(a)?;
+    let middle = nlerp(a, b, 0.5);
+    let worst = |q: Quat| {
+        values
+            .iter()
+            .map(|v| angle_between(q, *v))
+            .fold(0.0, f32::max)
+    };
+    let best = values
+        .iter()
+        .copied()
+        .min_by(|p, q| worst(*p).total_cmp(&worst(*q)))?;
+    Some(if worst(middle) <= worst(best) {
+        middle
+    } else {
+        best
+    })
+}
+
+fn blends_within(values: &[Quat], from: usize, to: usize, radians: f32) -> bool {
+    let span = (to - from) as f32;
+    (from + 1..to).all(|f| {
+        let blend = nlerp(values[from], values[to], (f - from) as f32 / span);
+        angle_between(blend, values[f]) <= radians
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn all(values: &[Quat]) -> Vec<u32> {
+        (0..values.len() as u32).collect()
+    }
+
+    fn turn(angles: &[f32]) -> Vec<Quat> {
+        angles.iter().map(|a| Quat::from_rotation_z(*a)).collect()
+    }
+
+    #[test]
+    fn a_steady_turn_by_hand() {
+        let values = turn(&[0.0, 0.1, 0.2, 0.3, 0.4, 0.5]);
+        // 0.25 rad: frames 0, 1, 2 are within it of 0; frame 3 is not, and holds to the end.
+        assert_eq!(hold_keys(&values, 0.25, &all(&values)), [0, 3]);
+        assert_eq!(linear_keys(&values, 0.01, &all(&values)), [0, 5]);
+        let segments = pose_segments(&values, 0.105);
+        // One rotation covers a width of 0.21, three frames: 0..=2 by frame 1, 3..=5 by frame 4.
+        assert_eq!(segments.iter().map(|s| s.start).collect::<Vec<_>>(), [0, 3]);
+        assert!(angle_between(segments[1].key, values[4]) < 1e-4);
+        assert!(
+            angle_between(
+                central_rotation(&values).unwrap(),
+                Quat::from_rotation_z(0.25)
+            ) < 1e-4
+        );
+        assert!(central_rotation(&[]).is_none());
+    }
+
+    fn motion() -> impl Strategy<Value = Vec<Quat>> {
+        prop::collection::vec((-0.2f32..0.2, -0.2f32..0.2), 2..60).prop_map(|steps| {
+            let mut q = Quat::IDENTITY;
+            steps
+                .iter()
+                .map(|(x, y)| {
+                    q = (q * Quat::from_rotation_x(*x) * Quat::from_rotation_y(*y)).normalize();
+                    q
+                })
+                .collect()
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn every_frame_is_within_the_tolerance_and_levels_nest(values in motion(), tolerance in 0.01f32..0.6) {
+            let fine = hold_keys(&values, tolerance, &all(&values));
+            let coarse = hold_keys(&values, 2.0 * tolerance, &fine);
+            prop_assert!(coarse.iter().all(|k| fine.contains(k)));
+            for (keys, limit) in [(&fine, tolerance), (&coarse, 2.0 * tolerance)] {
+                for (f, q) in values.iter().enumerate() {
+                    let held = keys.iter().rev().find(|k| **k as usize <= f).unwrap();
+                    prop_assert!(angle_between(values[*held as usize], *q) <= limit + 1e-5);
+                }
+            }
+            for keys in [linear_keys(&values, tolerance, &all(&values))] {
+                prop_assert_eq!(*keys.last().unwrap() as usize, values.len() - 1);
+                for w in keys.windows(2) {
+                    prop_assert!(blends_within(&values, w[0] as usize, w[1] as usize, tolerance));
+                }
+            }
+            let segments = pose_segments(&values, tolerance);
+            for (f, q) in values.iter().enumerate() {
+                let segment = segments.iter().rev().find(|s| s.start <= f).unwrap();
+                prop_assert!(angle_between(segment.key, *q) <= tolerance + 1e-5);
+            }
+        }
+    }
+}

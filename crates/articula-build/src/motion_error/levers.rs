@@ -1,0 +1,173 @@
+//! How the skin hangs on each joint: levers, second moments, shares of the area.
+//!
+//! Source: `spec/motion-lod.md` 4.1. Differs: besides the lever at rest, a reach is kept that
+//! bounds every pose; the lever at rest underestimates where a chain is bent at rest.
+
+use articula_core::hierarchy::local_to_model;
+use articula_core::mesh::Mesh;
+use articula_core::motion_error::{JointLever, LEVER_FLOOR_METRES, SecondMoment};
+use articula_core::pose::ModelPose;
+use articula_core::rig::Rig;
+use articula_core::skin::{SkinnedMesh, palette, skin};
+use glam::{Affine3A, Quat, Vec3};
+
+/// A vertex belongs to a joint's skin from this summed weight on.
+const LEAST_WEIGHT: f32 = 0.3;
+
+/// Levers of all joints, in the rig's order. Without a mesh they come from the bones.
+pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
+    let rest = Rest::of(rig, mesh);
+    let mut gathered = vec![Gathered::default(); rig.len()];
+    let mut below = Below::new(rig.len());
+    for v in 0..mesh.len() {
+        below.gather(rig, mesh, &rest, v);
+        for &j in &below.joints {
+            let g = &mut gathered[j];
+            g.reach = g.reach.max(below.reach[j]);
+            if below.weight[j] >= LEAST_WEIGHT {
+                g.rest = g.rest.max(rest.skin[v].distance(rest.joints[j]));
+                g.area += rest.areas[v];
+                g.vertices.push(v as u32);
+            }
+        }
+    }
+    let area: f32 = rest.areas.iter().sum::<f32>().max(1e-12);
+    let bones = if mesh.is_empty() {
+        bone_levers(rig, &rest)
+    } else {
+        vec![0.0; rig.len()]
+    };
+    gathered
+        .iter()
+        .enumerate()
+        .map(|(j, g)| JointLever {
+            rest_metres: g.rest.max(bones[j]).max(LEVER_FLOOR_METRES),
+            reach_metres: g.reach.max(bones[j]).max(LEVER_FLOOR_METRES),
+            second_moment: SecondMoment::of(g.vertices.iter().map(|v| {
+                let offset = rest.skin[*v as usize] - rest.joints[j];
+                (rest.rotations[j].conjugate() * offset, 1.0)
+            })),
+            skin_share: (g.area / area).min(1.0),
+        })
+        .collect()
+}
+
+/// For each joint, the most moving joints on the ways from the root to any vertex below it:
+/// what a tolerance must be divided by so that errors along a chain stay within it.
+pub fn chain_counts(rig: &Rig, mesh: &Mesh, moving: &articula_core::loa::JointSet) -> Vec<usize> {
+    let mut counts = vec![1; rig.len()];
+    for v in 0..mesh.len() {
+        let mut chain = articula_core::loa::JointSet::EMPTY;
+        for (joint, _) in mesh.influences_of(v) {
+            let mut at = Some(joint);
+            while let Some(j) = at {
+                chain.insert(j);
+                at = rig.parent(j);
+            }
+        }
+        let links = chain.intersection(moving);
+        for j in links.iter() {
+            counts[j] = counts[j].max(links.len());
+        }
+    }
+    counts
+}
+
+#[derive(Clone, Default)]
+struct Gathered {
+    rest: f32,
+    reach: f32,
+    area: f32,
+    vertices: Vec<u32>,
+}
+
+/// The figure at rest.
+struct Rest {
+    joints: Vec<Vec3>,
+    rotations: Vec<Quat>,
+    skin: Vec<Vec3>,
+    areas: Vec<f32>,
+}
+
+impl Rest {
+    fn of(rig: &Rig, mesh: &Mesh) -> Self {
+        let mut model = ModelPose::new(rig.len());
+        local_to_model(rig, rig.rest_pose(), &mut model);
+        let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
+        palette(mesh, &model, &mut matrices);
+        let mut skinned = SkinnedMesh::new(mesh);
+        skin(mesh, &matrices, &mesh.morph_weights, &mut skinned);
+        let mut areas = vec![0.0; mesh.len()];
+        for t in &mesh.triangles {
+            let [a, b, c] = t.map(|v| skinned.positions[v as usize]);
+            let third = (b - a).cross(c - a).length() / 6.0;
+            for v in t {
+                areas[*v as usize] += third;
+            }
+        }
+        Self {
+            joints: (0..rig.len()).map(|j| model.position(j)).collect(),
+            rotations: model
+                .matrices
+                .iter()
+                .map(|m| m.to_scale_rotation_translation().1.normalize())
+                .collect(),
+            skin: skinned.positions,
+            areas,
+        }
+    }
+}
+
+/// Summed weight and weighted reach of one vertex for every joint above it.
+struct Below {
+    joints: Vec<usize>,
+    weight: Vec<f32>,
+    reach: Vec<f32>,
+}
+
+impl Below {
+    fn new(joints: usize) -> Self {
+        Self {
+            joints: Vec::new(),
+            weight: vec![0.0; joints],
+            reach: vec![0.0; joints],
+        }
+    }
+
+    fn gather(&mut self, rig: &Rig, mesh: &Mesh, rest: &Rest, vertex: usize) {
+        for j in self.joints.drain(..) {
+            self.weight[j] = 0.0;
+            self.reach[j] = 0.0;
+        }
+        for (joint, weight) in mesh.influences_of(vertex) {
+            let mut way = rest.skin[vertex].distance(rest.joints[joint]);
+            let mut at = Some(joint);
+            while let Some(j) = at {
+                if self.weight[j] == 0.0 {
+                    self.joints.push(j);
+                }
+                self.weight[j] += weight;
+                self.reach[j] += weight * way;
+                at = rig.parent(j);
+                way += at.map_or(0.0, |p| rest.joints[j].distance(rest.joints[p]));
+            }
+        }
+    }
+}
+
+/// Farthest descendant plus half of the last bone on the way to it.
+fn bone_levers(rig: &Rig, rest: &Rest) -> Vec<f32> {
+    let mut levers = vec![0.0f32; rig.len()];
+    for joint in 0..rig.len() {
+        let Some(parent) = rig.parent(joint) else {
+            continue;
+        };
+        let last = rest.joints[joint].distance(rest.joints[parent]);
+        let mut at = Some(parent);
+        while let Some(j) = at {
+            levers[j] = levers[j].max(rest.joints[joint].distance(rest.joints[j]) + 0.5 * last);
+            at = rig.parent(j);
+        }
+    }
+    levers
+}

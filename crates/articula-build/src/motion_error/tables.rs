@@ -1,0 +1,115 @@
+//! Nested keys of every joint for a ladder of tolerances, and fingerprints of what they fit.
+//!
+//! Source: `spec/motion-lod.md` 4.5 and 9 (`segs`).
+
+use super::bounds::moving_joints;
+use super::keys::{hold_keys, linear_keys};
+use crate::character::Asset;
+use articula_core::clip::Clip;
+use articula_core::key_table::{KeyMode, KeyTable, LADDER_BASE_METRES, LADDER_LEVELS, TableHashes};
+use articula_core::mesh::Mesh;
+use articula_core::motion_error::JointLever;
+use articula_core::rig::Rig;
+
+/// Fingerprints of a rig, a clip and a mesh: FNV-1a over their numbers, the same on every
+/// machine. They tell a stale table from a fitting one; they are no protection.
+pub fn hashes(rig: &Rig, clip: &Clip, mesh: &Mesh) -> TableHashes {
+    TableHashes {
+        rig: rig_hash(rig),
+        clip: clip_hash(clip),
+        mesh: mesh_hash(mesh),
+    }
+}
+
+/// Keys of all moving joints at every level of the usual ladder, finest first.
+pub fn key_table(asset: &Asset, clip: &Clip, levers: &[JointLever], mode: KeyMode) -> KeyTable {
+    let moving = moving_joints(asset, clip);
+    let mut keys = vec![vec![Vec::new(); LADDER_LEVELS]; asset.rig.len()];
+    for track in clip.rotations() {
+        let joint = usize::from(track.target);
+        if !moving.contains(joint) {
+            continue;
+        }
+        let mut candidates: Vec<u32> = (0..track.values.len() as u32).collect();
+        for (level, slot) in keys[joint].iter_mut().enumerate() {
+            let tolerance = LADDER_BASE_METRES * (1u32 << level) as f32;
+            let radians = tolerance / levers[joint].rest_metres;
+            candidates = match mode {
+                KeyMode::Hold => hold_keys(&track.values, radians, &candidates),
+                KeyMode::Linear => linear_keys(&track.values, radians, &candidates),
+            };
+            slot.clone_from(&candidates);
+        }
+    }
+    KeyTable {
+        hashes: hashes(&asset.rig, clip, &asset.mesh),
+        rate_hz: clip.rate_hz(),
+        frames: clip.frames() as u32,
+        base_metres: LADDER_BASE_METRES,
+        mode,
+        keys,
+    }
+}
+
+struct Fnv(u64);
+
+impl Fnv {
+    fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn bytes(&mut self, bytes: &[u8]) {
+        for b in bytes {
+            self.0 = (self.0 ^ u64::from(*b)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+
+    fn number(&mut self, value: u64) {
+        self.bytes(&value.to_le_bytes());
+    }
+
+    fn floats(&mut self, values: &[f32]) {
+        for v in values {
+            self.bytes(&v.to_bits().to_le_bytes());
+        }
+    }
+}
+
+fn rig_hash(rig: &Rig) -> u64 {
+    let mut h = Fnv::new();
+    for j in 0..rig.len() {
+        h.number(rig.parent(j).map_or(u64::MAX, |p| p as u64));
+        h.bytes(rig.name(j).as_bytes());
+        let rest = rig.rest_pose().get(j);
+        h.floats(&rest.translation.to_array());
+        h.floats(&rest.rotation.to_array());
+        h.floats(&rest.scale.to_array());
+    }
+    h.0
+}
+
+fn clip_hash(clip: &Clip) -> u64 {
+    let mut h = Fnv::new();
+    h.floats(&[clip.rate_hz()]);
+    h.number(clip.frames() as u64);
+    for track in clip.rotations() {
+        h.number(u64::from(track.target));
+        track.values.iter().for_each(|q| h.floats(&q.to_array()));
+    }
+    for track in clip.translations().iter().chain(clip.scales()) {
+        h.number(u64::from(track.target));
+        track.values.iter().for_each(|v| h.floats(&v.to_array()));
+    }
+    h.0
+}
+
+fn mesh_hash(mesh: &Mesh) -> u64 {
+    let mut h = Fnv::new();
+    h.number(mesh.len() as u64);
+    mesh.positions.iter().for_each(|p| h.floats(&p.to_array()));
+    mesh.binding_indices
+        .iter()
+        .for_each(|b| h.bytes(&b.to_le_bytes()));
+    h.floats(&mesh.weights);
+    h.0
+}

@@ -1,0 +1,157 @@
+//! The first step of the thesis' metric: the matrix of errors. A baseline.
+//!
+//! Source: thesis 5.2; reconstruction of the damaged formula and the decisions taken in
+//! `spec/motion-lod.md` 3.1.
+
+use crate::character::Asset;
+use articula_core::clip::Clip;
+use articula_core::hierarchy::local_to_model;
+use articula_core::loa::JointSet;
+use articula_core::math::angle_between;
+use articula_core::pose::ModelPose;
+use articula_core::rig::Rig;
+use articula_core::sample::{Wrap, sample};
+use articula_core::thesis_metric::ErrorMatrix;
+use glam::{Quat, Vec3};
+
+/// Which direction's change is the position term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Direction {
+    /// From the joint to the mean of its children.
+    #[default]
+    Bone,
+    /// Along the path of the joint; the text's word, undefined while it rests.
+    Path,
+}
+
+/// How the lengths of the segments below a joint are combined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Radius {
+    /// `sum l^2 / sum l`: a length-weighted mean, in metres.
+    #[default]
+    Mean,
+    /// `sum l`: grows with the number of children, as the prose suggests.
+    Sum,
+}
+
+/// Parameters of the formula.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ThesisOptions {
+    /// Weight of the angle terms against the position term, metres a radian.
+    pub alpha: f32,
+    /// 1: orientation only; 0: angular velocity only.
+    pub beta: f32,
+    /// Which direction turns.
+    pub direction: Direction,
+    /// Which lever arm.
+    pub radius: Radius,
+    /// Whether the clip's first frame follows its last.
+    pub looping: bool,
+}
+
+impl Default for ThesisOptions {
+    fn default() -> Self {
+        Self {
+            alpha: 1.0,
+            beta: 0.5,
+            direction: Direction::Bone,
+            radius: Radius::Mean,
+            looping: false,
+        }
+    }
+}
+
+/// Lever arm `r(j)` of every joint over all its descendants, at rest; 0 for a leaf.
+pub fn radii(rig: &Rig, kind: Radius) -> Vec<f32> {
+    let mut model = ModelPose::new(rig.len());
+    local_to_model(rig, rig.rest_pose(), &mut model);
+    (0..rig.len())
+        .map(|j| {
+            let lengths = (j + 1..rig.len())
+                .filter(|c| rig.is_at_or_below(*c, j))
+                .map(|c| model.position(j).distance(model.position(c)));
+            let (squares, sum) = lengths.fold((0.0, 0.0), |(q, s), l| (q + l * l, s + l));
+            match kind {
+                Radius::Sum => sum,
+                Radius::Mean if sum > 0.0 => squares / sum,
+                Radius::Mean => 0.0,
+            }
+        })
+        .collect()
+}
+
+/// The normalised matrix over all frames of a clip; `moving` limits what normalises it.
+///
+/// # Panics
+/// Never: a rig has joints, so the matrix is made of whole frames.
+pub fn error_matrix(
+    asset: &Asset,
+    clip: &Clip,
+    moving: &JointSet,
+    opts: &ThesisOptions,
+) -> ErrorMatrix {
+    let rig = &asset.rig;
+    let radii = radii(rig, opts.radius);
+    let frames = clip.frames();
+    let (rotations, directions) = play(rig, clip, opts.direction);
+    let before = |i: usize, steps: usize| match (i >= steps, opts.looping) {
+        (true, _) => Some(i - steps),
+        // The last frame of a loop repeats the first, so it is not counted twice.
+        (false, true) if frames > 2 => Some(i + frames - 1 - steps),
+        _ => None,
+    };
+    let mut values = vec![0.0f32; frames * rig.len()];
+    for i in 0..frames {
+        let Some(i1) = before(i, 1) else { continue };
+        for j in moving.iter() {
+            let turn = |to: usize, from: usize| rotations[from][j].conjugate() * rotations[to][j];
+            let orientation = angle_between(rotations[i1][j], rotations[i][j]);
+            let velocity = before(i, 2).map_or(0.0, |i2| angle_between(turn(i1, i2), turn(i, i1)));
+            let arc = radii[j] * directions[i][j].angle_between(directions[i1][j]);
+            let arc = if arc.is_finite() { arc } else { 0.0 };
+            values[i * rig.len() + j] =
+                opts.alpha * (opts.beta * orientation + (1.0 - opts.beta) * velocity) + arc;
+        }
+    }
+    let greatest = values.iter().copied().fold(0.0, f32::max);
+    if greatest > 0.0 {
+        values.iter_mut().for_each(|v| *v /= greatest);
+    }
+    ErrorMatrix::new(rig.len(), values).expect("whole frames of a rig that has joints")
+}
+
+/// Local rotations and model-space directions of all frames.
+fn play(rig: &Rig, clip: &Clip, direction: Direction) -> (Vec<Vec<Quat>>, Vec<Vec<Vec3>>) {
+    let mut pose = rig.rest_pose().clone();
+    let mut model = ModelPose::new(rig.len());
+    let mut rotations = Vec::with_capacity(clip.frames());
+    let mut positions: Vec<Vec<Vec3>> = Vec::with_capacity(clip.frames());
+    for i in 0..clip.frames() {
+        let secs = i as f64 / f64::from(clip.rate_hz());
+        sample(clip, secs, Wrap::Clamp, &rig.all(), &mut pose);
+        local_to_model(rig, &pose, &mut model);
+        rotations.push(pose.rotations.clone());
+        positions.push((0..rig.len()).map(|j| model.position(j)).collect());
+    }
+    let directions = match direction {
+        Direction::Bone => positions.iter().map(|p| bones(rig, p)).collect(),
+        Direction::Path => (0..positions.len())
+            .map(|i| {
+                let from = &positions[i.saturating_sub(1)];
+                let steps = positions[i].iter().zip(from).map(|(to, from)| *to - *from);
+                steps.map(Vec3::normalize_or_zero).collect()
+            })
+            .collect(),
+    };
+    (rotations, directions)
+}
+
+fn bones(rig: &Rig, positions: &[Vec3]) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::ZERO; rig.len()];
+    for j in 0..rig.len() {
+        if let Some(p) = rig.parent(j) {
+            sums[p] += positions[j] - positions[p];
+        }
+    }
+    sums.into_iter().map(Vec3::normalize_or_zero).collect()
+}
