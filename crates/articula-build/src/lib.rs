@@ -11,4 +11,5 @@
 pub mod character;
 pub mod clip;
 pub mod evaluate;
+pub mod human;
 pub mod motion_error;

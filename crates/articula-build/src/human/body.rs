@@ -3,7 +3,7 @@
 //! All numbers are metres of the left half in the rest pose, drawn after common proportions of
 //! an adult of 1.75 m (eight-part limbs, eyes at half the head); the field mirrors them.
 
-use super::field::{gradient, Group, Join, Section, Shape, smooth_min};
+use super::field::{Group, Join, Section, Shape, gradient, smooth_min};
 use super::{foot, hand, head};
 use glam::{Mat3, Vec3};
 
@@ -110,7 +110,9 @@ impl Body {
 
     /// Unit vector away from the surface.
     pub(super) fn normal(&self, p: Vec3) -> Vec3 {
-        gradient(|q| self.distance(q), p).try_normalize().unwrap_or(Vec3::Y)
+        gradient(|q| self.distance(q), p)
+            .try_normalize()
+            .unwrap_or(Vec3::Y)
     }
 }
 
@@ -129,18 +131,53 @@ fn trunk() -> Group {
     Group::default()
         .with(Shape::loft(&TRUNK), add(0.0))
         // Chest, blades, flanks.
-        .with(Shape::ellipsoid([0.07, 1.345, 0.062], [0.078, 0.058, 0.04], turned(0.2, 0.25, 0.0)), add(0.045))
-        .with(Shape::ellipsoid([0.082, 1.37, -0.09], [0.055, 0.075, 0.034], turned(0.0, -0.3, 0.0)), add(0.04))
-        .with(Shape::cone([0.13, 1.34, -0.05], [0.1, 1.14, -0.045], [0.034, 0.026]), add(0.05))
+        .with(
+            Shape::ellipsoid(
+                [0.07, 1.345, 0.062],
+                [0.078, 0.058, 0.04],
+                turned(0.2, 0.25, 0.0),
+            ),
+            add(0.045),
+        )
+        .with(
+            Shape::ellipsoid(
+                [0.082, 1.37, -0.09],
+                [0.055, 0.075, 0.034],
+                turned(0.0, -0.3, 0.0),
+            ),
+            add(0.04),
+        )
+        .with(
+            Shape::cone([0.13, 1.34, -0.05], [0.1, 1.14, -0.045], [0.034, 0.026]),
+            add(0.05),
+        )
         // Collar bones and the slope of the neck.
-        .with(Shape::cone([0.02, 1.456, 0.012], [0.165, 1.463, -0.022], [0.014, 0.018]), add(0.035))
-        .with(Shape::cone([0.02, 1.55, -0.05], [0.16, 1.455, -0.045], [0.026, 0.027]), add(0.05))
+        .with(
+            Shape::cone([0.02, 1.456, 0.012], [0.165, 1.463, -0.022], [0.014, 0.018]),
+            add(0.035),
+        )
+        .with(
+            Shape::cone([0.02, 1.55, -0.05], [0.16, 1.455, -0.045], [0.026, 0.027]),
+            add(0.05),
+        )
         // Seat.
-        .with(Shape::ellipsoid([0.078, 0.9, -0.068], [0.078, 0.082, 0.07], Mat3::IDENTITY), add(0.03))
+        .with(
+            Shape::ellipsoid([0.078, 0.9, -0.068], [0.078, 0.082, 0.07], Mat3::IDENTITY),
+            add(0.03),
+        )
         // Spine, navel and the line under the breast bone.
-        .with(Shape::cone([0.0, 1.08, -0.108], [0.0, 1.4, -0.142], [0.012, 0.012]), Join::Carve(0.04))
-        .with(Shape::cone([0.0, 1.28, 0.125], [0.0, 1.4, 0.108], [0.008, 0.008]), Join::Carve(0.03))
-        .with(Shape::ellipsoid([0.0, 1.045, 0.1], [0.005, 0.007, 0.006], Mat3::IDENTITY), Join::Carve(0.01))
+        .with(
+            Shape::cone([0.0, 1.08, -0.108], [0.0, 1.4, -0.142], [0.012, 0.012]),
+            Join::Carve(0.04),
+        )
+        .with(
+            Shape::cone([0.0, 1.28, 0.125], [0.0, 1.4, 0.108], [0.008, 0.008]),
+            Join::Carve(0.03),
+        )
+        .with(
+            Shape::ellipsoid([0.0, 1.045, 0.1], [0.005, 0.007, 0.006], Mat3::IDENTITY),
+            Join::Carve(0.01),
+        )
 }
 
 fn leg() -> Group {
@@ -148,14 +185,51 @@ fn leg() -> Group {
     Group::default()
         .with(Shape::loft(&LEG), add(0.0))
         // Knee cap, the two bellies of the calf, shin, ankle bones.
-        .with(Shape::ellipsoid([0.098, 0.492, 0.042], [0.025, 0.032, 0.02], Mat3::IDENTITY), add(0.025))
-        .with(Shape::ellipsoid([0.078, 0.35, -0.055], [0.028, 0.075, 0.032], turned(0.0, 0.0, -0.06)), add(0.03))
-        .with(Shape::ellipsoid([0.126, 0.365, -0.052], [0.026, 0.07, 0.03], turned(0.0, 0.0, 0.06)), add(0.03))
-        .with(Shape::ellipsoid([0.076, 0.096, -0.035], [0.011, 0.016, 0.016], Mat3::IDENTITY), add(0.02))
-        .with(Shape::ellipsoid([0.134, 0.085, -0.043], [0.011, 0.017, 0.016], Mat3::IDENTITY), add(0.02))
+        .with(
+            Shape::ellipsoid([0.098, 0.492, 0.042], [0.025, 0.032, 0.02], Mat3::IDENTITY),
+            add(0.025),
+        )
+        .with(
+            Shape::ellipsoid(
+                [0.078, 0.35, -0.055],
+                [0.028, 0.075, 0.032],
+                turned(0.0, 0.0, -0.06),
+            ),
+            add(0.03),
+        )
+        .with(
+            Shape::ellipsoid(
+                [0.126, 0.365, -0.052],
+                [0.026, 0.07, 0.03],
+                turned(0.0, 0.0, 0.06),
+            ),
+            add(0.03),
+        )
+        .with(
+            Shape::ellipsoid(
+                [0.076, 0.096, -0.035],
+                [0.011, 0.016, 0.016],
+                Mat3::IDENTITY,
+            ),
+            add(0.02),
+        )
+        .with(
+            Shape::ellipsoid(
+                [0.134, 0.085, -0.043],
+                [0.011, 0.017, 0.016],
+                Mat3::IDENTITY,
+            ),
+            add(0.02),
+        )
         // Muscle above the knee, inner and outer.
-        .with(Shape::ellipsoid([0.07, 0.555, 0.03], [0.026, 0.05, 0.03], Mat3::IDENTITY), add(0.03))
-        .with(Shape::ellipsoid([0.125, 0.58, 0.035], [0.026, 0.06, 0.03], Mat3::IDENTITY), add(0.03))
+        .with(
+            Shape::ellipsoid([0.07, 0.555, 0.03], [0.026, 0.05, 0.03], Mat3::IDENTITY),
+            add(0.03),
+        )
+        .with(
+            Shape::ellipsoid([0.125, 0.58, 0.035], [0.026, 0.06, 0.03], Mat3::IDENTITY),
+            add(0.03),
+        )
 }
 
 fn arm() -> Group {
@@ -163,9 +237,44 @@ fn arm() -> Group {
     Group::default()
         .with(Shape::loft(&ARM), add(0.0))
         // Deltoid, biceps, triceps, elbow.
-        .with(Shape::ellipsoid([0.186, 1.41, -0.031], [0.046, 0.075, 0.05], turned(0.0, 0.0, 0.12)), add(0.03))
-        .with(Shape::ellipsoid([0.204, 1.28, -0.008], [0.028, 0.07, 0.024], turned(0.04, 0.0, 0.12)), add(0.03))
-        .with(Shape::ellipsoid([0.2, 1.29, -0.065], [0.03, 0.075, 0.023], turned(0.0, 0.0, 0.12)), add(0.03))
-        .with(Shape::ellipsoid([0.2225, 1.14, -0.075], [0.018, 0.022, 0.014], Mat3::IDENTITY), add(0.02))
-        .with(Shape::ellipsoid([0.238, 1.07, -0.03], [0.028, 0.06, 0.032], turned(0.0, 0.0, 0.09)), add(0.03))
+        .with(
+            Shape::ellipsoid(
+                [0.186, 1.41, -0.031],
+                [0.046, 0.075, 0.05],
+                turned(0.0, 0.0, 0.12),
+            ),
+            add(0.03),
+        )
+        .with(
+            Shape::ellipsoid(
+                [0.204, 1.28, -0.008],
+                [0.028, 0.07, 0.024],
+                turned(0.04, 0.0, 0.12),
+            ),
+            add(0.03),
+        )
+        .with(
+            Shape::ellipsoid(
+                [0.2, 1.29, -0.065],
+                [0.03, 0.075, 0.023],
+                turned(0.0, 0.0, 0.12),
+            ),
+            add(0.03),
+        )
+        .with(
+            Shape::ellipsoid(
+                [0.2225, 1.14, -0.075],
+                [0.018, 0.022, 0.014],
+                Mat3::IDENTITY,
+            ),
+            add(0.02),
+        )
+        .with(
+            Shape::ellipsoid(
+                [0.238, 1.07, -0.03],
+                [0.028, 0.06, 0.032],
+                turned(0.0, 0.0, 0.09),
+            ),
+            add(0.03),
+        )
 }

@@ -21,7 +21,15 @@ impl Quadric {
     fn plane(normal: DVec3, point: DVec3, weight: f64) -> Self {
         let (n, d) = (normal, -normal.dot(point));
         Self {
-            a: [n.x * n.x, n.x * n.y, n.x * n.z, n.y * n.y, n.y * n.z, n.z * n.z].map(|v| v * weight),
+            a: [
+                n.x * n.x,
+                n.x * n.y,
+                n.x * n.z,
+                n.y * n.y,
+                n.y * n.z,
+                n.z * n.z,
+            ]
+            .map(|v| v * weight),
             b: n * (d * weight),
             c: d * d * weight,
         }
@@ -60,7 +68,11 @@ impl Quadric {
             return near;
         }
         let p = m.inverse() * -self.b;
-        if p.is_finite() && p.distance(near) < radius { p } else { near }
+        if p.is_finite() && p.distance(near) < radius {
+            p
+        } else {
+            near
+        }
     }
 }
 
@@ -125,7 +137,11 @@ impl Mesh {
             around: vec![Vec::new(); count],
             quadrics: vec![Quadric::default(); count],
             versions: vec![0; count],
-            on_rim: surface.positions.iter().map(|p| options.mirrored && p.x == 0.0).collect(),
+            on_rim: surface
+                .positions
+                .iter()
+                .map(|p| options.mirrored && p.x == 0.0)
+                .collect(),
             triangles: surface.triangles.iter().copied().map(Some).collect(),
             live: surface.triangles.len(),
             positions,
@@ -153,7 +169,9 @@ impl Mesh {
     }
 
     fn fan(&self, v: u32) -> impl Iterator<Item = [u32; 3]> + '_ {
-        self.around[v as usize].iter().filter_map(|t| self.triangles[*t as usize])
+        self.around[v as usize]
+            .iter()
+            .filter_map(|t| self.triangles[*t as usize])
     }
 
     /// Where the edge would go, before projection.
@@ -175,7 +193,13 @@ impl Mesh {
 
     fn entry(&self, a: u32, b: u32) -> Entry {
         let cost = self.meeting_point(a, b).1;
-        Reverse((cost.to_bits(), a, b, self.versions[a as usize], self.versions[b as usize]))
+        Reverse((
+            cost.to_bits(),
+            a,
+            b,
+            self.versions[a as usize],
+            self.versions[b as usize],
+        ))
     }
 
     /// The new point, if the surface stays a manifold and no triangle turns over.
@@ -221,10 +245,18 @@ impl Mesh {
 
     fn stays_upright(&self, triangle: [u32; 3], moved: u32, to: DVec3) -> bool {
         let before = triangle.map(|v| self.positions[v as usize]);
-        let after = triangle.map(|v| if v == moved { to } else { self.positions[v as usize] });
+        let after = triangle.map(|v| {
+            if v == moved {
+                to
+            } else {
+                self.positions[v as usize]
+            }
+        });
         let normal = |p: [DVec3; 3]| (p[1] - p[0]).cross(p[2] - p[0]);
         let (old, new) = (normal(before), normal(after));
-        let longest = (0..3).map(|i| after[i].distance_squared(after[(i + 1) % 3])).fold(0.0, f64::max);
+        let longest = (0..3)
+            .map(|i| after[i].distance_squared(after[(i + 1) % 3]))
+            .fold(0.0, f64::max);
         // Neither turned by more than 60 degrees nor thinner than about one in twelve.
         old.dot(new) > 0.5 * old.length() * new.length() && new.length() > 0.08 * longest
     }

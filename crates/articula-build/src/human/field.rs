@@ -70,7 +70,10 @@ impl Shape {
         let rows = (0..=last)
             .map(|i| {
                 let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
-                (values[i], (values[b] - values[a]) / (heights[b] - heights[a]))
+                (
+                    values[i],
+                    (values[b] - values[a]) / (heights[b] - heights[a]),
+                )
             })
             .collect();
         Self::Loft(Loft { heights, rows })

@@ -68,14 +68,22 @@ fn swing_arm(pose: &mut Pose, side: Side, phase: f32) {
 
 /// Where a foot is at a phase of its own cycle, which begins with its heel strike.
 pub(super) fn foothold(side: Side, phase: f32) -> Foothold {
-    if phase <= STANCE { on_ground(side, phase) } else { in_air(side, phase) }
+    if phase <= STANCE {
+        on_ground(side, phase)
+    } else {
+        in_air(side, phase)
+    }
 }
 
 fn on_ground(side: Side, phase: f32) -> Foothold {
     let rest = centers()[side.joint("ankle")];
     let landing = STRIKE * (1.0 - smooth_step(0.0, FLAT, phase));
     let rising = TOE_OFF * ((phase - HEEL_OFF) / (STANCE - HEEL_OFF)).max(0.0).powi(2);
-    let (pivot, pitch) = if phase < FLAT { (HEEL, landing) } else { (BALL, rising) };
+    let (pivot, pitch) = if phase < FLAT {
+        (HEEL, landing)
+    } else {
+        (BALL, rising)
+    };
     let pivot = Vec3::new(rest.x, 0.0, pivot);
     let ground = STRIDE * (UNDER - phase) - rest.z;
     let ankle = pivot + Quat::from_rotation_x(pitch) * (rest - pivot);
@@ -92,12 +100,19 @@ fn in_air(side: Side, phase: f32) -> Foothold {
     let (a, b) = (on_ground(side, STANCE), on_ground(side, 0.0));
     let (before, after) = (on_ground(side, STANCE - SLICE), on_ground(side, SLICE));
     let scale = (1.0 - STANCE) / SLICE;
-    let (va, vb) = ((a.ankle - before.ankle) * scale, (after.ankle - b.ankle) * scale);
+    let (va, vb) = (
+        (a.ankle - before.ankle) * scale,
+        (after.ankle - b.ankle) * scale,
+    );
     let lift = Vec3::Y * (0.035 * (std::f32::consts::PI * along).sin().powi(2));
     let pitch_speed = (a.pitch - before.pitch) * scale;
     Foothold {
         ankle: hermite([a.ankle, va, b.ankle, vb], along) + lift,
-        pitch: hermite([a.pitch, pitch_speed * 0.6, b.pitch, 0.0].map(Vec3::splat), along).x,
+        pitch: hermite(
+            [a.pitch, pitch_speed * 0.6, b.pitch, 0.0].map(Vec3::splat),
+            along,
+        )
+        .x,
         toes: a.toes * (1.0 - smooth_step(0.0, 0.55, along)),
     }
 }
@@ -105,5 +120,8 @@ fn in_air(side: Side, phase: f32) -> Foothold {
 /// Cubic from a value and slope at 0 to a value and slope at 1.
 fn hermite([a, da, b, db]: [Vec3; 4], t: f32) -> Vec3 {
     let (t2, t3) = (t * t, t * t * t);
-    a * (2.0 * t3 - 3.0 * t2 + 1.0) + da * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + db * (t3 - t2)
+    a * (2.0 * t3 - 3.0 * t2 + 1.0)
+        + da * (t3 - 2.0 * t2 + t)
+        + b * (3.0 * t2 - 2.0 * t3)
+        + db * (t3 - t2)
 }

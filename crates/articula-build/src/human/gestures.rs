@@ -28,19 +28,49 @@ fn standing(phase: f32, amount: f32) -> Pose {
     let twice = |offset: f32| (2.0 * TAU * (phase - offset)).sin();
     let (shift, breath) = (once(0.0), twice(0.0));
     let mut pose = Pose::rest();
-    pose.root += Vec3::new(0.012 * shift, -0.007 - 0.002 * amount * twice(0.12).abs().powi(2), 0.003 * once(0.3));
+    pose.root += Vec3::new(
+        0.012 * shift,
+        -0.007 - 0.002 * amount * twice(0.12).abs().powi(2),
+        0.003 * once(0.3),
+    );
     pose.turn(0, [0.4 * once(0.1), 0.8 * once(0.2), 1.1 * shift]);
     pose.turn_spine("vl5", "vt12", [0.6, 0.0, -1.5 * shift]);
-    pose.turn_spine("vt11", "vt1", [-0.9 * breath, -0.6 * once(0.2), 0.2 * shift]);
+    pose.turn_spine(
+        "vt11",
+        "vt1",
+        [-0.9 * breath, -0.6 * once(0.2), 0.2 * shift],
+    );
     pose.turn_spine("vc7", "vc1", [0.5 * breath, 1.8 * once(0.31), 0.3 * shift]);
-    pose.turn(joint("skullbase"), [0.7 * once(0.45), 1.2 * once(0.33), 0.2 * shift]);
+    pose.turn(
+        joint("skullbase"),
+        [0.7 * once(0.45), 1.2 * once(0.33), 0.2 * shift],
+    );
     for side in Side::BOTH {
         pose.turn_side(side, "sternoclavicular", [0.0, 0.0, 0.9 * breath]);
-        pose.turn_side(side, "shoulder", [0.8 * once(0.15) - 1.5, 2.0, 0.9 - 0.6 * breath - 0.5 * shift * side.sign()]);
+        pose.turn_side(
+            side,
+            "shoulder",
+            [
+                0.8 * once(0.15) - 1.5,
+                2.0,
+                0.9 - 0.6 * breath - 0.5 * shift * side.sign(),
+            ],
+        );
         pose.turn_side(side, "elbow", [-7.0 - 1.2 * once(0.22), 0.0, 0.0]);
-        pose.curl(side, 8.0 + 2.5 * once(if side == Side::Left { 0.4 } else { 0.62 }));
+        pose.curl(
+            side,
+            8.0 + 2.5 * once(if side == Side::Left { 0.4 } else { 0.62 }),
+        );
         let ankle = centers()[side.joint("ankle")];
-        stand(&mut pose, side, Foothold { ankle, pitch: 0.0, toes: 0.0 });
+        stand(
+            &mut pose,
+            side,
+            Foothold {
+                ankle,
+                pitch: 0.0,
+                toes: 0.0,
+            },
+        );
     }
     pose
 }

@@ -37,13 +37,25 @@ pub(super) fn palm() -> Group {
     let mut palm = Group::default().with(wrist, Join::Add(0.0));
     for (finger, radii) in FINGER_POINTS.iter().zip(&RADII).skip(1) {
         let [carpus, knuckle, ..] = *finger;
-        palm = palm.with(cone(carpus, knuckle, [0.0145, radii[0] + 0.0012]), Join::Add(0.014));
+        palm = palm.with(
+            cone(carpus, knuckle, [0.0145, radii[0] + 0.0012]),
+            Join::Add(0.014),
+        );
     }
     palm
         // Ball of the thumb, outer edge, and the hollow between them.
-        .with(ellipsoid([-0.013, 0.04, 0.021], [0.014, 0.03, 0.017]), Join::Add(0.015))
-        .with(ellipsoid([-0.011, 0.045, -0.02], [0.012, 0.032, 0.013]), Join::Add(0.015))
-        .with(ellipsoid([-0.024, 0.062, -0.002], [0.008, 0.02, 0.012]), Join::Carve(0.014))
+        .with(
+            ellipsoid([-0.013, 0.04, 0.021], [0.014, 0.03, 0.017]),
+            Join::Add(0.015),
+        )
+        .with(
+            ellipsoid([-0.011, 0.045, -0.02], [0.012, 0.032, 0.013]),
+            Join::Add(0.015),
+        )
+        .with(
+            ellipsoid([-0.024, 0.062, -0.002], [0.008, 0.02, 0.012]),
+            Join::Carve(0.014),
+        )
 }
 
 /// Thumb, index, middle, ring, pinky; each a chain of tapered bones with a hint of a nail.
@@ -57,19 +69,31 @@ pub(super) fn fingers() -> [Group; 5] {
             .with(bone(3), Join::Add(0.004))
             // Pad under the tip.
             .with(pad(points, radii[3]), Join::Add(0.006));
-        if f == 0 { group.with(web(points), Join::Add(0.012)) } else { group }
+        if f == 0 {
+            group.with(web(points), Join::Add(0.012))
+        } else {
+            group
+        }
     })
 }
 
 fn pad(points: &[[f32; 3]; 5], radius: f32) -> Shape {
     let (end, tip) = (Vec3::from(points[3]), Vec3::from(points[4]));
     let at = end.lerp(tip, 0.62) - Vec3::X * (0.2 * radius);
-    cone(at.into(), end.lerp(tip, 0.9).into(), [radius * 1.08, radius * 0.95])
+    cone(
+        at.into(),
+        end.lerp(tip, 0.9).into(),
+        [radius * 1.08, radius * 0.95],
+    )
 }
 
 /// Skin between thumb and index.
 fn web(points: &[[f32; 3]; 5]) -> Shape {
     let middle = Vec3::from(points[2]).lerp(Vec3::from(FINGER_POINTS[1][1]), 0.45);
     let from = Vec3::from(points[2]).lerp(Vec3::from(points[1]), 0.45);
-    cone(from.into(), (middle - Vec3::Y * 0.016).into(), [0.011, 0.0075])
+    cone(
+        from.into(),
+        (middle - Vec3::Y * 0.016).into(),
+        [0.011, 0.0075],
+    )
 }

@@ -65,7 +65,9 @@ pub enum HumanError {
 /// [`HumanError::Triangles`] if the count is outside of [`TRIANGLES`].
 pub fn human(options: &HumanOptions) -> Result<Character, HumanError> {
     if !TRIANGLES.contains(&options.triangles) {
-        return Err(HumanError::Triangles { found: options.triangles });
+        return Err(HumanError::Triangles {
+            found: options.triangles,
+        });
     }
     let body = Body::new();
     let pieces = Pieces::new(&body, options.triangles);
@@ -101,10 +103,17 @@ fn materials() -> Vec<Material> {
 
 fn meshes(body: &Body, pieces: &Pieces) -> Vec<Mesh> {
     let skull = skeleton::joint("skullbase") as u16;
-    let eyes = [skeleton::joint("l_eyeball_joint"), skeleton::joint("r_eyeball_joint")];
+    let eyes = [
+        skeleton::joint("l_eyeball_joint"),
+        skeleton::joint("r_eyeball_joint"),
+    ];
     let eye = |p: Vec3| eyes[usize::from(p.x < 0.0)] as u16;
     let eye_normal = |p: Vec3| {
-        let center = Vec3::new(skeleton::EYE.x.copysign(p.x), skeleton::EYE.y, skeleton::EYE.z);
+        let center = Vec3::new(
+            skeleton::EYE.x.copysign(p.x),
+            skeleton::EYE.y,
+            skeleton::EYE.z,
+        );
         (p - center).normalize()
     };
     let iris = |i: usize| rigid(&pieces.eyes[i], 3 + i, eye_normal, eye);
@@ -112,8 +121,14 @@ fn meshes(body: &Body, pieces: &Pieces) -> Vec<Mesh> {
     let lips = head::lips(&body.head);
     vec![
         mesh("skin", vec![skin(body, &pieces.skin)]),
-        mesh("lips", vec![rigid(&pieces.lips, 1, |p| lips.normal(p), |_| skull)]),
-        mesh("brows", vec![rigid(&pieces.brows, 2, |p| brow.normal(p), |_| skull)]),
+        mesh(
+            "lips",
+            vec![rigid(&pieces.lips, 1, |p| lips.normal(p), |_| skull)],
+        ),
+        mesh(
+            "brows",
+            vec![rigid(&pieces.brows, 2, |p| brow.normal(p), |_| skull)],
+        ),
         mesh("eyes", (0..3).map(iris).collect()),
     ]
 }
@@ -125,7 +140,10 @@ fn mesh(name: &str, primitives: Vec<Primitive>) -> Mesh {
         name: name.to_owned(),
         skin: Skin {
             joints: (0..centers.len()).collect(),
-            inverse_bind: centers.iter().map(|c| Affine3A::from_translation(-*c)).collect(),
+            inverse_bind: centers
+                .iter()
+                .map(|c| Affine3A::from_translation(-*c))
+                .collect(),
         },
         primitives,
         ..Mesh::default()

@@ -83,7 +83,11 @@ impl Pose {
         for (f, finger) in ["index", "middle", "ring", "pinky"].iter().enumerate() {
             let more = 1.0 + 0.12 * f as f32;
             for (digit, part) in [(1, 0.8), (2, 1.0), (3, 0.6)] {
-                self.turn_side(side, &format!("{finger}{digit}"), [0.0, 0.0, -degrees * part * more]);
+                self.turn_side(
+                    side,
+                    &format!("{finger}{digit}"),
+                    [0.0, 0.0, -degrees * part * more],
+                );
             }
         }
         self.turn_side(side, "thumb2", [0.3 * degrees, 0.0, -0.2 * degrees]);
@@ -108,7 +112,9 @@ impl Pose {
 
 /// A clip that repeats: `pose` is asked for a phase in 0..1, and the last key is the first.
 pub(super) fn cycle(name: &str, frames: usize, pose: impl Fn(f32) -> Pose) -> Clip {
-    let mut poses: Vec<Pose> = (0..frames).map(|f| pose(f as f32 / frames as f32)).collect();
+    let mut poses: Vec<Pose> = (0..frames)
+        .map(|f| pose(f as f32 / frames as f32))
+        .collect();
     poses.push(poses[0].clone());
     let times: Vec<f32> = (0..=frames).map(|f| f as f32 / RATE).collect();
     let channel = |target, property, values| Channel {
@@ -138,7 +144,11 @@ fn near_keys(rotations: impl Iterator<Item = Quat>) -> Vec<f32> {
     rotations
         .flat_map(|q| {
             let q = q.normalize();
-            if q.w < 0.0 { (-q).to_array() } else { q.to_array() }
+            if q.w < 0.0 {
+                (-q).to_array()
+            } else {
+                q.to_array()
+            }
         })
         .collect()
 }

@@ -31,14 +31,23 @@ impl Pieces {
             + brows.triangles.len()
             + eyes.iter().map(|e| e.triangles.len()).sum::<usize>();
         let skin = mirrored(&skin_half(body, triangles.saturating_sub(spent) / 2));
-        Self { skin, lips, brows, eyes }
+        Self {
+            skin,
+            lips,
+            brows,
+            eyes,
+        }
     }
 }
 
 /// The left half of the skin, not simplified below `target` triangles.
 fn skin_half(body: &Body, target: usize) -> Surface {
     let field = |p: Vec3| body.distance(p);
-    let grid = Grid::uniform(Vec3::new(0.0, -0.012, -0.15), Vec3::new(0.3, 1.765, 0.185), SKIN_STEP);
+    let grid = Grid::uniform(
+        Vec3::new(0.0, -0.012, -0.15),
+        Vec3::new(0.3, 1.765, 0.185),
+        SKIN_STEP,
+    );
     let fine = polygonise(&grid, &field);
     let options = Options {
         target,
@@ -104,7 +113,10 @@ fn mirrored(half: &Surface) -> Surface {
             whole.positions.len() as u32 - 1
         })
         .collect();
-    let other = half.triangles.iter().map(|[a, b, c]| [*a, *c, *b].map(|v| twin[v as usize]));
+    let other = half
+        .triangles
+        .iter()
+        .map(|[a, b, c]| [*a, *c, *b].map(|v| twin[v as usize]));
     whole.triangles.extend(other);
     whole
 }
@@ -113,8 +125,13 @@ fn mirrored(half: &Surface) -> Surface {
 fn both_sides(one: &Surface) -> Surface {
     let count = one.positions.len() as u32;
     let mut both = one.clone();
-    both.positions.extend(one.positions.iter().map(|p| *p * FLIP));
-    both.triangles.extend(one.triangles.iter().map(|[a, b, c]| [a + count, c + count, b + count]));
+    both.positions
+        .extend(one.positions.iter().map(|p| *p * FLIP));
+    both.triangles.extend(
+        one.triangles
+            .iter()
+            .map(|[a, b, c]| [a + count, c + count, b + count]),
+    );
     both
 }
 
@@ -122,11 +139,14 @@ fn both_sides(one: &Surface) -> Surface {
 fn eyes(triangles: usize) -> [Surface; 3] {
     let around = (triangles / 600).clamp(6, 28);
     let rings = |from: f32, to: f32, count: usize| -> Vec<f32> {
-        (0..=count).map(|i| from + (to - from) * i as f32 / count as f32).collect()
+        (0..=count)
+            .map(|i| from + (to - from) * i as f32 / count as f32)
+            .collect()
     };
     let detail = (around / 4).max(2);
     let sclera = rings(0.46, std::f32::consts::PI, detail + 1);
-    [sclera, rings(0.2, 0.46, 1), rings(0.0, 0.2, 1)].map(|angles| both_sides(&band(&angles, around)))
+    [sclera, rings(0.2, 0.46, 1), rings(0.0, 0.2, 1)]
+        .map(|angles| both_sides(&band(&angles, around)))
 }
 
 /// A band of the left eyeball between polar angles from the line of sight.

@@ -32,7 +32,11 @@ impl Grid {
         };
         let start = if low.x <= step { -0.5 * step } else { low.x };
         Self {
-            axes: [axis(start, high.x), axis(low.y, high.y), axis(low.z, high.z)],
+            axes: [
+                axis(start, high.x),
+                axis(low.y, high.y),
+                axis(low.z, high.z),
+            ],
         }
     }
 
@@ -54,7 +58,10 @@ struct Samples<'a> {
 impl<'a> Samples<'a> {
     fn new(grid: &'a Grid, field: &impl Fn(Vec3) -> f32) -> Self {
         let [nx, ny, nz] = grid.counts();
-        let mut samples = Self { grid, values: vec![0.0; nx * ny * nz] };
+        let mut samples = Self {
+            grid,
+            values: vec![0.0; nx * ny * nz],
+        };
         for k in (0..nz).step_by(4 * BLOCK) {
             for j in (0..ny).step_by(4 * BLOCK) {
                 for i in (0..nx).step_by(4 * BLOCK) {
@@ -185,7 +192,11 @@ fn quad(
         cell[v] -= dv;
         vertex(cell)
     });
-    let [a, b, c, d] = if inside { around } else { [around[3], around[2], around[1], around[0]] };
+    let [a, b, c, d] = if inside {
+        around
+    } else {
+        [around[3], around[2], around[1], around[0]]
+    };
     let p = |i: u32| out.positions[i as usize];
     // The shorter diagonal bends less.
     let halves = if p(a).distance_squared(p(c)) <= p(b).distance_squared(p(d)) {
@@ -198,7 +209,11 @@ fn quad(
 
 /// Moves a point onto the surface; `mirrored` keeps it in the plane x = 0.
 pub(super) fn onto(field: &impl Fn(Vec3) -> f32, from: Vec3, mirrored: bool) -> Vec3 {
-    let flat = if mirrored { Vec3::new(0.0, 1.0, 1.0) } else { Vec3::ONE };
+    let flat = if mirrored {
+        Vec3::new(0.0, 1.0, 1.0)
+    } else {
+        Vec3::ONE
+    };
     let mut p = from * flat;
     for _ in 0..3 {
         let slope = gradient(field, p) * flat;

@@ -36,11 +36,41 @@ pub(super) const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "pink
 /// Joint centres and the tip of each finger in the hand's own frame: metres towards the back of
 /// the hand, towards the finger tips, towards the thumb's side.
 pub(super) const FINGER_POINTS: [[[f32; 3]; 5]; 5] = [
-    [[-0.009, 0.026, 0.02], [-0.009, 0.026, 0.02], [-0.021, 0.058, 0.047], [-0.027, 0.088, 0.062], [-0.03, 0.114, 0.071]],
-    [[0.0, 0.03, 0.011], [0.003, 0.091, 0.0275], [-0.001, 0.133, 0.0335], [-0.0065, 0.157, 0.036], [-0.0145, 0.177, 0.0375]],
-    [[0.001, 0.03, 0.002], [0.004, 0.094, 0.005], [-0.001, 0.14, 0.007], [-0.0075, 0.167, 0.0075], [-0.0165, 0.188, 0.008]],
-    [[0.0, 0.031, -0.007], [0.002, 0.089, -0.0165], [-0.004, 0.131, -0.0195], [-0.0115, 0.1565, -0.021], [-0.021, 0.1765, -0.0215]],
-    [[-0.002, 0.032, -0.015], [-0.002, 0.08, -0.0365], [-0.008, 0.113, -0.0445], [-0.0145, 0.132, -0.048], [-0.0225, 0.148, -0.05]],
+    [
+        [-0.009, 0.026, 0.02],
+        [-0.009, 0.026, 0.02],
+        [-0.021, 0.058, 0.047],
+        [-0.027, 0.088, 0.062],
+        [-0.03, 0.114, 0.071],
+    ],
+    [
+        [0.0, 0.03, 0.011],
+        [0.003, 0.091, 0.0275],
+        [-0.001, 0.133, 0.0335],
+        [-0.0065, 0.157, 0.036],
+        [-0.0145, 0.177, 0.0375],
+    ],
+    [
+        [0.001, 0.03, 0.002],
+        [0.004, 0.094, 0.005],
+        [-0.001, 0.14, 0.007],
+        [-0.0075, 0.167, 0.0075],
+        [-0.0165, 0.188, 0.008],
+    ],
+    [
+        [0.0, 0.031, -0.007],
+        [0.002, 0.089, -0.0165],
+        [-0.004, 0.131, -0.0195],
+        [-0.0115, 0.1565, -0.021],
+        [-0.021, 0.1765, -0.0215],
+    ],
+    [
+        [-0.002, 0.032, -0.015],
+        [-0.002, 0.08, -0.0365],
+        [-0.008, 0.113, -0.0445],
+        [-0.0145, 0.132, -0.048],
+        [-0.0225, 0.148, -0.05],
+    ],
 ];
 
 /// Axes of the left hand in model space: back of the hand, finger tips, thumb's side.
@@ -61,7 +91,9 @@ pub(super) fn centers() -> Vec<Vec3> {
     let body = &JOINTS[..BODY_JOINTS];
     body.iter()
         .map(|joint| match joint.name.strip_prefix("r_") {
-            Some(rest) => left_center(&format!("l_{rest}"), joint.center) * Vec3::new(-1.0, 1.0, 1.0),
+            Some(rest) => {
+                left_center(&format!("l_{rest}"), joint.center) * Vec3::new(-1.0, 1.0, 1.0)
+            }
             None => left_center(joint.name, joint.center),
         })
         .collect()
@@ -107,7 +139,9 @@ pub(super) fn skeleton() -> source::Skeleton {
         .map(|(joint, center)| source::Joint {
             name: joint.name.to_owned(),
             parent: joint.parent,
-            rest: Transform::from_translation(*center - joint.parent.map_or(Vec3::ZERO, |p| centers[p])),
+            rest: Transform::from_translation(
+                *center - joint.parent.map_or(Vec3::ZERO, |p| centers[p]),
+            ),
             in_skin: true,
         })
         .collect();

@@ -42,7 +42,8 @@ impl Sum {
 
     /// The heaviest influences, made to sum to one.
     fn heaviest(mut self) -> Influences {
-        self.0.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
+        self.0
+            .sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
         self.0.truncate(INFLUENCES);
         let total: f32 = self.0.iter().map(|(_, w)| w).sum();
         std::array::from_fn(|i| match self.0.get(i) {
@@ -65,7 +66,9 @@ impl<'a> Weigher<'a> {
             }
         };
         let first = joint("vl5");
-        let spine = (first..joint("skullbase")).map(|j| (j, centers[j].y)).collect();
+        let spine = (first..joint("skullbase"))
+            .map(|j| (j, centers[j].y))
+            .collect();
         Self {
             body,
             twins: JOINTS[..BODY_JOINTS].iter().map(|j| twin(j.name)).collect(),
@@ -141,13 +144,21 @@ impl<'a> Weigher<'a> {
         if share <= 0.0 {
             return;
         }
-        let gaps = self.body.fingers.each_ref().map(|finger| finger.distance(p));
+        let gaps = self
+            .body
+            .fingers
+            .each_ref()
+            .map(|finger| finger.distance(p));
         let nearest = (0..5).fold(0, |best, f| if gaps[f] < gaps[best] { f } else { best });
-        let second = (0..5).filter(|f| *f != nearest).map(|f| gaps[f]).fold(f32::MAX, f32::min);
+        let second = (0..5)
+            .filter(|f| *f != nearest)
+            .map(|f| gaps[f])
+            .fold(f32::MAX, f32::min);
         // Where two fingers are as near, the skin stays with the palm.
         let own = smooth_step(0.0, 0.003, second - gaps[nearest]);
         let thumb = if nearest == 0 { own } else { 0.0 };
-        let near_thumb = smooth_step(0.02, 0.003, gaps[0]).min(if nearest == 0 { 1.0 } else { thumb });
+        let near_thumb =
+            smooth_step(0.02, 0.003, gaps[0]).min(if nearest == 0 { 1.0 } else { thumb });
         let knuckle = match nearest {
             0 => near_thumb * self.phalanx(p, 0, 1, 0.02),
             f => own * self.phalanx(p, f, 1, 0.009) * smooth_step(0.012, 0.002, gaps[f]),
@@ -166,7 +177,11 @@ impl<'a> Weigher<'a> {
         let points = FINGER_POINTS[finger].map(hand_point);
         let before = (points[digit] - points[digit - 1]).normalize_or_zero();
         let after = (points[digit + 1] - points[digit]).normalize();
-        smooth_step(-band, band, (p - points[digit]).dot((before + after).normalize()))
+        smooth_step(
+            -band,
+            band,
+            (p - points[digit]).dot((before + after).normalize()),
+        )
     }
 
     /// Wrist and the metacarpals, between the two knuckles beside the point.
@@ -187,14 +202,22 @@ impl<'a> Weigher<'a> {
     /// Pelvis, spine, skull and collars.
     fn core(&self, p: Vec3, share: f32, sum: &mut Sum) {
         let ahead = p.z + 0.01;
-        let skull = smooth_step(1.57, 1.614, p.y + 0.9 * ahead.max(0.0) + 0.2 * ahead.min(0.0));
+        let skull = smooth_step(
+            1.57,
+            1.614,
+            p.y + 0.9 * ahead.max(0.0) + 0.2 * ahead.min(0.0),
+        );
         sum.add(joint("skullbase"), share * skull);
         let rest = share * (1.0 - skull);
         let collar = smooth_step(0.03, 0.16, p.x) * smooth_step(1.34, 1.45, p.y) * 0.9;
         let outer = smooth_step(0.09, 0.17, p.x);
         sum.add(joint("l_sternoclavicular"), rest * collar * (1.0 - outer));
         sum.add(joint("l_acromioclavicular"), rest * collar * outer);
-        self.spine(p.y + 0.35 * ahead.max(0.0) * smooth_step(1.45, 1.52, p.y), rest * (1.0 - collar), sum);
+        self.spine(
+            p.y + 0.35 * ahead.max(0.0) * smooth_step(1.45, 1.52, p.y),
+            rest * (1.0 - collar),
+            sum,
+        );
     }
 
     fn spine(&self, height: f32, share: f32, sum: &mut Sum) {
