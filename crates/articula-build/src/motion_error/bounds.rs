@@ -62,7 +62,12 @@ pub fn joint_bounds(
 ) -> Vec<JointBounds> {
     let counts = match share {
         ChainShare::Whole => vec![1; asset.rig.len()],
-        _ => chain_counts(&asset.rig, &asset.mesh, &moving_joints(asset, clip)),
+        _ => {
+            // Whatever turns adds to the chain's error, the root too.
+            let turning = clip.rotations().iter().filter(|t| t.values.len() > 1);
+            let turning = turning.map(|t| usize::from(t.target)).collect();
+            chain_counts(&asset.rig, &asset.mesh, &turning)
+        }
     };
     let mut bounds: Vec<JointBounds> = levers
         .iter()
