@@ -36,16 +36,21 @@ pub(super) struct Candidate {
 impl Candidate {
     /// Matches a skeleton's names; `None` if the profile does not fit.
     pub(super) fn by_name(skeleton: &Skeleton, profile: &Profile, lone_hand: Side) -> Option<Self> {
-        let found = skeleton.joints.iter().map(|joint| {
-            let target = profile.target(&joint.name)?;
-            Some(match target {
-                Target::HandJoint(rest) => {
-                    let name = format!("{}{rest}", lone_hand.letter());
-                    Target::Joint(standard::joint(&name)?)
-                }
-                other => other.clone(),
-            })
-        });
+        let eligible = eligible(skeleton);
+        let found = skeleton
+            .joints
+            .iter()
+            .zip(eligible)
+            .map(|(joint, eligible)| {
+                let target = profile.target(&joint.name).filter(|_| eligible)?;
+                Some(match target {
+                    Target::HandJoint(rest) => {
+                        let name = format!("{}{rest}", lone_hand.letter());
+                        Target::Joint(standard::joint(&name)?)
+                    }
+                    other => other.clone(),
+                })
+            });
         Self::new(skeleton, &profile.name, found.collect(), profile.scope)
     }
 
@@ -68,9 +73,10 @@ impl Candidate {
         candidate.fits(scope).then_some(candidate)
     }
 
-    /// Number of joints mapped to the standard.
-    pub(super) fn mapped(&self) -> usize {
-        self.names().count()
+    /// Number of joints mapped to the standard, then of all joints that the profile knows.
+    pub(super) fn score(&self) -> (usize, usize) {
+        let known = self.meanings.iter().filter(|m| m.is_ok()).count();
+        (self.names().count(), known)
     }
 
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
@@ -90,6 +96,23 @@ impl Candidate {
             }
         }
     }
+}
+
+/// Whether a name counts: a mesh node beside the skeleton is often called `Head` or `Hand.L`
+/// as well, so in a file with a skin only nodes of its trees count.
+fn eligible(skeleton: &Skeleton) -> Vec<bool> {
+    let joints = &skeleton.joints;
+    let any_skin = joints.iter().any(|j| j.in_skin);
+    let mut eligible: Vec<bool> = joints.iter().map(|j| j.in_skin || !any_skin).collect();
+    for (index, joint) in joints.iter().enumerate() {
+        eligible[index] |= joint.parent.is_some_and(|p| eligible[p]);
+    }
+    for (index, joint) in joints.iter().enumerate().rev() {
+        if let Some(parent) = joint.parent {
+            eligible[parent] |= eligible[index];
+        }
+    }
+    eligible
 }
 
 /// Gives each sided joint the side of the nearest sided joint above it.

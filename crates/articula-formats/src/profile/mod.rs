@@ -108,10 +108,7 @@ fn best(skeleton: &Skeleton, profiles: &[Profile], scope: Scope) -> Option<Candi
         let Some(candidate) = Candidate::by_name(skeleton, profile, side) else {
             continue;
         };
-        if best
-            .as_ref()
-            .is_none_or(|b| b.mapped() < candidate.mapped())
-        {
+        if best.as_ref().is_none_or(|b| b.score() < candidate.score()) {
             best = Some(candidate);
         }
     }
