@@ -9,7 +9,7 @@ use crate::item_buffer::{Faces, ItemBuffer, Samples};
 use glam::{Vec2, Vec3, Vec4};
 
 /// Height at which a body part's shadow has faded to about a third, metres.
-const FADE_M: f32 = 0.09;
+const FADE_M: f32 = 0.12;
 /// Cells along the longer side of the shadow map.
 const CELLS: f32 = 192.0;
 /// Distance between grid lines, metres.
@@ -94,6 +94,9 @@ impl ContactShadow {
     /// Darkness, 0 to 1, at a place (x and z) of the floor.
     pub(crate) fn at(&self, place: Vec2) -> f32 {
         let cell = (place - self.origin) * self.cells_per_metre - 0.5;
+        if cell.min_element() < -1.0 || cell.x > self.width as f32 {
+            return 0.0;
+        }
         let corner = cell.floor();
         let blend = cell - corner;
         let (x, y) = (corner.x as i64, corner.y as i64);

@@ -127,26 +127,23 @@ impl ItemBuffer {
         self.nearness.fill(f32::NEG_INFINITY);
     }
 
-    /// Ids of a row of samples; `None` for a row outside. [`Self::shown`] reads an entry.
-    pub fn row(&self, y: u32) -> Option<&[u32]> {
-        let width = self.sample_size().0 as usize;
-        self.ids.get(y as usize * width..(y as usize + 1) * width)
-    }
-
-    /// The triangle that an entry of [`Self::row`] names, if any.
-    pub fn shown(entry: u32) -> Option<u32> {
-        (entry != NOTHING).then_some(entry)
-    }
-
     /// The triangle that a sample shows. Samples outside show nothing.
     pub fn item(&self, x: u32, y: u32) -> Option<u32> {
-        Self::shown(self.ids[self.index(x, y)?])
+        self.sample(x, y).0
     }
 
     /// Nearness of what a sample shows; minus infinity where it shows nothing.
     pub fn nearness(&self, x: u32, y: u32) -> f32 {
-        self.index(x, y)
-            .map_or(f32::NEG_INFINITY, |i| self.nearness[i])
+        self.sample(x, y).1
+    }
+
+    /// [`Self::item`] and [`Self::nearness`] together.
+    pub fn sample(&self, x: u32, y: u32) -> (Option<u32>, f32) {
+        let Some(i) = self.index(x, y) else {
+            return (None, f32::NEG_INFINITY);
+        };
+        let id = self.ids[i];
+        ((id != NOTHING).then_some(id), self.nearness[i])
     }
 
     /// Place of a sample in the picture, in pixels.

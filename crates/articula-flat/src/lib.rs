@@ -4,19 +4,30 @@
 //! same for the same input.
 //!
 //! - [`item_buffer`]: which triangle each sample shows, the base of all pictures
-//! - [`picture`], [`codec`]: pixels; PNG and JPEG files
-//! - [`projection`]: from metres to pixels, with perspective or parallel
+//! - [`picture`], [`codec`], [`paint`], [`compare`]: pixels; files; marks and words; how far
+//!   two pictures are apart
+//! - [`frame`], [`projection`]: where the camera stands; from metres to pixels
 //! - [`appearance`], [`render`]: materials and textures; a lit picture of a skinned character
+//! - [`skeleton`], [`contact_sheet`]: moving and held joints; many pictures on one page
+//! - [`plot`]: line and bar plots as SVG
 //! - [`error`]: what can be wrong with a picture
+//!
+//! What is deliberately absent: files, clocks, threads, a GPU, fonts of the system.
 
 pub mod appearance;
 pub mod codec;
+pub mod compare;
+pub mod contact_sheet;
 pub mod error;
+pub mod frame;
 mod ground;
 pub mod item_buffer;
+pub mod paint;
 pub mod picture;
+pub mod plot;
 pub mod projection;
 pub mod render;
+pub mod skeleton;
 
 pub use error::PictureError;
 pub use ground::Ground;

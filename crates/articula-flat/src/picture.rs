@@ -133,6 +133,24 @@ impl Picture {
         }
     }
 
+    /// A larger picture in which every pixel is a block of `factor * factor` equal ones.
+    ///
+    /// # Errors
+    /// [`PictureError::LimitExceeded`] if it would be too large.
+    pub fn enlarge(&self, factor: u32) -> Result<Self, PictureError> {
+        let factor = factor.max(1);
+        let size = |side: u32| side.saturating_mul(factor);
+        let mut large = Self::new(size(self.width), size(self.height), [0; 4])?;
+        let width = large.width.max(1) as usize;
+        for (y, row) in large.pixels.chunks_mut(width).enumerate() {
+            let first = y / factor as usize * self.width as usize;
+            for (x, pixel) in row.iter_mut().enumerate() {
+                *pixel = self.pixels[first + x / factor as usize];
+            }
+        }
+        Ok(large)
+    }
+
     /// A smaller picture in which each pixel is the mean of `factor * factor` pixels, taken in
     /// linear light. Rows and columns that do not fill a block are left out.
     #[must_use]
@@ -180,27 +198,53 @@ pub fn over(below: Rgba, above: Rgba, coverage: f32) -> Rgba {
 /// Source: IEC 61966-2-1.
 pub fn linear_table() -> &'static [f32; 256] {
     static TABLE: std::sync::OnceLock<[f32; 256]> = std::sync::OnceLock::new();
-    TABLE.get_or_init(|| {
-        std::array::from_fn(|byte| {
-            let value = byte as f32 / 255.0;
-            if value <= 0.040_45 {
-                value / 12.92
-            } else {
-                ((value + 0.055) / 1.055).powf(2.4)
-            }
-        })
-    })
+    TABLE.get_or_init(|| std::array::from_fn(|byte| linear_of(byte as f32 / 255.0)))
 }
 
 /// The sRGB byte of a linear light value; values outside 0 to 1 are clamped.
 pub fn srgb_byte(linear: f32) -> u8 {
+    // Exact rounding without a power: start at the least byte of a bucket of square roots
+    // (about as curved as sRGB), then step over the few thresholds inside it.
+    static TABLES: std::sync::OnceLock<SrgbTables> = std::sync::OnceLock::new();
+    let tables = TABLES.get_or_init(SrgbTables::new);
     let value = linear.clamp(0.0, 1.0);
-    let encoded = if value <= 0.003_130_8 {
-        value * 12.92
+    let mut byte = tables.least[(value.sqrt() * BUCKETS) as usize];
+    while value >= tables.threshold[usize::from(byte)] {
+        byte += 1;
+    }
+    byte
+}
+
+/// Buckets of square roots between 0 and 1.
+const BUCKETS: f32 = 512.0;
+
+struct SrgbTables {
+    /// Linear light at which each byte gives way to the next; the last one never does.
+    threshold: [f32; 256],
+    /// Smallest byte of each bucket.
+    least: [u8; BUCKETS as usize + 1],
+}
+
+impl SrgbTables {
+    fn new() -> Self {
+        let mut threshold = std::array::from_fn(|byte| linear_of((byte as f32 + 0.5) / 255.0));
+        threshold[255] = f32::INFINITY;
+        let least = std::array::from_fn(|bucket| {
+            // A little below the bucket, so that a rounded square root cannot start too high.
+            let root = (bucket as f32 - 0.01) / BUCKETS;
+            threshold.partition_point(|t| *t <= root * root.max(0.0)) as u8
+        });
+        Self { threshold, least }
+    }
+}
+
+/// Linear light of an sRGB value between 0 and 1.
+fn linear_of(value: f32) -> f32 {
+    if value <= 0.040_45 {
+        value / 12.92
     } else {
-        1.055 * value.powf(1.0 / 2.4) - 0.055
-    };
-    (encoded * 255.0).round() as u8
+        ((value + 0.055) / 1.055).powf(2.4)
+    }
 }
 
 fn add_linear(sum: &mut [f32; 4], pixel: Rgba, table: &[f32; 256]) {
@@ -234,12 +278,28 @@ mod tests {
         }
         // Half the light is byte 188: 1.055 * 0.5^(1/2.4) - 0.055 = 0.7354.
         assert_eq!(srgb_byte(0.5), 188);
+        for i in 0..=10_000 {
+            let linear = i as f32 / 10_000.0;
+            let encoded = if linear <= 0.003_130_8 {
+                linear * 12.92
+            } else {
+                1.055 * linear.powf(1.0 / 2.4) - 0.055
+            };
+            let off = f32::from(srgb_byte(linear)) - 255.0 * encoded;
+            assert!(off.abs() <= 0.501, "{linear}: off by {off}");
+        }
+        assert_eq!(
+            (srgb_byte(-1.0), srgb_byte(2.0), srgb_byte(f32::NAN)),
+            (0, 255, 0)
+        );
     }
 
     #[test]
     fn downsampling_averages_light_and_ignores_the_transparent() {
         let two = Picture::from_pixels(2, 2, vec![WHITE, BLACK, BLACK, WHITE]).unwrap();
         assert_eq!(two.downsample(2).pixels(), [[188, 188, 188, 255]]);
+        assert_eq!(two.enlarge(3).unwrap().downsample(3), two);
+        assert!(two.enlarge(9000).is_err());
         let clear = [255, 0, 0, 0];
         let half = Picture::from_pixels(2, 1, vec![clear, clear]).unwrap();
         assert_eq!(half.downsample(2).pixels().len(), 0);

@@ -25,6 +25,12 @@ pub struct Screen {
     camera: Camera,
     projection: Projection,
     middle: Vec2,
+    /// Pixels that a metre spans at depth 1 (perspective) or anywhere (parallel).
+    scale: f32,
+    /// The camera's axes, so that a ray takes no quaternion product.
+    right: Vec3,
+    up: Vec3,
+    forward: Vec3,
 }
 
 /// A half line from the camera; a depth along it is a point.
@@ -40,17 +46,25 @@ impl Screen {
     /// Joins a camera and a projection.
     pub fn new(camera: &Camera, projection: Projection) -> Self {
         let middle = 0.5 * Vec2::new(camera.viewport.width_px, camera.viewport.height_px);
+        let scale = match projection {
+            Projection::Perspective => camera.viewport.pixels_per_metre(1.0),
+            Projection::Parallel { pixels_per_metre } => pixels_per_metre,
+        };
         Self {
             camera: *camera,
             projection,
             middle,
+            scale,
+            right: camera.orientation * Vec3::X,
+            up: camera.orientation * Vec3::Y,
+            forward: camera.forward(),
         }
     }
 
     /// The point as a homogeneous corner of [`crate::item_buffer::ItemBuffer`].
     pub fn corner(&self, point: Vec3) -> Vec4 {
         let p = self.camera.view(point);
-        let scale = self.scale();
+        let scale = self.scale;
         let (nearness, w) = match self.projection {
             Projection::Perspective => (1.0, p.z),
             Projection::Parallel { .. } => (-p.z, 1.0),
@@ -69,27 +83,23 @@ impl Screen {
     /// Pixels that one metre spans at the depth of a point.
     pub fn pixels_per_metre_at(&self, point: Vec3) -> f32 {
         match self.projection {
-            Projection::Perspective => self
-                .camera
-                .viewport
-                .pixels_per_metre(self.camera.depth(point)),
-            Projection::Parallel { pixels_per_metre } => pixels_per_metre,
+            Projection::Perspective => self.scale / self.camera.depth(point).max(1e-3),
+            Projection::Parallel { .. } => self.scale,
         }
     }
 
     /// The half line of points that appear at a place of the screen.
     pub fn ray(&self, at: Vec2) -> Ray {
-        let offset = (at - self.middle) / self.scale();
-        let across = self.camera.orientation * Vec3::new(offset.x, -offset.y, 0.0);
-        let forward = self.camera.forward();
+        let offset = (at - self.middle) / self.scale;
+        let across = self.right * offset.x - self.up * offset.y;
         match self.projection {
             Projection::Perspective => Ray {
                 origin: self.camera.eye,
-                direction: forward + across,
+                direction: self.forward + across,
             },
             Projection::Parallel { .. } => Ray {
                 origin: self.camera.eye + across,
-                direction: forward,
+                direction: self.forward,
             },
         }
     }
@@ -105,14 +115,6 @@ impl Screen {
     /// The camera.
     pub fn camera(&self) -> &Camera {
         &self.camera
-    }
-
-    /// Pixels a metre spans at depth 1 (perspective) or anywhere (parallel).
-    fn scale(&self) -> f32 {
-        match self.projection {
-            Projection::Perspective => self.camera.viewport.pixels_per_metre(1.0),
-            Projection::Parallel { pixels_per_metre } => pixels_per_metre,
-        }
     }
 }
 

@@ -244,37 +244,22 @@ impl<'a> Scene<'a> {
             .map(|t| self.texture_level(t) as u8)
             .collect();
         let background = linear(self.options.background);
+        let mut groups = Groups::default();
         for y in 0..height {
             for x in 0..width {
-                let color = self.pixel(buffer, (x, y), &levels, background);
-                if let Some(color) = color {
-                    picture.set(x, y, color);
+                groups.gather(buffer, x, y);
+                if self.floor.is_some() || !groups.is_empty() {
+                    picture.set(x, y, self.pixel(&groups, &levels, background));
                 }
             }
         }
         Ok(picture)
     }
 
-    /// Colour of a pixel; `None` if it shows the background alone.
-    fn pixel(
-        &self,
-        buffer: &ItemBuffer,
-        (x, y): (u32, u32),
-        levels: &[u8],
-        background: Vec4,
-    ) -> Option<Rgba> {
-        let n = buffer.samples().per_side();
-        let mut groups = Groups::default();
-        for sy in y * n..(y + 1) * n {
-            for sx in x * n..(x + 1) * n {
-                let entry = buffer.item(sx, sy);
-                groups.add(entry, buffer.position(sx, sy), buffer.nearness(sx, sy));
-            }
-        }
-        if self.floor.is_none() && groups.is_empty() {
-            return None;
-        }
+    /// Mean colour of the samples of a pixel.
+    fn pixel(&self, groups: &Groups, levels: &[u8], background: Vec4) -> Rgba {
         let mut sum = Vec4::ZERO;
+        let mut samples = 0.0;
         for group in groups.iter() {
             let at = group.places / group.count;
             let mut color = background;
@@ -284,8 +269,9 @@ impl<'a> Scene<'a> {
             }
             color = self.over_floor(color, background, at, group);
             sum += color.truncate().extend(1.0) * (color.w * group.count);
+            samples += group.count;
         }
-        Some(encode(sum, n * n))
+        encode(sum, samples)
     }
 
     /// Lit colour of a triangle at a place of the screen.
@@ -335,6 +321,10 @@ impl<'a> Scene<'a> {
         let place = Vec2::new(point.x, point.z);
         let away = place.distance(ground.middle) / ground.radius_m.max(1e-3);
         let fade = (1.0 - away * away).clamp(0.0, 1.0);
+        let darkness = shadow.at(place);
+        if fade == 0.0 && darkness == 0.0 {
+            return color;
+        }
         let metres = 1.0 / self.screen.pixels_per_metre_at(point);
         let slant = (ray.direction.y / ray.direction.length()).abs().max(1e-3);
         // A pixel is stretched on the floor along the horizontal viewing direction.
@@ -342,7 +332,7 @@ impl<'a> Scene<'a> {
         let footprint = metres * (flat.abs() / slant + Vec2::new(flat.y, flat.x).abs());
         let line = grid_coverage(place, footprint);
         let tone = 1.0 - fade * (0.05 + 0.30 * line);
-        let tone = tone * (1.0 - 0.78 * shadow.at(place));
+        let tone = tone * (1.0 - 0.78 * darkness);
         let floor = floor_tone(background, tone);
         match group.item {
             Some(_) => floor.lerp(color, 0.25),
@@ -397,12 +387,12 @@ fn linear([r, g, b, a]: Rgba) -> Vec4 {
 }
 
 /// Mean colour as bytes, from a sum of colours that were multiplied by their alpha.
-fn encode(sum: Vec4, count: u32) -> Rgba {
+fn encode(sum: Vec4, count: f32) -> Rgba {
     if sum.w <= 0.0 {
         return [0; 4];
     }
     let [r, g, b] = (sum.truncate() / sum.w).to_array().map(srgb_byte);
-    let alpha = (sum.w / count as f32 * 255.0).round() as u8;
+    let alpha = (sum.w / count * 255.0).round() as u8;
     [r, g, b, alpha]
 }
 
@@ -423,21 +413,34 @@ struct Groups {
 }
 
 impl Groups {
-    fn add(&mut self, item: Option<u32>, place: Vec2, nearness: f32) {
-        let known = self.groups[..self.len].iter().position(|g| g.item == item);
-        let at = known.unwrap_or_else(|| {
-            if self.len == self.groups.len() {
-                // A pixel with more than sixteen triangles: the last group takes the rest.
-                return self.len - 1;
+    /// Sorts the samples of a pixel by what they show.
+    fn gather(&mut self, buffer: &ItemBuffer, x: u32, y: u32) {
+        self.len = 0;
+        let n = buffer.samples().per_side();
+        for sample_y in y * n..(y + 1) * n {
+            for sample_x in x * n..(x + 1) * n {
+                let place = buffer.position(sample_x, sample_y);
+                let (item, nearness) = buffer.sample(sample_x, sample_y);
+                let group = self.of(item);
+                group.count += 1.0;
+                group.places += place;
+                group.nearness += nearness;
             }
-            self.groups[self.len].item = item;
+        }
+    }
+
+    fn of(&mut self, item: Option<u32>) -> &mut Group {
+        let known = self.groups[..self.len].iter().position(|g| g.item == item);
+        // In a pixel with more than sixteen triangles the last group takes the rest.
+        let at = known.unwrap_or(self.len.min(self.groups.len() - 1));
+        if at == self.len {
+            self.groups[at] = Group {
+                item,
+                ..Group::default()
+            };
             self.len += 1;
-            self.len - 1
-        });
-        let group = &mut self.groups[at];
-        group.count += 1.0;
-        group.places += place;
-        group.nearness += nearness;
+        }
+        &mut self.groups[at]
     }
 
     fn iter(&self) -> impl Iterator<Item = &Group> {

@@ -1,0 +1,133 @@
+//! Where to put the camera so that a character fills the picture.
+
+use articula_core::view::{Camera, Viewport};
+use glam::Vec3;
+
+/// Free space around the character, as a share of its size.
+const MARGIN: f32 = 0.06;
+
+/// A box with sides along the axes, metres.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Least corner.
+    pub low: Vec3,
+    /// Greatest corner.
+    pub high: Vec3,
+}
+
+impl Bounds {
+    /// The smallest box around other boxes, such as the skinned bounds of a clip's frames;
+    /// `None` if there is none. Boxes that are not finite are left out.
+    pub fn around(boxes: impl IntoIterator<Item = (Vec3, Vec3)>) -> Option<Self> {
+        boxes
+            .into_iter()
+            .filter(|(low, high)| low.is_finite() && high.is_finite())
+            .map(|(low, high)| Self { low, high })
+            .reduce(|a, b| Self {
+                low: a.low.min(b.low),
+                high: a.high.max(b.high),
+            })
+    }
+
+    /// Its middle.
+    pub fn middle(&self) -> Vec3 {
+        0.5 * (self.low + self.high)
+    }
+
+    /// Its eight corners.
+    pub fn corners(&self) -> [Vec3; 8] {
+        std::array::from_fn(|i| {
+            let pick = |bit: usize, low: f32, high: f32| if i >> bit & 1 == 0 { low } else { high };
+            Vec3::new(
+                pick(0, self.low.x, self.high.x),
+                pick(1, self.low.y, self.high.y),
+                pick(2, self.low.z, self.high.z),
+            )
+        })
+    }
+}
+
+/// A level camera straight before the character (which faces +Z), as near as its bounds allow.
+pub fn front_view(bounds: &Bounds, viewport: Viewport) -> Camera {
+    orbit_view(bounds, 0.0, 0.0, viewport)
+}
+
+/// A camera that looks at the middle of the bounds, as near as they allow.
+///
+/// `azimuth_radians` turns it around the character (a quarter turn shows its left side),
+/// `elevation_radians` lifts it.
+pub fn orbit_view(
+    bounds: &Bounds,
+    azimuth_radians: f32,
+    elevation_radians: f32,
+    viewport: Viewport,
+) -> Camera {
+    let (turn_sin, turn_cos) = azimuth_radians.sin_cos();
+    let (lift_sin, lift_cos) = elevation_radians.sin_cos();
+    let toward = Vec3::new(lift_cos * turn_sin, lift_sin, lift_cos * turn_cos);
+    let middle = bounds.middle();
+    let aimed = Camera::looking_at(middle + toward, middle, viewport);
+    // Half the view's height and width at depth one.
+    let tall = (0.5 * viewport.fov_y_radians).tan();
+    let wide = tall * viewport.width_px / viewport.height_px;
+    let distance = |corner: Vec3| {
+        let p = aimed.orientation.conjugate() * (corner - middle);
+        let needed = (p.x.abs() / wide).max(p.y.abs() / tall);
+        p.z + needed * (1.0 + 2.0 * MARGIN)
+    };
+    let distance = bounds.corners().into_iter().map(distance);
+    let distance = distance.fold(0.1, f32::max);
+    Camera {
+        eye: middle + toward * distance,
+        ..aimed
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PERSON: Bounds = Bounds {
+        low: Vec3::new(-0.4, 0.0, -0.2),
+        high: Vec3::new(0.4, 1.8, 0.3),
+    };
+
+    #[test]
+    fn front_view_by_hand() {
+        // 1.8 m on a plane at z = 0.3 fill 1 / 1.12 of the height at depth
+        // 0.9 * 1.12 / tan(22.5 degrees) = 2.43354.
+        let camera = front_view(&PERSON, Viewport::default());
+        assert!((camera.eye - Vec3::new(0.0, 0.9, 0.3 + 2.433_54)).length() < 1e-4);
+        assert!((camera.forward() - Vec3::NEG_Z).length() < 1e-6);
+    }
+
+    #[test]
+    fn every_corner_is_inside_from_every_side_and_one_is_near_the_edge() {
+        for step in 0..24 {
+            let azimuth = step as f32 * 0.3;
+            let elevation = (step % 5) as f32 * 0.2 - 0.3;
+            let camera = orbit_view(&PERSON, azimuth, elevation, Viewport::default());
+            let mut most = 0.0f32;
+            for corner in PERSON.corners() {
+                let (at, depth) = camera.project(corner);
+                assert!(depth > 0.0);
+                let x = (at.x / 640.0 - 1.0).abs();
+                let y = (at.y / 360.0 - 1.0).abs();
+                most = most.max(x).max(y);
+            }
+            assert!(most <= 1.0 && most > 0.8, "{most} at {azimuth}");
+        }
+    }
+
+    #[test]
+    fn bounds_join_and_leave_out_what_is_no_number() {
+        let boxes = [
+            (Vec3::ZERO, Vec3::ONE),
+            (Vec3::NAN, Vec3::ONE),
+            (Vec3::NEG_ONE, Vec3::ZERO),
+        ];
+        let all = Bounds::around(boxes).unwrap();
+        assert_eq!((all.low, all.high), (Vec3::NEG_ONE, Vec3::ONE));
+        assert_eq!(Bounds::around([]), None);
+    }
+}

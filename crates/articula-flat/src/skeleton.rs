@@ -1,0 +1,238 @@
+//! The joints of a character over its faded body: which of them move, and which hold.
+//!
+//! Source: thesis figures 5.1, 6.16 and 6.17: active joints green, passive ones red, joints
+//! in transition amber. Differs: passive joints are hollow rings, so that the marks can be
+//! told apart without colour.
+
+use crate::picture::{Picture, Rgba};
+use crate::projection::Screen;
+use articula_core::pose::ModelPose;
+use articula_core::rig::Rig;
+use glam::Vec2;
+
+/// What a joint does.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum JointMark {
+    /// It moves.
+    Active,
+    /// It holds.
+    Passive,
+    /// It is on its way from one to the other.
+    InTransition,
+}
+
+impl JointMark {
+    /// All of them, as legends list them.
+    pub const ALL: [Self; 3] = [Self::Active, Self::InTransition, Self::Passive];
+
+    /// The colour of its disc and bones.
+    pub fn color(self) -> Rgba {
+        match self {
+            Self::Active => [22, 138, 66, 255],
+            Self::Passive => [200, 38, 38, 255],
+            Self::InTransition => [224, 142, 0, 255],
+        }
+    }
+
+    /// Its name in legends.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Active => "active",
+            Self::Passive => "passive",
+            Self::InTransition => "in transition",
+        }
+    }
+
+    /// Draws the mark: a disc, or a ring for a passive joint.
+    pub fn draw(self, picture: &mut Picture, at: Vec2, radius: f32) {
+        const PAPER: Rgba = [255, 255, 255, 235];
+        picture.draw_disc(at, radius + 0.8, PAPER);
+        match self {
+            Self::Passive => {
+                picture.draw_ring(at, radius, (0.45 * radius).max(1.2), self.color());
+            }
+            Self::Active | Self::InTransition => picture.draw_disc(at, radius, self.color()),
+        }
+    }
+}
+
+/// Sizes of the marks.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SkeletonOptions {
+    /// Radius of a joint's disc, metres; held between 1.6 and 7 pixels.
+    pub joint_radius_m: f32,
+    /// How far the picture below is faded towards white, 0 to 1.
+    pub fade: f32,
+}
+
+impl Default for SkeletonOptions {
+    fn default() -> Self {
+        Self {
+            joint_radius_m: 0.017,
+            fade: 0.55,
+        }
+    }
+}
+
+/// Draws the skin joints of a rig over a picture that `screen` took.
+///
+/// `marks` has one entry for each joint of the rig; joints beyond its end are active. A bone
+/// has the colour of the joint that turns it. Plain nodes are left out, and so is what lies
+/// behind the camera.
+pub fn draw_skeleton(
+    picture: &mut Picture,
+    rig: &Rig,
+    pose: &ModelPose,
+    screen: &Screen,
+    marks: &[JointMark],
+    options: &SkeletonOptions,
+) {
+    picture.wash([255; 4], options.fade);
+    let joints = placed(rig, pose, screen, options);
+    let mark = |joint: usize| marks.get(joint).copied().unwrap_or(JointMark::Active);
+    for end in &joints {
+        let Some(start) = end
+            .parent
+            .and_then(|p| joints.iter().find(|j| j.joint == p))
+        else {
+            continue;
+        };
+        let (wide, thin) = (0.62 * end.radius, 0.22 * end.radius.max(2.0));
+        let halo = [255, 255, 255, 200];
+        let (from, to) = (start.at, end.at);
+        picture.draw_line((from, wide + 0.8), (to, thin + 0.8), halo);
+        picture.draw_line((from, wide), (to, thin), mark(start.joint).color());
+    }
+    for joint in &joints {
+        mark(joint.joint).draw(picture, joint.at, joint.radius);
+    }
+}
+
+struct Placed {
+    joint: usize,
+    parent: Option<usize>,
+    at: Vec2,
+    radius: f32,
+    depth: f32,
+}
+
+/// The skin joints in view, the farthest first.
+fn placed(rig: &Rig, pose: &ModelPose, screen: &Screen, options: &SkeletonOptions) -> Vec<Placed> {
+    let mut joints = Vec::new();
+    for joint in rig.skin_joints().iter() {
+        let position = pose.position(joint);
+        let Some(at) = screen.place(position).filter(|p| p.is_finite()) else {
+            continue;
+        };
+        let parent = drawn_parent(rig, joint);
+        let scale = screen.pixels_per_metre_at(position);
+        let radius = (options.joint_radius_m * scale).clamp(1.6, 7.0);
+        // Fingers stand closer together than a full disc allows.
+        let bone = parent.map_or(f32::INFINITY, |p| {
+            pose.position(p).distance(position) * scale
+        });
+        joints.push(Placed {
+            joint,
+            parent,
+            at,
+            radius: radius.min((0.3 * bone).max(1.2)),
+            depth: screen.camera().depth(position),
+        });
+    }
+    joints.sort_by(|a, b| b.depth.total_cmp(&a.depth).then(a.joint.cmp(&b.joint)));
+    joints
+}
+
+/// The nearest joint above that a skin names.
+fn drawn_parent(rig: &Rig, joint: usize) -> Option<usize> {
+    let mut at = rig.parent(joint);
+    while let Some(j) = at.filter(|j| !rig.skin_joints().contains(*j)) {
+        at = rig.parent(j);
+    }
+    at
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::projection::Projection;
+    use articula_core::articulation::{Articulation, JointArticulation, Region};
+    use articula_core::hierarchy::local_to_model;
+    use articula_core::math::Transform;
+    use articula_core::source::{Joint, Skeleton};
+    use articula_core::view::{Camera, Viewport};
+    use glam::Vec3;
+
+    /// Three skin joints one above the other with a plain node between the upper two.
+    fn tower() -> (Rig, ModelPose) {
+        let joint = |parent, in_skin| Joint {
+            name: String::new(),
+            parent,
+            rest: Transform::from_translation(Vec3::Y * 0.5),
+            in_skin,
+        };
+        let skeleton = Skeleton {
+            joints: vec![
+                joint(None, true),
+                joint(Some(0), true),
+                joint(Some(1), false),
+                joint(Some(2), true),
+            ],
+        };
+        let level = JointArticulation {
+            hanim: None,
+            level: 0,
+            region: Region::Torso,
+        };
+        let articulation = Articulation {
+            profile: String::new(),
+            joints: vec![level; 4],
+        };
+        let rig = Rig::new(&skeleton, articulation).unwrap();
+        let mut pose = ModelPose::new(4);
+        local_to_model(&rig, rig.rest_pose(), &mut pose);
+        (rig, pose)
+    }
+
+    fn drawn(marks: &[JointMark]) -> (Picture, Screen) {
+        let viewport = Viewport {
+            width_px: 200.0,
+            height_px: 300.0,
+            ..Viewport::default()
+        };
+        let camera = Camera::looking_at(Vec3::new(0.0, 1.25, 3.0), Vec3::Y * 1.25, viewport);
+        let screen = Screen::new(&camera, Projection::Perspective);
+        let (rig, pose) = tower();
+        let mut picture = Picture::new(200, 300, [0, 0, 0, 255]).unwrap();
+        let options = SkeletonOptions {
+            joint_radius_m: 0.05,
+            fade: 1.0,
+        };
+        draw_skeleton(&mut picture, &rig, &pose, &screen, marks, &options);
+        (picture, screen)
+    }
+
+    #[test]
+    fn joints_show_their_mark_and_bones_that_of_the_joint_above() {
+        use JointMark::{Active, InTransition, Passive};
+        let (picture, screen) = drawn(&[Active, InTransition, Active, Passive]);
+        let at = |height: f32| {
+            let place = screen.place(Vec3::Y * height).unwrap();
+            picture.get(place.x as u32, place.y as u32).unwrap()
+        };
+        assert_eq!(at(0.5), Active.color());
+        assert_eq!(at(0.75), Active.color(), "the lower bone");
+        assert_eq!(at(1.0), InTransition.color());
+        assert_eq!(at(1.5), InTransition.color(), "the bone runs past the node");
+        let hollow = at(2.0);
+        assert!(hollow[0] > 230 && hollow[1] > 200, "a ring: {hollow:?}");
+        assert_eq!(picture.get(2, 2), Some([255; 4]), "faded");
+    }
+
+    #[test]
+    fn joints_without_a_mark_are_active() {
+        let (picture, _) = drawn(&[]);
+        let passive = JointMark::Passive.color();
+        assert!(picture.pixels().iter().all(|p| *p != passive));
+    }
+}
