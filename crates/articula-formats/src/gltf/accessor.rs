@@ -1,0 +1,344 @@
+//! Accessors: typed, strided, normalised and sparse arrays, decoded within limits.
+//!
+//! Source: glTF 2.0, 3.6.2. Declared minima and maxima are not trusted and not read.
+
+use super::place::Place;
+use super::reader::Reader;
+use crate::error::ReadError;
+
+/// How one number is stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
+}
+
+impl Component {
+    fn from_code(code: u64) -> Option<Self> {
+        Some(match code {
+            5120 => Self::I8,
+            5121 => Self::U8,
+            5122 => Self::I16,
+            5123 => Self::U16,
+            5125 => Self::U32,
+            5126 => Self::F32,
+            _ => return None,
+        })
+    }
+
+    fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+
+    fn float(self, b: &[u8]) -> f32 {
+        match self {
+            Self::I8 => f32::from(b[0] as i8),
+            Self::U8 => f32::from(b[0]),
+            Self::I16 => f32::from(i16::from_le_bytes([b[0], b[1]])),
+            Self::U16 => f32::from(u16::from_le_bytes([b[0], b[1]])),
+            Self::U32 => u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as f32,
+            Self::F32 => f32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+        }
+    }
+
+    /// The integer as a fraction of its range, as glTF 2.0 3.6.2.2 defines it.
+    fn normalized(self, b: &[u8]) -> f32 {
+        let x = self.float(b);
+        match self {
+            Self::I8 => (x / 127.0).max(-1.0),
+            Self::U8 => x / 255.0,
+            Self::I16 => (x / 32767.0).max(-1.0),
+            Self::U16 => x / 65535.0,
+            Self::U32 | Self::F32 => x,
+        }
+    }
+
+    fn unsigned(self, b: &[u8]) -> u32 {
+        match self {
+            Self::U8 => u32::from(b[0]),
+            Self::U16 => u32::from(u16::from_le_bytes([b[0], b[1]])),
+            _ => u32::from_le_bytes([b[0], b[1], b[2], b[3]]),
+        }
+    }
+}
+
+/// Equally spaced elements whose bounds were checked.
+#[derive(Debug, Clone, Copy)]
+struct Strided<'a> {
+    bytes: &'a [u8],
+    stride: usize,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Sparse<'a> {
+    count: usize,
+    index_component: Component,
+    indices: Strided<'a>,
+    values: Strided<'a>,
+}
+
+/// An accessor whose every byte is known to be there.
+#[derive(Debug, Clone)]
+pub(super) struct Accessor<'a> {
+    place: Place<'a>,
+    component: Component,
+    /// Numbers in one element.
+    width: usize,
+    /// Number of elements.
+    pub(super) count: usize,
+    is_normalized: bool,
+    base: Option<Strided<'a>>,
+    sparse: Option<Sparse<'a>>,
+}
+
+impl Accessor<'_> {
+    /// Refuses an element type that is none of `wanted`.
+    pub(super) fn expect_type(&self, wanted: &[&str]) -> Result<(), ReadError> {
+        let found = self.place.text("type");
+        if wanted.contains(&found) {
+            return Ok(());
+        }
+        let wanted = wanted.join(" or ");
+        let what = format!("expected elements of type {wanted}, found \"{found}\"");
+        Err(self.place.malformed(what))
+    }
+
+    /// Refuses another number of elements.
+    pub(super) fn expect_count(&self, wanted: usize, of_what: &str) -> Result<(), ReadError> {
+        if self.count == wanted {
+            return Ok(());
+        }
+        let what = format!("{} elements, but {wanted} {of_what}", self.count);
+        Err(self.place.malformed(what))
+    }
+
+    pub(super) fn place(&self) -> &Place<'_> {
+        &self.place
+    }
+}
+
+impl<'a> Reader<'a> {
+    /// The accessor whose index a place holds.
+    pub(super) fn accessor(&self, index: &Place<'_>) -> Result<Accessor<'a>, ReadError> {
+        let i = index.index_below(self.root.count("accessors"))?;
+        let missing = || index.malformed("no such accessor");
+        let place = self.root.entry("accessors", i).ok_or_else(missing)?;
+        let component = component(&place)?;
+        let width = width(&place)?;
+        let count = place.require("count")?.whole()?;
+        let base = place
+            .get("bufferView")
+            .map(|view| self.strided(&place, &view, component.size() * width, count))
+            .transpose()?;
+        let sparse = place
+            .get("sparse")
+            .map(|sparse| self.sparse(&sparse, component.size() * width, count))
+            .transpose()?;
+        Ok(Accessor {
+            is_normalized: place.is_true("normalized"),
+            count: usize::try_from(count).map_err(|_| place.malformed("too many elements"))?,
+            place,
+            component,
+            width,
+            base,
+            sparse,
+        })
+    }
+
+    /// Decodes an accessor into floats, `width` for each element; integers marked as
+    /// normalised become fractions. Non-finite numbers are refused.
+    pub(super) fn floats(&mut self, accessor: &Accessor<'a>) -> Result<Vec<f32>, ReadError> {
+        let out = self.floats_as_they_are(accessor)?;
+        match out.iter().position(|x| !x.is_finite()) {
+            None => Ok(out),
+            Some(i) => {
+                let what = format!("element {} holds {}", i / accessor.width, out[i]);
+                Err(accessor.place.malformed(what))
+            }
+        }
+    }
+
+    /// The same without a look at the numbers.
+    pub(super) fn floats_as_they_are(
+        &mut self,
+        accessor: &Accessor<'a>,
+    ) -> Result<Vec<f32>, ReadError> {
+        let component = accessor.component;
+        if accessor.is_normalized {
+            return self.decode(accessor, |b| component.normalized(b));
+        }
+        self.decode(accessor, |b| component.float(b))
+    }
+
+    /// Decodes an accessor of unsigned integers.
+    pub(super) fn integers(&mut self, accessor: &Accessor<'a>) -> Result<Vec<u32>, ReadError> {
+        let component = accessor.component;
+        if !matches!(component, Component::U8 | Component::U16 | Component::U32) {
+            return Err(accessor.place.malformed("expected unsigned integers"));
+        }
+        self.decode(accessor, |b| component.unsigned(b))
+    }
+
+    fn decode<T: Copy + Default>(
+        &mut self,
+        accessor: &Accessor<'a>,
+        number: impl Fn(&[u8]) -> T,
+    ) -> Result<Vec<T>, ReadError> {
+        let (width, size) = (accessor.width, accessor.component.size());
+        let numbers = accessor.count.saturating_mul(width);
+        self.charge(accessor.place.at(), numbers as u64)?;
+        let mut out = vec![T::default(); numbers];
+        if let Some(base) = accessor.base {
+            for (i, element) in out.chunks_exact_mut(width).enumerate() {
+                put(element, &base.bytes[i * base.stride..], size, &number);
+            }
+        }
+        let Some(sparse) = accessor.sparse else {
+            return Ok(out);
+        };
+        let mut before = None;
+        let mut is_sorted = true;
+        for i in 0..sparse.count {
+            let at = &sparse.indices.bytes[i * sparse.indices.stride..];
+            let target = sparse.index_component.unsigned(at) as usize;
+            if target >= accessor.count {
+                let what = format!("sparse index {target}, but there are {}", accessor.count);
+                return Err(accessor.place.malformed(what));
+            }
+            is_sorted &= before.is_none_or(|before| target > before);
+            before = Some(target);
+            let element = &mut out[target * width..][..width];
+            put(
+                element,
+                &sparse.values.bytes[i * sparse.values.stride..],
+                size,
+                &number,
+            );
+        }
+        if !is_sorted {
+            let what = "sparse indices do not increase; the last value of each counts";
+            self.notes.add(accessor.place.at(), what);
+        }
+        Ok(out)
+    }
+
+    fn sparse(&self, place: &Place<'a>, size: usize, of: u64) -> Result<Sparse<'a>, ReadError> {
+        let count = place.require("count")?.whole()?;
+        if count > of {
+            let what = format!("{count} sparse elements of {of}");
+            return Err(place.malformed(what));
+        }
+        let indices = place.require("indices")?;
+        let values = place.require("values")?;
+        let index_component = component(&indices)?;
+        if !matches!(
+            index_component,
+            Component::U8 | Component::U16 | Component::U32
+        ) {
+            return Err(indices.malformed("expected unsigned integers"));
+        }
+        let index_view = indices.require("bufferView")?;
+        let value_view = values.require("bufferView")?;
+        Ok(Sparse {
+            count: count as usize,
+            index_component,
+            indices: self.strided(&indices, &index_view, index_component.size(), count)?,
+            values: self.strided(&values, &value_view, size, count)?,
+        })
+    }
+
+    /// Elements of `size` bytes from the owner's `byteOffset` in a buffer view.
+    fn strided(
+        &self,
+        owner: &Place<'_>,
+        view: &Place<'_>,
+        size: usize,
+        count: u64,
+    ) -> Result<Strided<'a>, ReadError> {
+        let (bytes, stride) = self.buffer_view(view)?;
+        let stride = stride.unwrap_or(size as u64);
+        if stride < size as u64 || stride > 1 << 16 {
+            let what = format!("byteStride {stride} for elements of {size} bytes");
+            return Err(view.malformed(what));
+        }
+        let offset = owner.whole_or("byteOffset", 0)?;
+        let end = count
+            .checked_sub(1)
+            .map_or(Some(0), |n| n.checked_mul(stride)?.checked_add(size as u64))
+            .and_then(|length| offset.checked_add(length));
+        if end.is_none_or(|end| end > bytes.len() as u64) {
+            let what = format!(
+                "{count} elements of {size} bytes every {stride} from byte {offset} do not fit \
+                 into a view of {} bytes",
+                bytes.len()
+            );
+            return Err(owner.malformed(what));
+        }
+        Ok(Strided {
+            bytes: &bytes[offset as usize..],
+            stride: stride as usize,
+        })
+    }
+
+    /// Bytes and stride of the buffer view whose index a place holds.
+    pub(super) fn buffer_view(
+        &self,
+        index: &Place<'_>,
+    ) -> Result<(&'a [u8], Option<u64>), ReadError> {
+        let i = index.index_below(self.root.count("bufferViews"))?;
+        let missing = || index.malformed("no such buffer view");
+        let view = self.root.entry("bufferViews", i).ok_or_else(missing)?;
+        let buffers = &self.document.buffers;
+        let buffer = view.require("buffer")?.index_below(buffers.len())?;
+        let bytes = &buffers[buffer];
+        let offset = view.whole_or("byteOffset", 0)?;
+        let length = view.require("byteLength")?.whole()?;
+        let end = offset
+            .checked_add(length)
+            .filter(|end| *end <= bytes.len() as u64);
+        let Some(end) = end else {
+            let what = format!(
+                "{length} bytes from byte {offset} of a buffer of {}",
+                bytes.len()
+            );
+            return Err(view.malformed(what));
+        };
+        let stride = view.get("byteStride").map(|s| s.whole()).transpose()?;
+        Ok((&bytes[offset as usize..end as usize], stride))
+    }
+}
+
+fn put<T>(element: &mut [T], bytes: &[u8], size: usize, number: impl Fn(&[u8]) -> T) {
+    for (c, value) in element.iter_mut().enumerate() {
+        *value = number(&bytes[c * size..]);
+    }
+}
+
+fn component(place: &Place<'_>) -> Result<Component, ReadError> {
+    let code = place.require("componentType")?;
+    Component::from_code(code.whole()?).ok_or_else(|| code.malformed("no component type of glTF"))
+}
+
+/// Numbers in an element. The 2x2 and 3x3 matrices have padded columns when small; nothing
+/// that is read here has that type.
+fn width(place: &Place<'_>) -> Result<usize, ReadError> {
+    Ok(match place.text("type") {
+        "SCALAR" => 1,
+        "VEC2" => 2,
+        "VEC3" => 3,
+        "VEC4" => 4,
+        "MAT4" => 16,
+        other => {
+            let what = format!("elements of type \"{other}\" where none are expected");
+            return Err(place.malformed(what));
+        }
+    })
+}

@@ -1,0 +1,275 @@
+//! Animations as clips of keyed channels.
+//!
+//! Source: glTF 2.0, 3.11 and appendix C.
+
+use super::mesh::Shown;
+use super::node;
+use super::place::Place;
+use super::reader::Reader;
+use super::skeleton::Skeletal;
+use crate::error::ReadError;
+use crate::limits::Limits;
+use articula_core::source::{Channel, Clip, Interpolation, Property};
+use glam::Quat;
+use std::collections::HashSet;
+
+/// Which nodes some channel moves (weights do not count).
+pub(super) fn animated_nodes(reader: &Reader<'_>, nodes: usize) -> Result<Vec<bool>, ReadError> {
+    let mut animated = vec![false; nodes];
+    for animation in reader.root.entries("animations")? {
+        for channel in animation.entries("channels")? {
+            let Some(target) = channel.get("target") else {
+                continue;
+            };
+            let node = target.index("node", nodes)?;
+            let moves = matches!(target.text("path"), "translation" | "rotation" | "scale");
+            if let (Some(node), true) = (node, moves) {
+                animated[node] = true;
+            }
+        }
+    }
+    Ok(animated)
+}
+
+/// Reads all animations in order.
+pub(super) fn read_all(
+    reader: &mut Reader<'_>,
+    skeletal: &Skeletal,
+    shown: &Shown,
+) -> Result<Vec<Clip>, ReadError> {
+    let animations = reader.root.entries("animations")?;
+    let mut clips = Vec::with_capacity(animations.len());
+    for (i, animation) in animations.iter().enumerate() {
+        let name = match animation.text("name") {
+            "" => format!("animation_{i}"),
+            name => name.to_owned(),
+        };
+        let channels = read_channels(reader, animation, skeletal, shown)?;
+        let last = channels.iter().filter_map(|c| c.times_secs.last());
+        clips.push(Clip {
+            name,
+            duration_secs: last.copied().fold(0.0, f32::max),
+            channels,
+        });
+    }
+    Ok(clips)
+}
+
+/// What a channel drives, and how many floats one key of it has.
+#[derive(Debug, Clone, Copy)]
+struct Target {
+    target: usize,
+    property: Property,
+    width: usize,
+}
+
+fn read_channels<'a>(
+    reader: &mut Reader<'a>,
+    animation: &Place<'a>,
+    skeletal: &Skeletal,
+    shown: &Shown,
+) -> Result<Vec<Channel>, ReadError> {
+    let mut channels = Vec::new();
+    let mut seen = HashSet::new();
+    for place in animation.entries("channels")? {
+        let Some(target) = read_target(reader, &place, skeletal, shown)? else {
+            continue;
+        };
+        if !seen.insert((target.target, target.property)) {
+            reader.warn(&place, "a second channel for the same property; left out");
+            continue;
+        }
+        let sampler = place.require("sampler")?;
+        let i = sampler.index_below(animation.count("samplers"))?;
+        let missing = || sampler.malformed("no such sampler");
+        let sampler = animation.entry("samplers", i).ok_or_else(missing)?;
+        if let Some(channel) = read_sampler(reader, &sampler, target)? {
+            channels.push(channel);
+        }
+    }
+    Ok(channels)
+}
+
+/// The target in terms of joints and meshes; `None`, with a warning, if it is not one.
+fn read_target(
+    reader: &mut Reader<'_>,
+    channel: &Place<'_>,
+    skeletal: &Skeletal,
+    shown: &Shown,
+) -> Result<Option<Target>, ReadError> {
+    let target = channel.require("target")?;
+    let path = target.text("path");
+    let Some(node) = target.index("node", skeletal.joint_of_node.len())? else {
+        let what = format!("a channel for no node (path \"{}\") left out", cut(path));
+        reader.warn(&target, what);
+        return Ok(None);
+    };
+    let (property, width) = match path {
+        "translation" => (Property::Translation, 3),
+        "rotation" => (Property::Rotation, 4),
+        "scale" => (Property::Scale, 3),
+        "weights" => return Ok(weights_target(reader, &target, node, shown)),
+        other => {
+            let what = format!("a channel with path \"{}\" left out", cut(other));
+            reader.warn(&target, what);
+            return Ok(None);
+        }
+    };
+    Ok(skeletal.joint_of_node[node].map(|joint| Target {
+        target: joint,
+        property,
+        width,
+    }))
+}
+
+fn weights_target(
+    reader: &mut Reader<'_>,
+    target: &Place<'_>,
+    node: usize,
+    shown: &Shown,
+) -> Option<Target> {
+    // Meshes stand in the order of their nodes.
+    let mesh = shown.node_of_mesh.binary_search(&node).ok();
+    let width = mesh.map_or(0, |m| shown.meshes[m].morph_weights.len());
+    if width == 0 {
+        reader.warn(target, "weights of a node without morph targets left out");
+    }
+    mesh.filter(|_| width > 0).map(|mesh| Target {
+        target: mesh,
+        property: Property::Weights,
+        width,
+    })
+}
+
+fn read_sampler(
+    reader: &mut Reader<'_>,
+    sampler: &Place<'_>,
+    target: Target,
+) -> Result<Option<Channel>, ReadError> {
+    let interpolation = match sampler.text("interpolation") {
+        "" | "LINEAR" => Interpolation::Linear,
+        "STEP" => Interpolation::Step,
+        "CUBICSPLINE" => Interpolation::CubicSpline,
+        other => {
+            let what = format!("no interpolation of glTF: \"{}\"", cut(other));
+            return Err(sampler.malformed(what));
+        }
+    };
+    let parts = if interpolation == Interpolation::CubicSpline {
+        3
+    } else {
+        1
+    };
+    let times_secs = read_times(reader, &sampler.require("input")?)?;
+    let floats = target.width * parts;
+    let values = read_values(
+        reader,
+        &sampler.require("output")?,
+        target,
+        times_secs.len() * floats,
+    )?;
+    let mut channel = Channel {
+        target: target.target,
+        property: target.property,
+        interpolation,
+        times_secs,
+        values,
+    };
+    drop_unordered_keys(reader, sampler, floats, &mut channel);
+    if target.property == Property::Rotation {
+        mend_rotations(reader, sampler, parts, &mut channel.values);
+    }
+    Ok((!channel.times_secs.is_empty()).then_some(channel))
+}
+
+fn read_times(reader: &mut Reader<'_>, index: &Place<'_>) -> Result<Vec<f32>, ReadError> {
+    let accessor = reader.accessor(index)?;
+    accessor.expect_type(&["SCALAR"])?;
+    let keys = accessor.count as u64;
+    Limits::check(index.at(), "keys of a channel", keys, reader.limits.frames)?;
+    if keys == 0 {
+        reader.warn(index, "a channel without keys left out");
+    }
+    reader.floats(&accessor)
+}
+
+fn read_values(
+    reader: &mut Reader<'_>,
+    index: &Place<'_>,
+    target: Target,
+    floats: usize,
+) -> Result<Vec<f32>, ReadError> {
+    let accessor = reader.accessor(index)?;
+    let (kind, width) = match target.property {
+        Property::Translation | Property::Scale => ("VEC3", 3),
+        Property::Rotation => ("VEC4", 4),
+        Property::Weights => ("SCALAR", 1),
+    };
+    accessor.expect_type(&[kind])?;
+    accessor.expect_count(floats / width, "values belong to the key times")?;
+    reader.floats(&accessor)
+}
+
+/// Keys whose time does not come after the key before are dropped with their values.
+fn drop_unordered_keys(
+    reader: &mut Reader<'_>,
+    sampler: &Place<'_>,
+    floats: usize,
+    channel: &mut Channel,
+) {
+    let mut last = f32::NEG_INFINITY;
+    let in_order: Vec<bool> = channel
+        .times_secs
+        .iter()
+        .map(|&time| {
+            let is_later = time > last;
+            last = last.max(time);
+            is_later
+        })
+        .collect();
+    let dropped = in_order.iter().filter(|keep| !**keep).count();
+    if dropped == 0 {
+        return;
+    }
+    let what = format!("{dropped} keys do not come after the one before; left out");
+    reader.notes.add(sampler.path("input"), what);
+    let mut keep = in_order.iter();
+    channel.times_secs.retain(|_| keep.next() == Some(&true));
+    let old = std::mem::take(&mut channel.values);
+    for (key, _) in old
+        .chunks_exact(floats)
+        .zip(&in_order)
+        .filter(|(_, keep)| **keep)
+    {
+        channel.values.extend_from_slice(key);
+    }
+}
+
+/// Makes key rotations unit; tangents of cubic splines stay as they are.
+fn mend_rotations(reader: &mut Reader<'_>, sampler: &Place<'_>, parts: usize, values: &mut [f32]) {
+    let mut zeros = 0;
+    let mut off = 0;
+    let quaternions = values.as_chunks_mut::<4>().0;
+    for key in quaternions.chunks_exact_mut(parts) {
+        let value = &mut key[parts / 2];
+        let rotation = Quat::from_array(*value);
+        let unit = node::unit(rotation);
+        zeros += usize::from(unit.is_none());
+        off += usize::from(unit.is_some() && (rotation.length() - 1.0).abs() > 1e-3);
+        *value = unit.unwrap_or(Quat::IDENTITY).to_array();
+    }
+    let at = sampler.path("output");
+    if zeros > 0 {
+        let what = format!("{zeros} zero quaternions, taken as identity");
+        reader.notes.add(at.as_str(), what);
+    }
+    if off > 0 {
+        reader
+            .notes
+            .add(at, format!("{off} quaternions not of length 1, normalised"));
+    }
+}
+
+fn cut(text: &str) -> String {
+    text.chars().take(40).collect()
+}

@@ -1,0 +1,164 @@
+//! Joint numbers and weights of vertices, repaired so that weights sum to 1.
+//!
+//! Source: glTF 2.0, 3.7.3.3. Real files break its rules often (Khronos' own CesiumMan has 210
+//! vertices whose weights do not sum to 1), so weights are mended, never refused.
+
+use super::place::Place;
+use super::reader::Reader;
+use crate::error::ReadError;
+
+/// Sums farther from 1 than this are reported. Nearer ones are rounding of stored weights.
+const TOLERANCE: f32 = 1e-3;
+
+/// Influences a vertex, joint numbers and weights.
+type Influences = (usize, Vec<u16>, Vec<f32>);
+
+/// Reads all sets of a primitive; without a skin, every vertex follows joint 0.
+pub(super) fn read(
+    reader: &mut Reader<'_>,
+    attributes: &Place<'_>,
+    count: usize,
+    joint_count: Option<usize>,
+) -> Result<Influences, ReadError> {
+    let Some(joint_count) = joint_count else {
+        return rigid(reader, attributes, count);
+    };
+    let sets = (0..)
+        .take_while(|n| attributes.get(&format!("JOINTS_{n}")).is_some())
+        .take_while(|n| attributes.get(&format!("WEIGHTS_{n}")).is_some())
+        .count();
+    if sets == 0 {
+        reader.warn(
+            attributes,
+            "no joints and weights under a skin; bound to its first joint",
+        );
+        return rigid(reader, attributes, count);
+    }
+    let influences = sets * 4;
+    reader.charge(attributes.at(), (count * influences) as u64)?;
+    let mut joints = vec![0u16; count * influences];
+    let mut weights = vec![0.0f32; count * influences];
+    for set in 0..sets {
+        let (j, w) = read_set(reader, attributes, set, count)?;
+        for v in 0..count {
+            let to = v * influences + set * 4;
+            joints[to..to + 4].copy_from_slice(&j[v * 4..][..4]);
+            weights[to..to + 4].copy_from_slice(&w[v * 4..][..4]);
+        }
+    }
+    mend_weights(reader, attributes, influences, &mut weights);
+    check_joints(attributes, joint_count, &mut joints, &weights)?;
+    bind_loose(reader, attributes, influences, (&mut joints, &mut weights));
+    Ok((influences, joints, weights))
+}
+
+fn rigid(
+    reader: &mut Reader<'_>,
+    attributes: &Place<'_>,
+    count: usize,
+) -> Result<Influences, ReadError> {
+    reader.charge(attributes.at(), count as u64 * 2)?;
+    Ok((1, vec![0; count], vec![1.0; count]))
+}
+
+fn read_set(
+    reader: &mut Reader<'_>,
+    attributes: &Place<'_>,
+    set: usize,
+    count: usize,
+) -> Result<(Vec<u16>, Vec<f32>), ReadError> {
+    let index = attributes.require(&format!("JOINTS_{set}"))?;
+    let accessor = reader.accessor(&index)?;
+    accessor.expect_type(&["VEC4"])?;
+    accessor.expect_count(count, "vertices")?;
+    let wide = reader.integers(&accessor)?;
+    // Joint numbers have 16 bits at most; a larger one is beyond any skin.
+    let joints = wide.iter().map(|&j| u16::try_from(j).unwrap_or(u16::MAX));
+    let joints = joints.collect();
+    let index = attributes.require(&format!("WEIGHTS_{set}"))?;
+    let accessor = reader.accessor(&index)?;
+    accessor.expect_type(&["VEC4"])?;
+    accessor.expect_count(count, "vertices")?;
+    Ok((joints, reader.floats_as_they_are(&accessor)?))
+}
+
+/// Clamps negative and non-finite weights to 0 and scales each vertex to a sum of 1.
+fn mend_weights(
+    reader: &mut Reader<'_>,
+    attributes: &Place<'_>,
+    influences: usize,
+    weights: &mut [f32],
+) {
+    let mut clamped = 0;
+    let mut off = 0;
+    for vertex in weights.chunks_exact_mut(influences) {
+        for weight in vertex.iter_mut().filter(|w| !(w.is_finite() && **w >= 0.0)) {
+            *weight = 0.0;
+            clamped += 1;
+        }
+        // In double precision no sum of finite weights overflows.
+        let sum: f64 = vertex.iter().map(|&w| f64::from(w)).sum();
+        // A sum that is 1 to the last digits is left as it is, so that files reproduce.
+        if sum <= 0.0 || (sum - 1.0).abs() <= 1e-6 {
+            continue;
+        }
+        off += usize::from((sum - 1.0).abs() > f64::from(TOLERANCE));
+        vertex
+            .iter_mut()
+            .for_each(|w| *w = (f64::from(*w) / sum) as f32);
+    }
+    if clamped > 0 {
+        let what = format!("{clamped} weights negative or no number, taken as 0");
+        reader.warn(attributes, what);
+    }
+    if off > 0 {
+        let all = weights.len() / influences;
+        let what = format!("the weights of {off} of {all} vertices do not sum to 1; scaled");
+        reader.warn(attributes, what);
+    }
+}
+
+/// Refuses a joint number beyond the skin, unless its weight is 0: exporters leave rubbish
+/// there, which is set to 0.
+fn check_joints(
+    attributes: &Place<'_>,
+    joint_count: usize,
+    joints: &mut [u16],
+    weights: &[f32],
+) -> Result<(), ReadError> {
+    for (joint, weight) in joints.iter_mut().zip(weights) {
+        if usize::from(*joint) < joint_count {
+            continue;
+        }
+        if *weight > 0.0 {
+            let what = format!("a vertex follows joint {joint}, but the skin has {joint_count}");
+            return Err(attributes.malformed(what));
+        }
+        *joint = 0;
+    }
+    Ok(())
+}
+
+/// A vertex that no joint holds follows the first joint of the skin.
+fn bind_loose(
+    reader: &mut Reader<'_>,
+    attributes: &Place<'_>,
+    influences: usize,
+    (joints, weights): (&mut [u16], &mut [f32]),
+) {
+    let mut loose = 0;
+    let vertices = joints
+        .chunks_exact_mut(influences)
+        .zip(weights.chunks_exact_mut(influences));
+    for (joints, weights) in vertices {
+        if weights.iter().all(|w| *w == 0.0) {
+            joints[0] = 0;
+            weights[0] = 1.0;
+            loose += 1;
+        }
+    }
+    if loose > 0 {
+        let what = format!("{loose} vertices without any weight, bound to the first joint");
+        reader.warn(attributes, what);
+    }
+}

@@ -1,0 +1,128 @@
+//! Materials and pictures, reduced to what a preview shows.
+//!
+//! Source: glTF 2.0, 3.9; KHR_materials_pbrSpecularGlossiness for files that have only that.
+
+use super::place::Place;
+use super::reader::Reader;
+use crate::error::ReadError;
+use crate::limits::Limits;
+use articula_core::source::{Image, Material};
+use glam::Vec4;
+
+/// Materials, pictures, and which texture coordinates each material wants.
+#[derive(Debug)]
+pub(super) struct Look {
+    pub(super) materials: Vec<Material>,
+    pub(super) images: Vec<Image>,
+    /// Texture coordinate set of each material's base colour picture.
+    pub(super) texcoord_sets: Vec<u64>,
+}
+
+/// Reads all materials and pictures in order.
+pub(super) fn read_all(reader: &mut Reader<'_>) -> Result<Look, ReadError> {
+    let images = read_images(reader)?;
+    let mut materials = Vec::new();
+    let mut texcoord_sets = Vec::new();
+    for place in reader.root.entries("materials")? {
+        let (material, set) = read_material(reader, &place, images.len())?;
+        materials.push(material);
+        texcoord_sets.push(set);
+    }
+    Ok(Look {
+        materials,
+        images,
+        texcoord_sets,
+    })
+}
+
+fn read_material(
+    reader: &mut Reader<'_>,
+    place: &Place<'_>,
+    images: usize,
+) -> Result<(Material, u64), ReadError> {
+    let metallic = place.get("pbrMetallicRoughness");
+    let glossy = place.dig(&["extensions", "KHR_materials_pbrSpecularGlossiness"]);
+    let (surface, factor, texture) = match (metallic, glossy) {
+        (None, Some(glossy)) => (Some(glossy), "diffuseFactor", "diffuseTexture"),
+        (metallic, _) => (metallic, "baseColorFactor", "baseColorTexture"),
+    };
+    let mut material = Material {
+        name: place.text("name").to_owned(),
+        double_sided: place.is_true("doubleSided"),
+        alpha_cutoff: alpha_cutoff(place)?,
+        ..Material::default()
+    };
+    let mut set = 0;
+    if let Some(surface) = surface {
+        if let Some(color) = surface.floats::<4>(factor)? {
+            material.base_color = Vec4::from_array(color);
+        }
+        if let Some(texture) = surface.get(texture) {
+            set = texture.whole_or("texCoord", 0)?;
+            material.base_color_image = texture_image(reader, &texture, images)?;
+        }
+    }
+    Ok((material, set))
+}
+
+fn alpha_cutoff(place: &Place<'_>) -> Result<f32, ReadError> {
+    if place.text("alphaMode") != "MASK" {
+        return Ok(0.0);
+    }
+    place
+        .get("alphaCutoff")
+        .map_or(Ok(0.5), |cutoff| cutoff.float())
+}
+
+/// The picture that a texture shows, in a format that every viewer reads.
+fn texture_image(
+    reader: &mut Reader<'_>,
+    info: &Place<'_>,
+    images: usize,
+) -> Result<Option<usize>, ReadError> {
+    if info.dig(&["extensions", "KHR_texture_transform"]).is_some() {
+        reader.warn(info, "KHR_texture_transform is not applied");
+    }
+    let index = info.require("index")?;
+    let i = index.index_below(reader.root.count("textures"))?;
+    let Some(texture) = reader.root.entry("textures", i) else {
+        return Ok(None);
+    };
+    let image = texture.index("source", images)?;
+    if image.is_none() {
+        reader.warn(&texture, "no PNG or JPEG picture; shown without one");
+    }
+    Ok(image)
+}
+
+fn read_images(reader: &mut Reader<'_>) -> Result<Vec<Image>, ReadError> {
+    let mut images = Vec::new();
+    let mut spent = 0u64;
+    for (i, place) in reader.root.entries("images")?.iter().enumerate() {
+        let fetched = reader.document.pictures.get(i).and_then(Option::as_deref);
+        let bytes = match (fetched, place.get("bufferView")) {
+            (Some(bytes), _) => bytes,
+            (None, Some(view)) => reader.buffer_view(&view)?.0,
+            (None, None) => &[],
+        };
+        // Many entries may name one large view.
+        spent = spent.saturating_add(bytes.len() as u64);
+        Limits::check(place.at(), "bytes of pictures", spent, reader.limits.bytes)?;
+        images.push(Image {
+            name: place.text("name").to_owned(),
+            mime_type: mime_type(place.text("mimeType"), bytes),
+            bytes: bytes.to_vec(),
+        });
+    }
+    Ok(images)
+}
+
+/// The media type that the bytes show, else the declared one.
+pub(super) fn mime_type(declared: &str, bytes: &[u8]) -> String {
+    let seen = match bytes {
+        [0x89, b'P', b'N', b'G', ..] => "image/png",
+        [0xFF, 0xD8, 0xFF, ..] => "image/jpeg",
+        _ => declared,
+    };
+    seen.to_owned()
+}

@@ -1,0 +1,122 @@
+//! GLB and glTF 2.0, VRM files as such: a thin layer that keeps the whole document.
+//!
+//! [`read`] gives the character that a file shows and the [`Document`] that it came from.
+//! What we do not understand stays in the document untouched, and is there again when it is
+//! written. In the order of the line:
+//!
+//! - `container`, `uri`, `document`: from bytes to JSON, buffers and pictures
+//! - `place`, `reader`, `accessor`: values that know their path, limits, arrays
+//! - `extension`: which required extensions are read
+//! - `node`, `skeleton`, `skin`: from nodes to joints
+//! - `material`, `mesh`, `primitive`, `influences`: what is seen
+//! - `animation`: what moves
+//! - `articulation`: the extension `ARTICULA_articulation`
+//! - `append`, `clips`, `fresh`, `write`: changed and new documents, back to bytes
+//!
+//! Source: glTF 2.0 specification (ISO/IEC 12113:2022). The page is `docs/formats/gltf.md`.
+
+mod accessor;
+mod animation;
+mod container;
+mod document;
+mod extension;
+mod influences;
+mod material;
+mod mesh;
+mod node;
+mod place;
+mod primitive;
+mod reader;
+mod skeleton;
+mod skin;
+mod uri;
+
+pub use document::Document;
+
+use crate::error::{Read, ReadError};
+use crate::{Limits, Resolver};
+use articula_core::source::Character;
+use place::Place;
+use reader::{Notes, Reader};
+
+/// A file as read: the character that it shows, and the document behind it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GltfFile {
+    /// The whole document, for writing it again.
+    pub document: Document,
+    /// What the document shows.
+    pub character: Character,
+    /// Node of each joint of the character's skeleton.
+    pub node_of_joint: Vec<usize>,
+    /// Node of each mesh of the character.
+    pub node_of_mesh: Vec<usize>,
+}
+
+/// Reads a GLB or glTF 2.0 file (VRM 0 and 1 and VRMA included) as one character.
+///
+/// The resolver is asked for buffers and pictures beside the file, by their relative,
+/// percent-decoded URI; it alone decides which paths are allowed.
+///
+/// - *Joints* are the nodes that a skin or a humanoid extension names, that an animation
+///   moves or that carry a mesh without skin, and every node above these; parents first,
+///   depth first in the order of the document. All other nodes are left out.
+/// - *Meshes* are one for each node of a scene that shows one. A skinned mesh ignores its node's own
+///   transform, as the format demands.
+/// - *Clips* are the animations in order: clip `i` is `animations[i]`.
+///
+/// # Errors
+/// [`ReadError::Malformed`] with the path of the offending value, [`ReadError::Unsupported`]
+/// for a required extension that is not read, [`ReadError::Missing`] for a buffer that the
+/// resolver does not give, [`ReadError::LimitExceeded`]. A picture that is missing is only a
+/// warning.
+pub fn read(
+    bytes: &[u8],
+    limits: &Limits,
+    resolver: &mut Resolver<'_>,
+) -> Result<Read<GltfFile>, ReadError> {
+    let mut notes = Notes::default();
+    let document = Document::open(bytes, limits, resolver, &mut notes)?;
+    let mut reader = Reader::new(&document, limits, notes);
+    let tree = node::read_tree(&reader)?;
+    let skins = skin::read_all(&mut reader, tree.len())?;
+    let skeletal = skeleton::read(&mut reader, &tree, &skins)?;
+    let look = material::read_all(&mut reader)?;
+    let shown = mesh::read_all(&mut reader, &skeletal, &skins, &look.texcoord_sets)?;
+    let clips = animation::read_all(&mut reader, &skeletal, &shown)?;
+    let character = Character {
+        name: name(&reader.root),
+        skeleton: skeletal.skeleton,
+        articulation: None,
+        meshes: shown.meshes,
+        clips,
+        materials: look.materials,
+        images: look.images,
+    };
+    let warnings = reader.notes.into_list();
+    let value = GltfFile {
+        document,
+        character,
+        node_of_joint: skeletal.node_of_joint,
+        node_of_mesh: shown.node_of_mesh,
+    };
+    Ok(Read { value, warnings })
+}
+
+/// The character's own name if a VRM extension gives one, else that of the scene.
+fn name(root: &Place<'_>) -> String {
+    let meta = |keys: &[&str], key| root.dig(keys).map_or("", |meta| meta.text(key));
+    let scene = root
+        .get("scene")
+        .and_then(|scene| scene.whole().ok())
+        .and_then(|i| root.entry("scenes", i as usize))
+        .map_or("", |scene| scene.text("name"));
+    [
+        meta(&["extensions", "VRMC_vrm", "meta"], "name"),
+        meta(&["extensions", "VRM", "meta"], "title"),
+        scene,
+    ]
+    .into_iter()
+    .find(|name| !name.is_empty())
+    .unwrap_or("")
+    .to_owned()
+}

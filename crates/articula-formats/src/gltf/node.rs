@@ -1,0 +1,190 @@
+//! The node hierarchy as a checked forest.
+//!
+//! Source: glTF 2.0, 3.5.2: nodes form disjoint strict trees.
+
+use super::place::Place;
+use super::reader::Reader;
+use crate::error::ReadError;
+use crate::limits::Limits;
+use articula_core::math::Transform;
+use glam::{Mat4, Quat, Vec3};
+
+/// The nodes of a document: each has at most one parent, none is its own ancestor.
+#[derive(Debug)]
+pub(super) struct Tree {
+    /// Parent of each node.
+    pub(super) parents: Vec<Option<usize>>,
+    /// All nodes, parents first, depth first in document order.
+    pub(super) order: Vec<usize>,
+    /// Whether a scene shows each node; all of them if there is no scene.
+    pub(super) in_scene: Vec<bool>,
+}
+
+impl Tree {
+    pub(super) fn len(&self) -> usize {
+        self.parents.len()
+    }
+}
+
+/// Reads and checks the hierarchy.
+pub(super) fn read_tree(reader: &Reader<'_>) -> Result<Tree, ReadError> {
+    let nodes = reader.root.entries("nodes")?;
+    Limits::check("nodes", "nodes", nodes.len() as u64, reader.limits.nodes)?;
+    let mut parents = vec![None; nodes.len()];
+    let mut children = Vec::with_capacity(nodes.len());
+    for (parent, node) in nodes.iter().enumerate() {
+        children.push(read_children(node, parent, &mut parents)?);
+    }
+    let order = depth_first(&parents, &children, reader.limits)?;
+    if order.len() < nodes.len() {
+        // Every node has one parent at most, so what no root reaches goes round.
+        let mut reached = vec![false; nodes.len()];
+        order.iter().for_each(|&n| reached[n] = true);
+        let lost = reached.iter().position(|r| !r).unwrap_or(0);
+        return Err(nodes[lost].malformed("the node is its own ancestor, or below one that is"));
+    }
+    let in_scene = nodes_in_scenes(reader, &parents, &order)?;
+    Ok(Tree {
+        parents,
+        order,
+        in_scene,
+    })
+}
+
+fn nodes_in_scenes(
+    reader: &Reader<'_>,
+    parents: &[Option<usize>],
+    order: &[usize],
+) -> Result<Vec<bool>, ReadError> {
+    let scenes = reader.root.entries("scenes")?;
+    let mut shown = vec![scenes.is_empty(); parents.len()];
+    for scene in scenes {
+        for node in scene.entries("nodes")? {
+            shown[node.index_below(parents.len())?] = true;
+        }
+    }
+    for &n in order {
+        shown[n] |= parents[n].is_some_and(|parent| shown[parent]);
+    }
+    Ok(shown)
+}
+
+fn read_children(
+    node: &Place<'_>,
+    parent: usize,
+    parents: &mut [Option<usize>],
+) -> Result<Vec<usize>, ReadError> {
+    let mut children = Vec::new();
+    for entry in node.entries("children")? {
+        let child = entry.index_below(parents.len())?;
+        if let Some(other) = parents[child] {
+            let what = format!("node {child} is a child of node {other} already");
+            return Err(entry.malformed(what));
+        }
+        parents[child] = Some(parent);
+        children.push(child);
+    }
+    Ok(children)
+}
+
+fn depth_first(
+    parents: &[Option<usize>],
+    children: &[Vec<usize>],
+    limits: &Limits,
+) -> Result<Vec<usize>, ReadError> {
+    let mut order = Vec::with_capacity(parents.len());
+    let roots = (0..parents.len()).rev().filter(|&n| parents[n].is_none());
+    let mut stack: Vec<(usize, u64)> = roots.map(|n| (n, 1)).collect();
+    while let Some((node, depth)) = stack.pop() {
+        if depth > limits.depth {
+            let at = format!("nodes[{node}]");
+            Limits::check(&at, "levels of nodes", depth, limits.depth)?;
+        }
+        order.push(node);
+        stack.extend(children[node].iter().rev().map(|&c| (c, depth + 1)));
+    }
+    Ok(order)
+}
+
+/// Reads a node's local transform, repaired where it is no transform.
+pub(super) fn read_transform(
+    reader: &mut Reader<'_>,
+    node: &Place<'_>,
+) -> Result<Transform, ReadError> {
+    if let Some(columns) = node.floats::<16>("matrix")? {
+        return Ok(split_matrix(reader, node, Mat4::from_cols_array(&columns)));
+    }
+    let mut transform = Transform::IDENTITY;
+    if let Some(t) = node.floats::<3>("translation")? {
+        transform.translation = Vec3::from_array(t);
+    }
+    if let Some(r) = node.floats::<4>("rotation")? {
+        transform.rotation = repair_rotation(reader, node, Quat::from_array(r));
+    }
+    if let Some(s) = node.floats::<3>("scale")? {
+        transform.scale = Vec3::from_array(s);
+    }
+    Ok(transform)
+}
+
+fn repair_rotation(reader: &mut Reader<'_>, node: &Place<'_>, rotation: Quat) -> Quat {
+    match unit(rotation) {
+        None => {
+            reader
+                .notes
+                .add(node.path("rotation"), "zero quaternion, taken as identity");
+            Quat::IDENTITY
+        }
+        Some(unit) => {
+            let length = rotation.length();
+            if (length - 1.0).abs() > 1e-3 {
+                let what = format!("quaternion of length {length}, normalised");
+                reader.notes.add(node.path("rotation"), what);
+            }
+            unit
+        }
+    }
+}
+
+/// The unit quaternion of the same direction; `None` if there is none. One that is unit
+/// already, to the digits of `f32`, is given back bit for bit.
+pub(super) fn unit(rotation: Quat) -> Option<Quat> {
+    if (rotation.length_squared() - 1.0).abs() <= 1e-6 {
+        return Some(rotation);
+    }
+    // Scaled first, so that squares of very small or very large parts stay in range.
+    let largest = glam::Vec4::from(rotation).abs().max_element();
+    if largest == 0.0 || !largest.is_finite() {
+        return None;
+    }
+    let scaled = Quat::from_vec4(glam::Vec4::from(rotation) / largest).normalize();
+    scaled.is_finite().then_some(scaled)
+}
+
+fn split_matrix(reader: &mut Reader<'_>, node: &Place<'_>, matrix: Mat4) -> Transform {
+    if let Some(transform) = Transform::from_matrix(matrix) {
+        return transform;
+    }
+    let nearest = nearest_transform(matrix);
+    let at = node.path("matrix");
+    let what = "sheared or singular; the nearest translation, rotation and scale is used";
+    reader.notes.add(at, what);
+    nearest
+}
+
+/// Keeps translation and column lengths, and turns the columns into the rotation that
+/// Gram-Schmidt finds; columns without length get a direction from the others.
+fn nearest_transform(matrix: Mat4) -> Transform {
+    let [a, b, c] = [matrix.x_axis, matrix.y_axis, matrix.z_axis].map(|v| v.truncate());
+    let x = a.try_normalize().unwrap_or(Vec3::X);
+    let y = (b - x * x.dot(b))
+        .try_normalize()
+        .unwrap_or_else(|| x.any_orthonormal_vector());
+    let z = x.cross(y);
+    let sign = if z.dot(c) < 0.0 { -1.0 } else { 1.0 };
+    Transform {
+        translation: matrix.w_axis.truncate(),
+        rotation: Quat::from_mat3(&glam::Mat3::from_cols(x, y, z)).normalize(),
+        scale: Vec3::new(a.length(), b.length(), sign * c.length()),
+    }
+}

@@ -1,0 +1,220 @@
+//! One drawable part: attributes, triangles, morph targets.
+//!
+//! Source: glTF 2.0, 3.7.2; integer attributes as KHR_mesh_quantization allows them.
+
+use super::influences;
+use super::place::Place;
+use super::reader::Reader;
+use crate::error::ReadError;
+use articula_core::source::{MorphTarget, Primitive};
+use glam::{Vec2, Vec3, Vec4};
+
+/// Reads one primitive; `None`, with a warning, if it shows no triangles.
+///
+/// `joint_count` is the number of joints of the skin, if a skin moves it.
+pub(super) fn read(
+    reader: &mut Reader<'_>,
+    place: &Place<'_>,
+    joint_count: Option<usize>,
+    texcoord_sets: &[u64],
+) -> Result<Option<Primitive>, ReadError> {
+    let mode = place.whole_or("mode", 4)?;
+    let Some(attributes) = place.get("attributes") else {
+        return Err(place.malformed("\"attributes\" is missing"));
+    };
+    if !matches!(mode, 4..=6) {
+        reader.warn(place, format!("points or lines (mode {mode}) left out"));
+        return Ok(None);
+    }
+    let positions = vec3s(reader, &attributes, "POSITION", None)?;
+    let count = positions.len();
+    if count == 0 {
+        reader.warn(place, "no positions; left out");
+        return Ok(None);
+    }
+    let material = place.index("material", texcoord_sets.len())?;
+    let texcoord = format!("TEXCOORD_{}", material.map_or(0, |m| texcoord_sets[m]));
+    let (influences, joints, weights) = influences::read(reader, &attributes, count, joint_count)?;
+    Ok(Some(Primitive {
+        normals: normals(reader, &attributes, count)?,
+        texcoords: texcoords(reader, &attributes, &texcoord, count)?,
+        colors: colors(reader, &attributes, count)?,
+        influences,
+        joints,
+        weights,
+        morphs: morphs(reader, place, count)?,
+        triangles: triangles(reader, place, mode, count)?,
+        material,
+        positions,
+    }))
+}
+
+/// An attribute of three floats; empty if absent.
+fn vec3s(
+    reader: &mut Reader<'_>,
+    attributes: &Place<'_>,
+    name: &str,
+    count: Option<usize>,
+) -> Result<Vec<Vec3>, ReadError> {
+    let Some(index) = attributes.get(name) else {
+        return Ok(Vec::new());
+    };
+    let accessor = reader.accessor(&index)?;
+    accessor.expect_type(&["VEC3"])?;
+    if let Some(count) = count {
+        accessor.expect_count(count, "vertices")?;
+    }
+    let numbers = reader.floats(&accessor)?;
+    let triples = numbers.as_chunks::<3>().0;
+    Ok(triples.iter().copied().map(Vec3::from_array).collect())
+}
+
+/// Normals, made unit where storage or export left them otherwise.
+fn normals(
+    reader: &mut Reader<'_>,
+    attributes: &Place<'_>,
+    count: usize,
+) -> Result<Vec<Vec3>, ReadError> {
+    let mut normals = vec3s(reader, attributes, "NORMAL", Some(count))?;
+    let mut zeros = 0;
+    for normal in &mut normals {
+        if (normal.length_squared() - 1.0).abs() <= 1e-3 {
+            continue;
+        }
+        let unit = normal.try_normalize();
+        zeros += usize::from(unit.is_none());
+        *normal = unit.unwrap_or(Vec3::Y);
+    }
+    if zeros > 0 {
+        let what = format!("{zeros} of {count} normals have no length; taken as +Y");
+        reader.notes.add(attributes.path("NORMAL"), what);
+    }
+    Ok(normals)
+}
+
+fn texcoords(
+    reader: &mut Reader<'_>,
+    attributes: &Place<'_>,
+    name: &str,
+    count: usize,
+) -> Result<Vec<Vec2>, ReadError> {
+    let Some(index) = attributes.get(name) else {
+        return Ok(Vec::new());
+    };
+    let accessor = reader.accessor(&index)?;
+    accessor.expect_type(&["VEC2"])?;
+    accessor.expect_count(count, "vertices")?;
+    let numbers = reader.floats(&accessor)?;
+    let pairs = numbers.as_chunks::<2>().0;
+    Ok(pairs.iter().copied().map(Vec2::from_array).collect())
+}
+
+fn colors(
+    reader: &mut Reader<'_>,
+    attributes: &Place<'_>,
+    count: usize,
+) -> Result<Vec<Vec4>, ReadError> {
+    let Some(index) = attributes.get("COLOR_0") else {
+        return Ok(Vec::new());
+    };
+    let accessor = reader.accessor(&index)?;
+    accessor.expect_type(&["VEC3", "VEC4"])?;
+    accessor.expect_count(count, "vertices")?;
+    let is_opaque = accessor.place().text("type") == "VEC3";
+    let numbers = reader.floats(&accessor)?;
+    if is_opaque {
+        let triples = numbers.as_chunks::<3>().0.iter();
+        return Ok(triples.map(|&[r, g, b]| Vec4::new(r, g, b, 1.0)).collect());
+    }
+    let quads = numbers.as_chunks::<4>().0.iter();
+    Ok(quads.copied().map(Vec4::from_array).collect())
+}
+
+fn morphs(
+    reader: &mut Reader<'_>,
+    place: &Place<'_>,
+    count: usize,
+) -> Result<Vec<MorphTarget>, ReadError> {
+    let mut morphs = Vec::new();
+    for target in place.entries("targets")? {
+        let mut positions = vec3s(reader, &target, "POSITION", Some(count))?;
+        if positions.is_empty() {
+            reader.charge(target.at(), count as u64 * 3)?;
+            positions = vec![Vec3::ZERO; count];
+        }
+        morphs.push(MorphTarget {
+            positions,
+            normals: vec3s(reader, &target, "NORMAL", Some(count))?,
+        });
+    }
+    Ok(morphs)
+}
+
+/// Triangles of a list (mode 4), strip (5) or fan (6), indexed or not.
+fn triangles(
+    reader: &mut Reader<'_>,
+    place: &Place<'_>,
+    mode: u64,
+    count: usize,
+) -> Result<Vec<[u32; 3]>, ReadError> {
+    let corners = match place.get("indices") {
+        Some(index) => {
+            let accessor = reader.accessor(&index)?;
+            accessor.expect_type(&["SCALAR"])?;
+            reader.integers(&accessor)?
+        }
+        None => {
+            reader.charge(place.at(), count as u64)?;
+            let last = u32::try_from(count).map_err(|_| place.malformed("too many vertices"))?;
+            (0..last).collect()
+        }
+    };
+    if let Some(i) = corners.iter().position(|&c| c as usize >= count) {
+        let what = format!(
+            "index {i} names vertex {}, but there are {count}",
+            corners[i]
+        );
+        return Err(ReadError::malformed(place.path("indices"), what));
+    }
+    let is_whole = if mode == 4 {
+        corners.len() % 3 == 0
+    } else {
+        corners.len() >= 3
+    };
+    if !is_whole {
+        let what = format!(
+            "{} corners make no whole triangles; the rest is left out",
+            corners.len()
+        );
+        reader.notes.add(place.path("indices"), what);
+    }
+    if mode != 4 {
+        reader.charge(place.at(), corners.len() as u64 * 3)?;
+    }
+    Ok(assemble(mode, &corners))
+}
+
+/// Source: glTF 2.0, 3.7.2.1, the formulas for p_i.
+fn assemble(mode: u64, corners: &[u32]) -> Vec<[u32; 3]> {
+    let windows = || corners.windows(3).enumerate();
+    match mode {
+        5 => windows()
+            .map(|(i, w)| [w[0], w[1 + i % 2], w[2 - i % 2]])
+            .collect(),
+        6 => windows().map(|(_, w)| [w[1], w[2], corners[0]]).collect(),
+        _ => corners.as_chunks::<3>().0.to_vec(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_and_fans_by_hand() {
+        assert_eq!(assemble(5, &[0, 1, 2, 3]), [[0, 1, 2], [1, 3, 2]]);
+        assert_eq!(assemble(6, &[7, 1, 2, 3]), [[1, 2, 7], [2, 3, 7]]);
+        assert_eq!(assemble(4, &[0, 1, 2, 3]), [[0, 1, 2]]);
+        assert!(assemble(5, &[0, 1]).is_empty());
+    }
+}

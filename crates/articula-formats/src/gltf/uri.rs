@@ -1,0 +1,115 @@
+//! URIs inside glTF: data URIs decoded, relative ones freed of percent-encoding.
+//!
+//! Source: RFC 2397 (data URIs), RFC 3986 2.1 (percent-encoding).
+
+use crate::error::ReadError;
+use crate::limits::Limits;
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+
+/// Exporters disagree on padding and on zero trailing bits; both are harmless.
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new()
+        .with_decode_padding_mode(DecodePaddingMode::Indifferent)
+        .with_decode_allow_trailing_bits(true),
+);
+
+/// The media type and bytes of a data URI; `None` if the URI is of another scheme.
+pub(super) fn decode_data_uri(
+    uri: &str,
+    at: &str,
+    limits: &Limits,
+) -> Result<Option<(String, Vec<u8>)>, ReadError> {
+    let Some(rest) = strip_scheme(uri) else {
+        return Ok(None);
+    };
+    let Some((head, payload)) = rest.split_once(',') else {
+        return Err(ReadError::malformed(at, "a data URI needs a comma"));
+    };
+    Limits::check(
+        at,
+        "bytes of a data URI",
+        payload.len() as u64 / 4 * 3,
+        limits.bytes,
+    )?;
+    let mime = head.split(';').next().unwrap_or("").to_owned();
+    let is_base64 = head
+        .rsplit(';')
+        .next()
+        .is_some_and(|last| last.trim().eq_ignore_ascii_case("base64"));
+    let bytes = percent_decoded(payload);
+    if !is_base64 {
+        return Ok(Some((mime, bytes)));
+    }
+    let bytes = BASE64
+        .decode(bytes)
+        .map_err(|e| ReadError::malformed(at, format!("a data URI with broken base64: {e}")))?;
+    Ok(Some((mime, bytes)))
+}
+
+/// A relative URI as the file name that it stands for.
+pub(super) fn file_name(uri: &str) -> String {
+    String::from_utf8(percent_decoded(uri)).unwrap_or_else(|_| uri.to_owned())
+}
+
+fn strip_scheme(uri: &str) -> Option<&str> {
+    let scheme = uri.get(..5)?;
+    scheme.eq_ignore_ascii_case("data:").then(|| &uri[5..])
+}
+
+/// Replaces `%41` by `A`; a `%` that no two hexadecimal digits follow stands for itself.
+fn percent_decoded(text: &str) -> Vec<u8> {
+    let bytes = text.as_bytes();
+    let mut out = Vec::with_capacity(bytes.len());
+    let mut i = 0;
+    while i < bytes.len() {
+        let escaped = (bytes[i] == b'%')
+            .then(|| Some(hex(*bytes.get(i + 1)?)? * 16 + hex(*bytes.get(i + 2)?)?))
+            .flatten();
+        out.push(escaped.unwrap_or(bytes[i]));
+        i += if escaped.is_some() { 3 } else { 1 };
+    }
+    out
+}
+
+fn hex(digit: u8) -> Option<u8> {
+    char::from(digit).to_digit(16).map(|d| d as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn decoded(uri: &str) -> (String, Vec<u8>) {
+        decode_data_uri(uri, "uri", &Limits::default())
+            .unwrap()
+            .unwrap()
+    }
+
+    #[test]
+    fn base64_and_percent_encoding_by_hand() {
+        // "Man" is TWFu, "Ma" is TWE= (RFC 4648).
+        assert_eq!(
+            decoded("data:image/png;base64,TWFu"),
+            ("image/png".into(), b"Man".to_vec())
+        );
+        assert_eq!(decoded("data:;base64,TWE").1, b"Ma");
+        assert_eq!(decoded("DATA:;base64,TWE%3D").1, b"Ma");
+        assert_eq!(decoded("data:,a%20b%").1, b"a b%");
+    }
+
+    #[test]
+    fn other_schemes_and_broken_ones() {
+        let limits = Limits::default();
+        assert_eq!(decode_data_uri("a b.bin", "uri", &limits), Ok(None));
+        assert_eq!(decode_data_uri("d\u{e4}ta:", "uri", &limits), Ok(None));
+        assert!(decode_data_uri("data:no comma", "uri", &limits).is_err());
+        assert!(decode_data_uri("data:;base64,!!!!", "uri", &limits).is_err());
+        let tight = Limits { bytes: 2, ..limits };
+        assert!(decode_data_uri("data:;base64,TWFu", "uri", &tight).is_err());
+        assert_eq!(file_name("my%20hero.bin"), "my hero.bin");
+        assert_eq!(file_name("%FF.bin"), "%FF.bin");
+    }
+}
