@@ -126,7 +126,11 @@ pub(super) fn collapse(surface: &Surface, options: &Options<'_>) -> Surface {
             queue.push(mesh.entry(a.min(n), a.max(n)));
         }
     }
-    mesh.surface()
+    let mut thin = mesh.surface();
+    for p in &mut thin.positions {
+        *p = (options.onto)(*p, options.mirrored && p.x == 0.0);
+    }
+    thin
 }
 
 impl Mesh {

@@ -46,10 +46,18 @@ pub(super) enum Join {
     Carve(f32),
 }
 
+/// A shape in its place, with a box around it.
+#[derive(Debug, Clone)]
+struct Part {
+    shape: Shape,
+    join: Join,
+    bounds: (Vec3, Vec3),
+}
+
 /// Shapes that are evaluated in order and skipped together.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Group {
-    parts: Vec<(Shape, Join)>,
+    parts: Vec<Part>,
     bounds: Option<(Vec3, Vec3)>,
 }
 
@@ -70,9 +78,11 @@ impl Shape {
         let rows = (0..=last)
             .map(|i| {
                 let (a, b) = (i.saturating_sub(1), (i + 1).min(last));
+                // The ends are upright, so that their round caps continue them smoothly.
+                let inner = if i == 0 || i == last { 0.0 } else { 1.0 };
                 (
                     values[i],
-                    (values[b] - values[a]) / (heights[b] - heights[a]),
+                    (values[b] - values[a]) * (inner / (heights[b] - heights[a])),
                 )
             })
             .collect();
@@ -212,27 +222,34 @@ fn scaled_sphere(p: Vec3, radii: Vec3) -> f32 {
 impl Group {
     /// Adds a shape.
     pub(super) fn with(mut self, shape: Shape, join: Join) -> Self {
+        let (low, high) = shape.bounds();
         if let Join::Add(_) = join {
-            let (low, high) = shape.bounds();
             let (l, h) = self.bounds.unwrap_or((low, high));
             self.bounds = Some((l.min(low), h.max(high)));
         }
-        self.parts.push((shape, join));
+        self.parts.push(Part {
+            shape,
+            join,
+            bounds: (low, high),
+        });
         self
     }
 
     /// Signed distance; a lower bound where the group is farther than [`REACH`].
     pub(super) fn distance(&self, p: Vec3) -> f32 {
-        let (low, high) = self.bounds.unwrap_or((Vec3::MAX, Vec3::MAX));
-        let outside = (low - p).max(p - high).max(Vec3::ZERO).length();
-        if outside > REACH {
-            return outside;
+        let far = self.bounds.map_or(f32::MAX, |b| outside(b, p));
+        if far > REACH {
+            return far;
         }
         let mut sum = f32::MAX;
-        for (shape, join) in &self.parts {
-            match join {
-                Join::Add(blend) => sum = smooth_min(sum, shape.distance(p), *blend),
-                Join::Carve(blend) => sum = -smooth_min(-sum, shape.distance(p), *blend),
+        for part in &self.parts {
+            let (sign, blend) = match part.join {
+                Join::Add(blend) => (1.0, blend),
+                Join::Carve(blend) => (-1.0, blend),
+            };
+            // Distances of flat shapes are somewhat short of the true ones, hence the room.
+            if outside(part.bounds, p) <= sign * sum + 1.5 * blend {
+                sum = sign * smooth_min(sign * sum, part.shape.distance(p), blend);
             }
         }
         sum
@@ -248,6 +265,11 @@ impl Group {
     pub(super) fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds.unwrap_or((Vec3::ZERO, Vec3::ZERO))
     }
+}
+
+/// Distance to a box, zero inside.
+fn outside((low, high): (Vec3, Vec3), p: Vec3) -> f32 {
+    (low - p).max(p - high).max(Vec3::ZERO).length()
 }
 
 /// Minimum whose crease is rounded where both sides differ by less than `blend` (cubic, so that

@@ -113,7 +113,7 @@ fn in_air(side: Side, phase: f32) -> Foothold {
             along,
         )
         .x,
-        toes: a.toes * (1.0 - smooth_step(0.0, 0.55, along)),
+        toes: a.toes * (1.0 - smooth_step(0.1, 0.7, along)),
     }
 }
 

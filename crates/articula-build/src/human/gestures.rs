@@ -86,13 +86,13 @@ fn raise(pose: &mut Pose, phase: f32) {
     let beat = waving * (TAU * 3.0 * (phase - 0.245) / 0.51).sin();
     let lag = waving * (TAU * 3.0 * (phase - 0.275) / 0.51).sin();
     let side = Side::Right;
-    pose.turn_side(side, "sternoclavicular", [0.0, 0.0, 13.0 * up]);
-    pose.turn_side(side, "acromioclavicular", [0.0, 0.0, 9.0 * up]);
+    pose.turn_side(side, "sternoclavicular", [0.0, 0.0, 8.0 * up]);
+    pose.turn_side(side, "acromioclavicular", [0.0, 0.0, 5.0 * up]);
     pose.turn_side(side, "shoulder", [-14.0 * up, 62.0 * up, 0.0]);
-    let raised = glam::Quat::from_rotation_z(-(50.0 * up).to_radians());
+    let raised = glam::Quat::from_rotation_z(-(52.0 * up).to_radians());
     let shoulder = side.joint("shoulder");
     pose.rotations[shoulder] = raised * pose.rotations[shoulder];
-    pose.turn_side(side, "elbow", [-118.0 * lead + 17.0 * beat, 22.0 * up, 0.0]);
+    pose.turn_side(side, "elbow", [-124.0 * lead + 17.0 * beat, 22.0 * up, 0.0]);
     pose.turn_side(side, "wrist", [6.0 * up + 13.0 * lag, 0.0, 6.0 * up]);
     pose.curl(side, -7.0 * up);
     pose.turn_spine("vl5", "vt1", [0.0, 2.0 * up, 2.5 * up]);

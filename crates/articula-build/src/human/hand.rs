@@ -30,7 +30,7 @@ pub(super) fn palm() -> Group {
     let wrist = Shape::flat_cone(
         hand_point([0.0, -0.012, 0.0]).into(),
         hand_point([0.0, 0.02, 0.0]).into(),
-        [0.0195, 0.0165],
+        [0.0165, 0.0155],
         wide,
         1.4,
     );
@@ -53,8 +53,8 @@ pub(super) fn palm() -> Group {
             Join::Add(0.015),
         )
         .with(
-            ellipsoid([-0.024, 0.062, -0.002], [0.008, 0.02, 0.012]),
-            Join::Carve(0.014),
+            ellipsoid([-0.029, 0.06, -0.004], [0.014, 0.028, 0.018]),
+            Join::Carve(0.02),
         )
 }
 
@@ -65,8 +65,8 @@ pub(super) fn fingers() -> [Group; 5] {
         let bone = |i: usize| cone(points[i], points[i + 1], [radii[i - 1], radii[i]]);
         let group = Group::default()
             .with(bone(1), Join::Add(0.0))
-            .with(bone(2), Join::Add(0.006))
-            .with(bone(3), Join::Add(0.004))
+            .with(bone(2), Join::Add(0.002))
+            .with(bone(3), Join::Add(0.002))
             // Pad under the tip.
             .with(pad(points, radii[3]), Join::Add(0.006));
         if f == 0 {

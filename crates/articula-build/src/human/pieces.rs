@@ -23,7 +23,7 @@ pub(super) struct Pieces {
 impl Pieces {
     /// Cuts the budget and makes each piece from its field.
     pub(super) fn new(body: &Body, triangles: usize) -> Self {
-        let lips = mirrored(&piece(&head::lips(&body.head), triangles / 80));
+        let lips = mirrored(&piece(&head::lips(&body.head), triangles / 50));
         let brow = piece(&head::brow(&body.head), triangles / 160);
         let brows = both_sides(&brow);
         let eyes = eyes(triangles);
@@ -43,17 +43,22 @@ impl Pieces {
 /// The left half of the skin, not simplified below `target` triangles.
 fn skin_half(body: &Body, target: usize) -> Surface {
     let field = |p: Vec3| body.distance(p);
-    let grid = Grid::uniform(
+    let grid = Grid::banded(
         Vec3::new(0.0, -0.012, -0.15),
         Vec3::new(0.3, 1.765, 0.185),
         SKIN_STEP,
+        |y| match y {
+            // Shins, knees and the trunk above the hands have no small features.
+            0.13..0.64 | 0.89..1.47 => 2.0 * SKIN_STEP,
+            _ => SKIN_STEP,
+        },
     );
     let fine = polygonise(&grid, &field);
     let options = Options {
         target,
         mirrored: true,
         importance: &importance,
-        onto: &|p, flat| onto(&field, p, flat),
+        onto: &|p, flat| onto(&field, p, flat, 1),
     };
     collapse(&fine, &options)
 }
@@ -72,7 +77,7 @@ fn importance(p: Vec3) -> f32 {
     } else if face || ear {
         20.0
     } else if p.y > 1.58 {
-        6.0
+        12.0
     } else if p.y < 0.05 {
         12.0
     } else {
@@ -91,7 +96,7 @@ fn piece(group: &Group, target: usize) -> Surface {
         target: target.max(16),
         mirrored: grid.axes[0][0] < 0.0,
         importance: &|_| 1.0,
-        onto: &|p, flat| onto(&field, p, flat),
+        onto: &|p, flat| onto(&field, p, flat, 1),
     };
     collapse(&fine, &options)
 }

@@ -4,7 +4,6 @@
 //! onto the surface along the field's slope. Differs: only the half with x >= 0 is meshed, on
 //! a grid whose first cells straddle the mirror plane, and the other half is its exact mirror.
 
-use super::field::gradient;
 use glam::Vec3;
 
 /// A closed surface, or half of one whose open rim lies in the plane x = 0.
@@ -26,16 +25,25 @@ const BLOCK: usize = 4;
 impl Grid {
     /// A grid over a box, `step` apart; where the box reaches x = 0 it is mirrored there.
     pub(super) fn uniform(low: Vec3, high: Vec3, step: f32) -> Self {
-        let axis = |from: f32, to: f32| {
-            let count = ((to - from) / step).ceil() as usize + 1;
-            (0..=count).map(|i| from + step * i as f32).collect()
+        Self::banded(low, high, step, |_| step)
+    }
+
+    /// The same with a spacing of its own at every height.
+    pub(super) fn banded(low: Vec3, high: Vec3, step: f32, rise: impl Fn(f32) -> f32) -> Self {
+        let axis = |from: f32, to: f32, step: &dyn Fn(f32) -> f32| {
+            let mut samples = vec![from];
+            while samples[samples.len() - 1] < to {
+                let last = samples[samples.len() - 1];
+                samples.push(last + step(last));
+            }
+            samples
         };
         let start = if low.x <= step { -0.5 * step } else { low.x };
         Self {
             axes: [
-                axis(start, high.x),
-                axis(low.y, high.y),
-                axis(low.z, high.z),
+                axis(start, high.x, &|_| step),
+                axis(low.y, high.y, &rise),
+                axis(low.z, high.z, &|_| step),
             ],
         }
     }
@@ -153,7 +161,7 @@ pub(super) fn polygonise(grid: &Grid, field: &impl Fn(Vec3) -> f32) -> Surface {
                 if let Some(vertex) = samples.cell_vertex(cell) {
                     let mirrored = i == 0 && grid.axes[0][0] < 0.0;
                     vertices.insert(samples.index(cell), surface.positions.len() as u32);
-                    surface.positions.push(onto(field, vertex, mirrored));
+                    surface.positions.push(onto(field, vertex, mirrored, 2));
                 }
             }
         }
@@ -207,18 +215,27 @@ fn quad(
     out.triangles.extend(halves);
 }
 
-/// Moves a point onto the surface; `mirrored` keeps it in the plane x = 0.
-pub(super) fn onto(field: &impl Fn(Vec3) -> f32, from: Vec3, mirrored: bool) -> Vec3 {
+/// Moves a point onto the surface in up to `steps` steps of 2 mm; `mirrored` keeps it in the
+/// plane x = 0.
+pub(super) fn onto(field: &impl Fn(Vec3) -> f32, from: Vec3, mirrored: bool, steps: usize) -> Vec3 {
     let flat = if mirrored {
         Vec3::new(0.0, 1.0, 1.0)
     } else {
         Vec3::ONE
     };
     let mut p = from * flat;
-    for _ in 0..3 {
-        let slope = gradient(field, p) * flat;
-        let step = slope * (field(p) / slope.length_squared().max(0.05));
+    for _ in 0..steps {
+        let here = field(p);
+        let slope = forward_gradient(field, p, here) * flat;
+        let step = slope * (here / slope.length_squared().max(0.05));
         p -= step.clamp_length_max(0.002);
     }
     p
+}
+
+/// Half the price of central differences and good enough to walk along.
+fn forward_gradient(field: &impl Fn(Vec3) -> f32, p: Vec3, here: f32) -> Vec3 {
+    const STEP: f32 = 2e-4;
+    let along = |axis: Vec3| field(p + axis * STEP) - here;
+    Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)) / STEP
 }
