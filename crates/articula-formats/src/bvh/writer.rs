@@ -1,0 +1,377 @@
+//! From a character and one of its clips to the text of a BVH file.
+//!
+//! BVH knows neither rest rotations nor scale. So offsets are written in the orientation that
+//! the rest pose has in model space, and rotations relative to the rest pose: joint positions
+//! are those of the source at every frame, while the joints' own axes are those of the model.
+//! A joint whose position moves against its parent gets position channels of its own.
+
+use articula_core::pose::LocalPose;
+use articula_core::source::{Character, Clip, Skeleton, evaluate};
+use glam::{Affine3A, EulerRot, Quat, Vec3};
+use std::fmt::Write as _;
+use thiserror::Error;
+
+/// Position channels are written if a position moves by more than this share of the figure.
+const STILL: f32 = 1e-5;
+
+/// The order in which the three rotations of a joint are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum ChannelOrder {
+    /// X, then Y, then Z.
+    Xyz,
+    /// X, then Z, then Y.
+    Xzy,
+    /// Y, then X, then Z.
+    Yxz,
+    /// Y, then Z, then X.
+    Yzx,
+    /// Z, then X, then Y: what most files have.
+    #[default]
+    Zxy,
+    /// Z, then Y, then X.
+    Zyx,
+}
+
+/// How to write a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct WriteOptions {
+    /// Frames a second.
+    pub rate_hz: f32,
+    /// Order of the rotation channels.
+    pub order: ChannelOrder,
+    /// File units of one metre; 100 writes centimetres.
+    pub units_per_metre: f32,
+    /// Joint and offset (metres, in the joint's space) of end sites, as the reader gives
+    /// them; a leaf without one gets an end site of no length.
+    pub end_sites: Vec<(usize, Vec3)>,
+}
+
+impl Default for WriteOptions {
+    fn default() -> Self {
+        Self {
+            rate_hz: 30.0,
+            order: ChannelOrder::Zxy,
+            units_per_metre: 100.0,
+            end_sites: Vec::new(),
+        }
+    }
+}
+
+/// Why a file could not be written.
+#[derive(Debug, Clone, Copy, PartialEq, Error)]
+pub enum WriteError {
+    /// There is no such clip.
+    #[error("clip {index} was asked for, the character has {count}")]
+    NoClip {
+        /// The index asked for.
+        index: usize,
+        /// Clips of the character.
+        count: usize,
+    },
+    /// There is no joint.
+    #[error("the character has no joint to write")]
+    NoJoint,
+    /// A number of the options is not positive.
+    #[error("{which} is {found}, a positive number is expected")]
+    NotPositive {
+        /// Which one.
+        which: &'static str,
+        /// What it is.
+        found: f32,
+    },
+}
+
+/// Writes a clip, sampled at a uniform rate; without a skin all joints are written, with one
+/// its joints and what stands above them.
+///
+/// # Errors
+/// [`WriteError`] if the clip is not there, or an option makes no sense.
+pub fn write(
+    character: &Character,
+    clip: usize,
+    options: &WriteOptions,
+) -> Result<Vec<u8>, WriteError> {
+    let numbers = [
+        ("rate_hz", options.rate_hz),
+        ("units_per_metre", options.units_per_metre),
+    ];
+    for (which, found) in numbers {
+        if !(found.is_finite() && found > 0.0) {
+            return Err(WriteError::NotPositive { which, found });
+        }
+    }
+    let clip = character.clips.get(clip).ok_or(WriteError::NoClip {
+        index: clip,
+        count: character.clips.len(),
+    })?;
+    let skeleton = &character.skeleton;
+    let order = depth_first(skeleton);
+    if order.is_empty() {
+        return Err(WriteError::NoJoint);
+    }
+    let figure = Figure::new(skeleton, clip, options, order);
+    let mut text = String::from("HIERARCHY\n");
+    figure.hierarchy(&mut text);
+    figure.motion(&mut text);
+    Ok(text.into_bytes())
+}
+
+/// Joints to write, each followed by its descendants.
+fn depth_first(skeleton: &Skeleton) -> Vec<usize> {
+    let joints = &skeleton.joints;
+    let any_skin = joints.iter().any(|j| j.in_skin);
+    let mut wanted: Vec<bool> = joints.iter().map(|j| j.in_skin || !any_skin).collect();
+    let mut children = vec![Vec::new(); joints.len()];
+    for (index, joint) in joints.iter().enumerate().rev() {
+        if let Some(parent) = joint.parent {
+            wanted[parent] |= wanted[index];
+            children[parent].push(index);
+        }
+    }
+    let mut open: Vec<usize> = (0..joints.len())
+        .rev()
+        .filter(|&j| joints[j].parent.is_none())
+        .collect();
+    let mut order = Vec::new();
+    while let Some(joint) = open.pop() {
+        if wanted[joint] {
+            order.push(joint);
+            open.extend(&children[joint]);
+        }
+    }
+    order
+}
+
+/// A joint's translation and rotation in BVH's terms, at one frame.
+type Place = (Vec3, Quat);
+
+struct Figure<'a> {
+    skeleton: &'a Skeleton,
+    options: &'a WriteOptions,
+    order: Vec<usize>,
+    /// Model-from-joint at rest.
+    rest: Vec<(Vec3, Quat)>,
+    /// Frame by frame, one entry for each joint of `order`.
+    frames: Vec<Vec<Place>>,
+    /// Whether a joint's position is written; one for each joint of `order`.
+    moves: Vec<bool>,
+}
+
+impl<'a> Figure<'a> {
+    fn new(
+        skeleton: &'a Skeleton,
+        clip: &Clip,
+        options: &'a WriteOptions,
+        order: Vec<usize>,
+    ) -> Self {
+        let rests = || skeleton.joints.iter().map(|j| j.rest);
+        let mut pose = LocalPose {
+            translations: rests().map(|r| r.translation).collect(),
+            rotations: rests().map(|r| r.rotation).collect(),
+            scales: rests().map(|r| r.scale).collect(),
+        };
+        let mut figure = Self {
+            skeleton,
+            options,
+            rest: globals(skeleton, &pose),
+            order,
+            frames: Vec::new(),
+            moves: Vec::new(),
+        };
+        let count = (clip.duration_secs.max(0.0) * options.rate_hz).round() as usize + 1;
+        for frame in 0..count {
+            let time_secs = (frame as f64 / f64::from(options.rate_hz)) as f32;
+            evaluate::pose(clip, skeleton, time_secs, &mut pose);
+            figure.frames.push(figure.places(&globals(skeleton, &pose)));
+        }
+        figure.moves = figure.moving();
+        figure
+    }
+
+    /// Rotations relative to rest, positions in the parent's turned space.
+    fn places(&self, globals: &[(Vec3, Quat)]) -> Vec<Place> {
+        let turn = |joint: usize| globals[joint].1 * self.rest[joint].1.inverse();
+        let place = |&joint: &usize| match self.skeleton.joints[joint].parent {
+            None => (globals[joint].0, turn(joint)),
+            Some(parent) => {
+                let back = turn(parent).inverse();
+                let way = globals[joint].0 - globals[parent].0;
+                (back * way, (back * turn(joint)).normalize())
+            }
+        };
+        self.order.iter().map(place).collect()
+    }
+
+    /// Offset from the parent at rest, in the orientation of model space.
+    fn offset(&self, joint: usize) -> Vec3 {
+        let parent = self.skeleton.joints[joint].parent;
+        self.rest[joint].0 - parent.map_or(Vec3::ZERO, |p| self.rest[p].0)
+    }
+
+    fn moving(&self) -> Vec<bool> {
+        let positions = self.order.iter().map(|&j| self.rest[j].0);
+        let (low, high) = positions.fold((Vec3::MAX, Vec3::MIN), |(l, h), p| (l.min(p), h.max(p)));
+        let still = STILL * (high - low).max_element();
+        let moves = |(slot, &joint): (usize, &usize)| {
+            let offset = self.offset(joint);
+            let away = |frame: &Vec<Place>| frame[slot].0.distance(offset) > still;
+            self.skeleton.joints[joint].parent.is_none() || self.frames.iter().any(away)
+        };
+        self.order.iter().enumerate().map(moves).collect()
+    }
+
+    fn hierarchy(&self, text: &mut String) {
+        let mut open: Vec<usize> = Vec::new();
+        for (slot, &joint) in self.order.iter().enumerate() {
+            let parent = self.skeleton.joints[joint].parent;
+            while open.last().copied() != parent && !open.is_empty() {
+                open.pop();
+                line(text, open.len(), "}");
+            }
+            let keyword = if parent.is_none() { "ROOT" } else { "JOINT" };
+            let depth = open.len();
+            line(text, depth, &format!("{keyword} {}", self.name(joint)));
+            line(text, depth, "{");
+            line(
+                text,
+                depth + 1,
+                &format!("OFFSET {}", self.triple(self.offset(joint))),
+            );
+            let names = rotation_names(self.options.order);
+            let channels = if self.moves[slot] {
+                format!("CHANNELS 6 Xposition Yposition Zposition {names}")
+            } else {
+                format!("CHANNELS 3 {names}")
+            };
+            line(text, depth + 1, &channels);
+            open.push(joint);
+            self.ends(text, slot, depth + 1);
+        }
+        while open.pop().is_some() {
+            line(text, open.len(), "}");
+        }
+    }
+
+    fn ends(&self, text: &mut String, slot: usize, depth: usize) {
+        let joint = self.order[slot];
+        let given = self.options.end_sites.iter().filter(|(j, _)| *j == joint);
+        let mut sites: Vec<Vec3> = given
+            .map(|(_, offset)| self.rest[joint].1 * *offset)
+            .collect();
+        let next = self.order.get(slot + 1);
+        let is_leaf = next.is_none_or(|&n| self.skeleton.joints[n].parent != Some(joint));
+        if sites.is_empty() && is_leaf {
+            sites.push(Vec3::ZERO);
+        }
+        for site in sites {
+            line(text, depth, "End Site");
+            line(text, depth, "{");
+            line(text, depth + 1, &format!("OFFSET {}", self.triple(site)));
+            line(text, depth, "}");
+        }
+    }
+
+    fn motion(&self, text: &mut String) {
+        let frame_time_secs = 1.0 / f64::from(self.options.rate_hz);
+        let _ = write!(
+            text,
+            "MOTION\nFrames: {}\nFrame Time: {frame_time_secs:.9}\n",
+            self.frames.len()
+        );
+        let mut last = vec![[0.0_f32; 3]; self.order.len()];
+        for frame in &self.frames {
+            let mut values = Vec::new();
+            for (slot, (position, rotation)) in frame.iter().enumerate() {
+                if self.moves[slot] {
+                    values.push(self.triple(*position));
+                }
+                let degrees = near(euler_degrees(*rotation, self.options.order), last[slot]);
+                last[slot] = degrees;
+                values.push(triple(degrees));
+            }
+            line(text, 0, &values.join(" "));
+        }
+    }
+
+    fn triple(&self, metres: Vec3) -> String {
+        triple((metres * self.options.units_per_metre).to_array())
+    }
+
+    /// Names end at a space or brace in most readers, and may not be empty.
+    fn name(&self, joint: usize) -> String {
+        let name = &self.skeleton.joints[joint].name;
+        let odd = |c: char| c.is_whitespace() || c.is_control() || matches!(c, '{' | '}');
+        match name.trim() {
+            "" => format!("joint_{joint}"),
+            name => name.replace(odd, "_"),
+        }
+    }
+}
+
+/// Place and orientation of every joint in model space.
+fn globals(skeleton: &Skeleton, pose: &LocalPose) -> Vec<(Vec3, Quat)> {
+    let mut matrices: Vec<Affine3A> = Vec::with_capacity(skeleton.joints.len());
+    for (index, joint) in skeleton.joints.iter().enumerate() {
+        let local = Affine3A::from_scale_rotation_translation(
+            pose.scales[index],
+            pose.rotations[index],
+            pose.translations[index],
+        );
+        matrices.push(joint.parent.map_or(local, |p| matrices[p] * local));
+    }
+    let split = |m: &Affine3A| {
+        let (_, rotation, place) = m.to_scale_rotation_translation();
+        let whole = rotation.is_finite() && rotation.length() > 0.5;
+        (
+            place,
+            if whole {
+                rotation.normalize()
+            } else {
+                Quat::IDENTITY
+            },
+        )
+    };
+    matrices.iter().map(split).collect()
+}
+
+fn rotation_names(order: ChannelOrder) -> &'static str {
+    match order {
+        ChannelOrder::Xyz => "Xrotation Yrotation Zrotation",
+        ChannelOrder::Xzy => "Xrotation Zrotation Yrotation",
+        ChannelOrder::Yxz => "Yrotation Xrotation Zrotation",
+        ChannelOrder::Yzx => "Yrotation Zrotation Xrotation",
+        ChannelOrder::Zxy => "Zrotation Xrotation Yrotation",
+        ChannelOrder::Zyx => "Zrotation Yrotation Xrotation",
+    }
+}
+
+fn euler_degrees(rotation: Quat, order: ChannelOrder) -> [f32; 3] {
+    let order = match order {
+        ChannelOrder::Xyz => EulerRot::XYZ,
+        ChannelOrder::Xzy => EulerRot::XZY,
+        ChannelOrder::Yxz => EulerRot::YXZ,
+        ChannelOrder::Yzx => EulerRot::YZX,
+        ChannelOrder::Zxy => EulerRot::ZXY,
+        ChannelOrder::Zyx => EulerRot::ZYX,
+    };
+    let (a, b, c) = rotation.to_euler(order);
+    [a, b, c].map(f32::to_degrees)
+}
+
+/// The same angles, each within half a turn of the frame before, so that readers which blend
+/// angles do not spin.
+fn near(degrees: [f32; 3], last: [f32; 3]) -> [f32; 3] {
+    std::array::from_fn(|i| degrees[i] + 360.0 * ((last[i] - degrees[i]) / 360.0).round())
+}
+
+fn triple(values: [f32; 3]) -> String {
+    // Adding zero turns a negative zero into a plain one.
+    let [x, y, z] = values.map(|v| if v.abs() < 5e-7 { 0.0 } else { v });
+    format!("{x:.6} {y:.6} {z:.6}")
+}
+
+fn line(text: &mut String, depth: usize, words: &str) {
+    text.extend(std::iter::repeat_n('\t', depth));
+    text.push_str(words);
+    text.push('\n');
+}

@@ -1,0 +1,118 @@
+//! Promise: whatever happens to a BVH file or a profile, reading gives a value or an error.
+//!
+//! The stable twin of the fuzz targets `bvh` and `profile`: seeded mutations of good files.
+
+use articula_formats::bvh::{self, ReadOptions};
+use articula_formats::{Limits, loa_profile, profile};
+
+/// Mutations tried on each file.
+const TRIES: u64 = 3000;
+
+const BVH: &str = "HIERARCHY\nROOT Hips\n{\n OFFSET 0 90 0\n CHANNELS 6 Xposition Yposition Zposition \
+    Zrotation Xrotation Yrotation\n JOINT Head\n {\n  OFFSET 0 60 0\n  CHANNELS 3 Zrotation Xrotation \
+    Yrotation\n  End Site\n  {\n   OFFSET 0 20 0\n  }\n }\n}\nMOTION\nFrames: 2\nFrame Time: .0333\n\
+    0 90 0 1 2 3 4 5 6\n0 91 -1e-3 1 2 3 4 5 -6\n";
+
+const PROFILE: &str = r#"{"name": "x", "title": "t", "source": "s", "scope": "body",
+    "prefixes": ["rig"], "suffixes": ["_end"], "joints": {"Hips": "humanoid_root",
+    "{side}Arm": "{side}_shoulder", "Back": "spine", "wrist": "{hand}_wrist"},
+    "helpers": {"hands": ["tip.{side}"]}, "ignored": ["twist"]}"#;
+
+const LOA: &str = r#"{"manual": true, "rule": "sum", "depth": 3, "complexity": "None",
+    "zones": ["torso", "legs"], "joints": {"plus": ["l_knee"], "minus": ["tail"]}}"#;
+
+/// The words that the formats know, put in anywhere.
+const WORDS: [&str; 16] = [
+    "{",
+    "}",
+    "ROOT x",
+    "JOINT",
+    "End Site",
+    "OFFSET",
+    "CHANNELS 3",
+    "MOTION",
+    "Frames: 1e9",
+    "NaN",
+    "-1e39",
+    "\"",
+    "[",
+    "{side}",
+    "null",
+    "99999999999999999999",
+];
+
+/// Sebastiano Vigna's SplitMix64 (2014): small, and the same everywhere.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self, sides: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % sides.max(1) as u64) as usize
+    }
+}
+
+fn mutated(good: &str, dice: &mut Dice) -> Vec<u8> {
+    let mut bytes = good.as_bytes().to_vec();
+    for _ in 0..=dice.roll(4) {
+        let at = dice.roll(bytes.len());
+        match dice.roll(5) {
+            0 => bytes.truncate(at),
+            1 => bytes.insert(at, dice.roll(256) as u8),
+            2 => bytes.extend_from_within(at..),
+            3 => {
+                let word = WORDS[dice.roll(WORDS.len())].bytes();
+                bytes.splice(at..at, [b' '].into_iter().chain(word).chain([b' ']));
+            }
+            _ => {
+                let end = (at + dice.roll(12)).min(bytes.len());
+                bytes.drain(at..end);
+            }
+        }
+    }
+    bytes
+}
+
+fn check(good: &str, read: impl Fn(&[u8]) -> bool) {
+    assert!(read(good.as_bytes()), "the unharmed file is good");
+    let mut dice = Dice(20071);
+    let good_ones = (0..TRIES)
+        .filter(|_| read(&mutated(good, &mut dice)))
+        .count();
+    assert!(good_ones < TRIES as usize, "no mutation was noticed");
+}
+
+#[test]
+fn bvh_files() {
+    check(BVH, |bytes| {
+        let read = bvh::read(bytes, &ReadOptions::default(), &Limits::default());
+        let Ok(read) = read else { return false };
+        let character = read.value.character;
+        for (index, joint) in character.skeleton.joints.iter().enumerate() {
+            assert!(joint.parent.is_none_or(|p| p < index));
+            assert!(joint.rest.is_finite());
+        }
+        for channel in character.clips.iter().flat_map(|c| &c.channels) {
+            assert!(channel.times_secs.windows(2).all(|w| w[0] < w[1]));
+            assert!(channel.values.iter().all(|v| v.is_finite()));
+        }
+        profile::map(&character.skeleton, profile::builtin(), None);
+        true
+    });
+}
+
+#[test]
+fn profiles() {
+    check(PROFILE, |bytes| {
+        profile::parse(bytes, &Limits::default()).is_ok()
+    });
+}
+
+#[test]
+fn saved_selections() {
+    check(LOA, |bytes| {
+        loa_profile::read(bytes, &Limits::default()).is_ok()
+    });
+}
