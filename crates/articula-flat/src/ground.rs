@@ -5,6 +5,7 @@
 //! one that stands.
 
 use crate::error::PictureError;
+use crate::frame::Bounds;
 use crate::item_buffer::{Faces, ItemBuffer, Samples};
 use glam::{Vec2, Vec3, Vec4};
 
@@ -34,6 +35,19 @@ impl Default for Ground {
             height_m: 0.0,
             middle: Vec2::ZERO,
             radius_m: 2.5,
+        }
+    }
+}
+
+impl Ground {
+    /// The floor at a height, under the middle of some bounds and half as wide again as they
+    /// are large.
+    pub fn below(bounds: &Bounds, height_m: f32) -> Self {
+        let (middle, size) = (bounds.middle(), bounds.high - bounds.low);
+        Self {
+            height_m,
+            middle: Vec2::new(middle.x, middle.z),
+            radius_m: 1.5 * size.max_element(),
         }
     }
 }

@@ -146,6 +146,15 @@ impl ItemBuffer {
         ((id != NOTHING).then_some(id), self.nearness[i])
     }
 
+    /// Whether no sample of a pixel shows a triangle.
+    pub fn is_blank(&self, x: u32, y: u32) -> bool {
+        let n = self.samples.per_side();
+        (y * n..(y + 1) * n).all(|sample_y| {
+            let first = self.index(x * n, sample_y);
+            first.is_none_or(|i| self.ids[i..i + n as usize].iter().all(|id| *id == NOTHING))
+        })
+    }
+
     /// Place of a sample in the picture, in pixels.
     pub fn position(&self, x: u32, y: u32) -> Vec2 {
         let n = self.samples.per_side() as f32;

@@ -217,16 +217,6 @@ impl Plot {
                 y + 4.5,
             );
         }
-        if let Some((value, label)) = options.target.as_ref().filter(|(v, _)| v.is_finite()) {
-            let y = self.y_at(*value);
-            let label = escaped(label);
-            let _ = write!(
-                self.svg,
-                "<path d=\"M{LEFT} {y:.2}H{right}\" stroke=\"#5c616c\" stroke-dasharray=\"2 3\"/>\n\
-                 <text x=\"{right}\" y=\"{:.2}\" text-anchor=\"end\" fill=\"#5c616c\">{label}</text>\n",
-                y - 5.0,
-            );
-        }
     }
 
     fn x_tick(&mut self, x: f64, label: &str) {
@@ -277,7 +267,23 @@ impl Plot {
         );
     }
 
+    /// A dotted line at the target, over the data so that its label stays readable.
+    fn target(&mut self, options: &PlotOptions) {
+        if let Some((value, label)) = options.target.as_ref().filter(|(v, _)| v.is_finite()) {
+            let (y, right) = (self.y_at(*value), WIDTH - RIGHT);
+            let label = escaped(label);
+            let _ = write!(
+                self.svg,
+                "<path d=\"M{LEFT} {y:.2}H{right}\" stroke=\"#5c616c\" stroke-dasharray=\"2 3\"/>\n\
+                 <text x=\"{right}\" y=\"{:.2}\" text-anchor=\"end\" fill=\"#5c616c\" \
+                 stroke=\"#fff\" stroke-width=\"4\" paint-order=\"stroke\">{label}</text>\n",
+                y - 5.0,
+            );
+        }
+    }
+
     fn finish(mut self, options: &PlotOptions) -> String {
+        self.target(options);
         let middle = 0.5 * (self.top + self.bottom());
         let _ = write!(
             self.svg,

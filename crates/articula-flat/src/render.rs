@@ -48,7 +48,7 @@ pub struct Light {
     pub key: f32,
     /// Strength of the fill light, which comes from the opposite side.
     pub fill: f32,
-    /// Strength of the light from everywhere.
+    /// Strength of the light from everywhere, a quarter more from above and less from below.
     pub ambient: f32,
 }
 
@@ -56,9 +56,9 @@ impl Default for Light {
     fn default() -> Self {
         Self {
             key_direction: Vec3::new(-0.45, 0.65, 0.8),
-            key: 0.72,
+            key: 0.82,
             fill: 0.14,
-            ambient: 0.26,
+            ambient: 0.2,
         }
     }
 }
@@ -134,7 +134,44 @@ struct Scene<'a> {
     part_of: Vec<u32>,
     materials: Vec<Material>,
     lights: Lights,
-    floor: Option<(Ground, ContactShadow)>,
+    floor: Option<Floor>,
+}
+
+/// The floor, its shadow, and the pixels between which it can be seen.
+struct Floor {
+    ground: Ground,
+    shadow: ContactShadow,
+    low: Vec2,
+    high: Vec2,
+}
+
+impl Floor {
+    fn new(ground: Ground, shadow: ContactShadow, screen: &Screen) -> Self {
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)].map(|(x, z)| {
+            let place = ground.middle + ground.radius_m * Vec2::new(x, z);
+            screen.place(Vec3::new(place.x, ground.height_m, place.y))
+        });
+        // A corner behind the camera can make the floor appear anywhere.
+        let everywhere = corners.iter().any(Option::is_none);
+        let seen = corners.into_iter().flatten();
+        let (low, high) = if everywhere {
+            (Vec2::MIN, Vec2::MAX)
+        } else {
+            let high = seen.clone().fold(Vec2::MIN, Vec2::max);
+            (seen.fold(Vec2::MAX, Vec2::min), high)
+        };
+        Self {
+            ground,
+            shadow,
+            low,
+            high,
+        }
+    }
+
+    fn may_show(&self, x: u32, y: u32) -> bool {
+        let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+        at.cmpge(self.low - 1.0).all() && at.cmple(self.high + 1.0).all()
+    }
 }
 
 /// Unit directions towards the lights in model space, and their strengths.
@@ -160,7 +197,8 @@ impl Lights {
         // The key light wraps a little around the edge, as a large lamp does.
         let key = ((normal.dot(self.key) + 0.2) / 1.2).max(0.0);
         let fill = normal.dot(self.fill).max(0.0);
-        self.strength.ambient + self.strength.key * key + self.strength.fill * fill
+        let ambient = self.strength.ambient * (1.0 + 0.25 * normal.y);
+        ambient + self.strength.key * key + self.strength.fill * fill
     }
 }
 
@@ -199,7 +237,7 @@ impl<'a> Scene<'a> {
         if let Some(ground) = options.ground {
             let triangles = scene.visible().map(|t| mesh.triangles[t]);
             let shadow = ContactShadow::new(&skinned.positions, triangles, ground.height_m)?;
-            scene.floor = Some((ground, shadow));
+            scene.floor = Some(Floor::new(ground, shadow, &screen));
         }
         Ok(scene)
     }
@@ -247,8 +285,9 @@ impl<'a> Scene<'a> {
         let mut groups = Groups::default();
         for y in 0..height {
             for x in 0..width {
-                groups.gather(buffer, x, y);
-                if self.floor.is_some() || !groups.is_empty() {
+                let floor = self.floor.as_ref().is_some_and(|f| f.may_show(x, y));
+                if floor || !buffer.is_blank(x, y) {
+                    groups.gather(buffer, x, y);
                     picture.set(x, y, self.pixel(&groups, &levels, background));
                 }
             }
@@ -306,7 +345,7 @@ impl<'a> Scene<'a> {
 
     /// The floor before or behind a colour; what lies below the floor shines through a little.
     fn over_floor(&self, color: Vec4, background: Vec4, at: Vec2, group: &Group) -> Vec4 {
-        let Some((ground, shadow)) = &self.floor else {
+        let Some(Floor { ground, shadow, .. }) = &self.floor else {
             return color;
         };
         let ray = self.screen.ray(at);
@@ -446,8 +485,227 @@ impl Groups {
     fn iter(&self) -> impl Iterator<Item = &Group> {
         self.groups[..self.len].iter()
     }
+}
 
-    fn is_empty(&self) -> bool {
-        self.iter().all(|g| g.item.is_none())
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::source::{self, Image};
+    use articula_core::view::Viewport;
+
+    /// Only even light, so that colours come out as they went in.
+    const EVEN: Light = Light {
+        key_direction: Vec3::Z,
+        key: 0.0,
+        fill: 0.0,
+        ambient: 1.0,
+    };
+
+    /// A square metre facing +Z at each of the depths, one part each.
+    fn plates(depths: &[f32]) -> (Mesh, SkinnedMesh) {
+        let plate = |z: &f32| source::Mesh {
+            skin: source::Skin {
+                joints: vec![0],
+                inverse_bind: vec![glam::Affine3A::IDENTITY],
+            },
+            primitives: vec![source::Primitive {
+                positions: [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
+                    .map(|(x, y)| Vec3::new(x, y, *z))
+                    .to_vec(),
+                texcoords: [(0.0, 1.0), (1.0, 1.0), (1.0, 0.0), (0.0, 0.0)]
+                    .map(|(u, v)| Vec2::new(u, v))
+                    .to_vec(),
+                influences: 1,
+                joints: vec![0; 4],
+                weights: vec![1.0; 4],
+                triangles: vec![[0, 1, 2], [0, 2, 3]],
+                material: Some(0),
+                ..source::Primitive::default()
+            }],
+            ..source::Mesh::default()
+        };
+        let sources: Vec<source::Mesh> = depths.iter().map(plate).collect();
+        let mesh = Mesh::new(&sources, 1).unwrap();
+        let mut skinned = SkinnedMesh::new(&mesh);
+        skinned.positions.clone_from(&mesh.positions);
+        skinned.normals.clone_from(&mesh.normals);
+        (mesh, skinned)
+    }
+
+    fn camera(eye: Vec3) -> Camera {
+        let viewport = Viewport {
+            width_px: 64.0,
+            height_px: 64.0,
+            ..Viewport::default()
+        };
+        Camera::looking_at(eye, Vec3::ZERO, viewport)
+    }
+
+    fn even() -> RenderOptions {
+        RenderOptions {
+            background: [1, 2, 3, 255],
+            light: EVEN,
+            ..RenderOptions::default()
+        }
+    }
+
+    /// Colour in the middle of a picture of one plate.
+    fn middle(material: Material, images: &[Image], eye: Vec3) -> Rgba {
+        let (mesh, skinned) = plates(&[0.0]);
+        let (look, faults) = Appearance::new(&[material], images);
+        assert!(faults.is_empty());
+        let picture = render(&mesh, &skinned, &look, &camera(eye), &even()).unwrap();
+        picture.get(31, 31).unwrap()
+    }
+
+    #[test]
+    fn colours_multiply_in_linear_light() {
+        let base = Material {
+            base_color: Vec4::new(0.5, 0.25, 1.0, 1.0),
+            ..Material::default()
+        };
+        // Half the light is byte 188, a quarter byte 137: 255 * (1.055 * 0.25^(1/2.4) - 0.055).
+        let plain = middle(base.clone(), &[], Vec3::Z * 2.0);
+        assert_eq!(plain, [188, 137, 255, 255]);
+        let grey = Picture::new(4, 4, [188, 188, 188, 255]).unwrap();
+        let image = Image {
+            bytes: crate::codec::png(&grey).unwrap(),
+            ..Image::default()
+        };
+        let textured = Material {
+            base_color_image: Some(0),
+            ..base
+        };
+        // Byte 188 is 0.5029 linear: blue comes back as 188 itself, red is 0.2514 and green
+        // 0.1257, byte 255 * (1.055 * 0.1257^(1/2.4) - 0.055) = 99.4.
+        let seen = middle(textured, &[image], Vec3::Z * 2.0);
+        assert_eq!(seen, [137, 99, 188, 255]);
+    }
+
+    #[test]
+    fn backs_show_only_if_double_sided_and_cut_alpha_never() {
+        let material = |double_sided, alpha, alpha_cutoff| Material {
+            base_color: Vec3::ONE.extend(alpha),
+            double_sided,
+            alpha_cutoff,
+            ..Material::default()
+        };
+        let behind = Vec3::Z * -2.0;
+        assert_eq!(
+            middle(material(false, 1.0, 0.0), &[], behind),
+            [1, 2, 3, 255]
+        );
+        assert_eq!(middle(material(true, 1.0, 0.0), &[], behind), [255; 4]);
+        let front = Vec3::Z * 2.0;
+        assert_eq!(middle(material(true, 0.4, 0.5), &[], front), [1, 2, 3, 255]);
+        assert_eq!(middle(material(true, 0.6, 0.5), &[], front), [255; 4]);
+    }
+
+    #[test]
+    fn light_from_the_camera_is_the_same_from_both_sides() {
+        let (mesh, skinned) = plates(&[0.0]);
+        let both = Material {
+            double_sided: true,
+            ..Material::default()
+        };
+        let look = Appearance::new(&[both], &[]).0;
+        let options = RenderOptions {
+            light: Light {
+                key: 0.5,
+                ambient: 0.1,
+                ..EVEN
+            },
+            ..RenderOptions::default()
+        };
+        let grey = srgb_byte(0.6);
+        for z in [2.0, -2.0] {
+            let picture = render(&mesh, &skinned, &look, &camera(Vec3::Z * z), &options).unwrap();
+            assert_eq!(picture.get(31, 31), Some([grey, grey, grey, 255]));
+        }
+    }
+
+    #[test]
+    fn parallel_size_is_the_scale_and_parts_can_be_left_out() {
+        let (mesh, skinned) = plates(&[0.0, -3.0]);
+        let look = Appearance::new(&[Material::default()], &[]).0;
+        let camera = camera(Vec3::Z * 2.0);
+        let area = |parts, projection| {
+            let options = RenderOptions {
+                parts,
+                projection,
+                ..even()
+            };
+            let picture = render(&mesh, &skinned, &look, &camera, &options).unwrap();
+            picture.pixels().iter().filter(|p| **p == [255; 4]).count()
+        };
+        let parallel = Projection::Parallel {
+            pixels_per_metre: 20.0,
+        };
+        assert_eq!(area(Parts::Only(vec![0]), parallel), 400);
+        assert_eq!(area(Parts::Except(vec![0]), parallel), 400);
+        let near = area(Parts::Only(vec![0]), Projection::Perspective);
+        let far = area(Parts::Only(vec![1]), Projection::Perspective);
+        assert!(near > 5 * far && far > 0, "{near} and {far}");
+        assert_eq!(area(Parts::All, Projection::Perspective), near);
+        assert_eq!(area(Parts::Only(vec![]), parallel), 0);
+    }
+
+    #[test]
+    fn the_floor_hides_what_is_below_and_darkens_where_it_is_touched() {
+        let (mesh, mut skinned) = plates(&[0.0]);
+        // It leans towards the camera, so that its shadow lies before it.
+        for p in &mut skinned.positions {
+            p.z = p.y;
+        }
+        let both = Material {
+            double_sided: true,
+            ..Material::default()
+        };
+        let look = Appearance::new(&[both], &[]).0;
+        let camera = camera(Vec3::new(0.0, 2.0, 1.5));
+        let at = |height_m: f32, place: Vec3| {
+            let ground = Ground {
+                height_m,
+                ..Ground::default()
+            };
+            let options = RenderOptions {
+                background: [200, 200, 200, 255],
+                ground: Some(ground),
+                ..even()
+            };
+            let picture = render(&mesh, &skinned, &look, &camera, &options).unwrap();
+            let (pixel, _) = camera.project(place);
+            picture.get(pixel.x as u32, pixel.y as u32).unwrap()[0]
+        };
+        let foot = Vec3::new(0.2, -0.5, -0.44);
+        assert!(
+            at(-0.5, foot) + 20 < at(-0.9, foot),
+            "a shadow where it stands"
+        );
+        let shin = Vec3::new(0.2, -0.3, -0.3);
+        assert_eq!(at(-0.5, shin), 255);
+        assert!(at(0.0, shin) < 230, "sunk below the floor");
+    }
+
+    #[test]
+    fn more_samples_change_only_edges_and_wrong_sizes_are_refused() {
+        let (mesh, skinned) = plates(&[0.0]);
+        let look = Appearance::default();
+        let camera = camera(Vec3::new(0.7, 0.4, 2.0));
+        let with = |samples| {
+            let options = RenderOptions { samples, ..even() };
+            render(&mesh, &skinned, &look, &camera, &options).unwrap()
+        };
+        let (coarse, fine) = (with(Samples::Two), with(Samples::Eight));
+        // The plate's outline is about 100 pixels long.
+        let pairs = coarse.pixels().iter().zip(fine.pixels());
+        let changed = pairs.filter(|(a, b)| a != b).count();
+        assert!((1..200).contains(&changed), "{changed}");
+        assert_eq!(coarse.get(31, 31), fine.get(31, 31));
+        let other = SkinnedMesh::default();
+        assert!(matches!(
+            render(&mesh, &other, &look, &camera, &even()),
+            Err(PictureError::Mismatch { .. })
+        ));
     }
 }

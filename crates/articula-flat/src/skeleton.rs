@@ -59,7 +59,7 @@ impl JointMark {
 /// Sizes of the marks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkeletonOptions {
-    /// Radius of a joint's disc, metres; held between 1.6 and 7 pixels.
+    /// Radius of a joint's disc, metres; held between 2 and 7 pixels.
     pub joint_radius_m: f32,
     /// How far the picture below is faded towards white, 0 to 1.
     pub fade: f32,
@@ -68,8 +68,8 @@ pub struct SkeletonOptions {
 impl Default for SkeletonOptions {
     fn default() -> Self {
         Self {
-            joint_radius_m: 0.017,
-            fade: 0.55,
+            joint_radius_m: 0.02,
+            fade: 0.62,
         }
     }
 }
@@ -126,7 +126,7 @@ fn placed(rig: &Rig, pose: &ModelPose, screen: &Screen, options: &SkeletonOption
         };
         let parent = drawn_parent(rig, joint);
         let scale = screen.pixels_per_metre_at(position);
-        let radius = (options.joint_radius_m * scale).clamp(1.6, 7.0);
+        let radius = (options.joint_radius_m * scale).clamp(2.0, 7.0);
         // Fingers stand closer together than a full disc allows.
         let bone = parent.map_or(f32::INFINITY, |p| {
             pose.position(p).distance(position) * scale

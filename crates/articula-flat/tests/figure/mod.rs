@@ -32,19 +32,19 @@ const JOINTS: [(&str, Option<usize>, [f32; 3], f32); 16] = [
 ];
 
 /// The figure with its pose.
-pub struct Figure {
+pub(crate) struct Figure {
     /// Its joints.
-    pub rig: Rig,
+    pub(crate) rig: Rig,
     /// Its limbs, one part each.
-    pub mesh: Mesh,
+    pub(crate) mesh: Mesh,
     /// Joint matrices.
-    pub pose: ModelPose,
+    pub(crate) pose: ModelPose,
     /// Posed surface.
-    pub skinned: SkinnedMesh,
+    pub(crate) skinned: SkinnedMesh,
 }
 
 /// Builds the figure with one elbow and one knee bent by an angle.
-pub fn bent(radians: f32) -> Figure {
+pub(crate) fn bent(radians: f32) -> Figure {
     let skeleton = skeleton();
     let articulation = Articulation {
         profile: String::new(),
