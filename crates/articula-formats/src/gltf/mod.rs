@@ -10,28 +10,38 @@
 //! - `node`, `skeleton`, `skin`: from nodes to joints
 //! - `material`, `mesh`, `primitive`, `influences`: what is seen
 //! - `animation`: what moves
-//! - `articulation`: the extension `ARTICULA_articulation`
-//! - `append`, `clips`, `fresh`, `write`: changed and new documents, back to bytes
+//! - [`articulation`]: the extension `ARTICULA_articulation`
+//! - `append`, `clips`, `prune`: a document changed
+//! - `fresh`, `geometry`: a document made from a character
+//! - `write`: back to bytes
 //!
 //! Source: glTF 2.0 specification (ISO/IEC 12113:2022). The page is `docs/formats/gltf.md`.
 
 mod accessor;
 mod animation;
+mod append;
+pub mod articulation;
+mod clips;
 mod container;
 mod document;
 mod extension;
+mod fresh;
+mod geometry;
 mod influences;
 mod material;
 mod mesh;
 mod node;
 mod place;
 mod primitive;
+mod prune;
 mod reader;
 mod skeleton;
 mod skin;
 mod uri;
+mod write;
 
 pub use document::Document;
+pub use write::WriteError;
 
 use crate::error::{Read, ReadError};
 use crate::{Limits, Resolver};
@@ -83,10 +93,11 @@ pub fn read(
     let look = material::read_all(&mut reader)?;
     let shown = mesh::read_all(&mut reader, &skeletal, &skins, &look.texcoord_sets)?;
     let clips = animation::read_all(&mut reader, &skeletal, &shown)?;
+    let articulation = articulation::read(&mut reader, &skeletal)?;
     let character = Character {
         name: name(&reader.root),
         skeleton: skeletal.skeleton,
-        articulation: None,
+        articulation,
         meshes: shown.meshes,
         clips,
         materials: look.materials,

@@ -1,0 +1,166 @@
+//! New bytes, buffer views and accessors at the end of a document.
+
+use super::document::Document;
+use super::place::whole;
+use serde_json::{Map, Value, json};
+
+/// What a buffer view serves, as its `target` says.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Use {
+    Vertices,
+    Indices,
+    Other,
+}
+
+impl Document {
+    /// Stores bytes in the first buffer and gives the index of a new buffer view of them.
+    ///
+    /// For binary tables of extensions: name the index in a member of your extension. The
+    /// bytes start at a multiple of 4.
+    pub fn add_buffer_view(&mut self, bytes: &[u8]) -> usize {
+        self.add_view(bytes, Use::Other)
+    }
+
+    pub(super) fn add_view(&mut self, bytes: &[u8], used_for: Use) -> usize {
+        if self.buffers.is_empty() {
+            self.buffers.push(Vec::new());
+        }
+        let buffer = &mut self.buffers[0];
+        buffer.resize(buffer.len().next_multiple_of(4), 0);
+        let mut view = json!({
+            "buffer": 0,
+            "byteOffset": buffer.len(),
+            "byteLength": bytes.len(),
+        });
+        match used_for {
+            Use::Vertices => set(&mut view, "target", 34962),
+            Use::Indices => set(&mut view, "target", 34963),
+            Use::Other => {}
+        }
+        buffer.extend_from_slice(bytes);
+        let length = buffer.len();
+        self.note_length(length);
+        push(&mut self.json, "bufferViews", view)
+    }
+
+    pub(super) fn add_accessor(&mut self, accessor: Value) -> usize {
+        push(&mut self.json, "accessors", accessor)
+    }
+
+    /// Writes the length of the first buffer into the JSON.
+    fn note_length(&mut self, length: usize) {
+        let buffers = object(&mut self.json)
+            .entry("buffers")
+            .or_insert_with(|| json!([]));
+        match buffers.as_array_mut() {
+            Some(list) if !list.is_empty() => set(&mut list[0], "byteLength", length),
+            _ => *buffers = json!([{ "byteLength": length }]),
+        }
+    }
+
+    /// Adds a name to `extensionsUsed` unless it is there.
+    pub(super) fn use_extension(&mut self, name: &str) {
+        let used = self.json.get("extensionsUsed").and_then(Value::as_array);
+        if !used.is_some_and(|used| used.iter().any(|u| u == name)) {
+            push(&mut self.json, "extensionsUsed", json!(name));
+        }
+    }
+
+    /// Number of entries of a top-level array.
+    pub(super) fn count(&self, key: &str) -> usize {
+        self.json
+            .get(key)
+            .and_then(Value::as_array)
+            .map_or(0, Vec::len)
+    }
+}
+
+/// The members of a value; what is no object becomes an empty one.
+pub(super) fn object(value: &mut Value) -> &mut Map<String, Value> {
+    if !value.is_object() {
+        *value = json!({});
+    }
+    value.as_object_mut().expect("made an object just above")
+}
+
+pub(super) fn set(owner: &mut Value, key: &str, value: impl Into<Value>) {
+    object(owner).insert(key.to_owned(), value.into());
+}
+
+/// Appends to an array member and gives the index of the new entry.
+pub(super) fn push(owner: &mut Value, key: &str, entry: Value) -> usize {
+    let slot = object(owner).entry(key).or_insert_with(|| json!([]));
+    if !slot.is_array() {
+        *slot = json!([]);
+    }
+    let list = slot.as_array_mut().expect("made an array just above");
+    list.push(entry);
+    list.len() - 1
+}
+
+/// The entries of an array member, to be changed in place; none if it is no array.
+pub(super) fn entries_mut<'a>(owner: &'a mut Value, key: &str) -> &'a mut [Value] {
+    owner
+        .get_mut(key)
+        .and_then(Value::as_array_mut)
+        .map_or(&mut [], Vec::as_mut_slice)
+}
+
+/// An index member, if it is one.
+pub(super) fn index(owner: &Value, key: &str) -> Option<usize> {
+    owner
+        .get(key)
+        .and_then(whole)
+        .and_then(|i| usize::try_from(i).ok())
+}
+
+/// A float in the fewest digits that read back as the same `f32`.
+pub(super) fn short(x: f32) -> Value {
+    let wide: f64 = x.to_string().parse().unwrap_or(f64::from(x));
+    json!(if wide as f32 == x { wide } else { f64::from(x) })
+}
+
+/// Floats in their shortest spelling.
+pub(super) fn shorts(numbers: &[f32]) -> Value {
+    numbers.iter().copied().map(short).collect()
+}
+
+/// Floats with every digit, for bounds that validators compare exactly.
+pub(super) fn exact(numbers: &[f32]) -> Value {
+    numbers.iter().map(|x| json!(f64::from(*x))).collect()
+}
+
+/// Floats as a buffer stores them.
+pub(super) fn float_bytes<'a>(numbers: impl IntoIterator<Item = &'a f32>) -> Vec<u8> {
+    numbers.into_iter().flat_map(|x| x.to_le_bytes()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn views_start_at_multiples_of_four_and_the_length_follows() {
+        let mut document = Document {
+            json: json!({"buffers": [{"byteLength": 3, "name": "kept"}]}),
+            buffers: vec![vec![1, 2, 3]],
+            pictures: Vec::new(),
+        };
+        assert_eq!(document.add_buffer_view(&[9]), 0);
+        assert_eq!(document.add_buffer_view(&[7, 7]), 1);
+        assert_eq!(document.buffers[0], [1, 2, 3, 0, 9, 0, 0, 0, 7, 7]);
+        assert_eq!(
+            document.json["buffers"],
+            json!([{"byteLength": 10, "name": "kept"}])
+        );
+        assert_eq!(document.json["bufferViews"][1]["byteOffset"], 8);
+    }
+
+    #[test]
+    fn short_floats_read_back() {
+        assert_eq!(short(0.1).to_string(), "0.1");
+        for x in [0.1f32, -3.4e38, 1.0e-45, 16_777_217.0, 0.333_333_34] {
+            assert_eq!(short(x).as_f64().unwrap() as f32, x);
+        }
+    }
+}

@@ -1,0 +1,234 @@
+//! The extension `ARTICULA_articulation`: what each joint is in the H-Anim scheme, and tables
+//! that belong to a motion.
+//!
+//! Each skin lists, in the order of its joints, H-Anim name, level and region; each animation
+//! may name buffer views by table name, and other members that are opaque here. The page is
+//! `docs/formats/ARTICULA_articulation.md`, the schema stands beside it.
+
+use super::append::{entries_mut, index, object, set};
+use super::document::Document;
+use super::place::Place;
+use super::reader::Reader;
+use super::skeleton::Skeletal;
+use super::write::WriteError;
+use crate::error::ReadError;
+use articula_core::articulation::{Articulation, JointArticulation, MAX_LEVEL, Region};
+use serde_json::{Value, json};
+
+/// Name of the extension.
+pub const NAME: &str = "ARTICULA_articulation";
+
+impl Document {
+    /// Writes H-Anim name, level and region of every joint onto the document's skins.
+    ///
+    /// `node_of_joint` is the way from the articulation's joints to nodes, as
+    /// [`read`](super::read) gives it. Joints in no skin cannot be stored; reading gives them
+    /// what the nearest joint above them has.
+    ///
+    /// # Errors
+    /// [`WriteError::Mismatch`] if the lists differ in length, or a skin has a joint that is
+    /// not among them.
+    pub fn set_articulation(
+        &mut self,
+        articulation: &Articulation,
+        node_of_joint: &[usize],
+    ) -> Result<(), WriteError> {
+        if articulation.joints.len() != node_of_joint.len() {
+            let (found, wanted) = (node_of_joint.len(), articulation.joints.len());
+            let what = format!("{found} nodes for {wanted} joints");
+            return Err(WriteError::mismatch("node_of_joint", what));
+        }
+        let mut of_node = vec![None; self.count("nodes")];
+        for (joint, &node) in articulation.joints.iter().zip(node_of_joint) {
+            if let Some(slot) = of_node.get_mut(node) {
+                *slot = Some(joint);
+            }
+        }
+        let mut written = Vec::new();
+        for (s, skin) in entries_mut(&mut self.json, "skins").iter().enumerate() {
+            let joints = skin_joints(skin, &of_node).ok_or_else(|| {
+                let what = "a joint of the skin is not among the joints given";
+                WriteError::mismatch(format!("skins[{s}]"), what)
+            })?;
+            written.push(json!({"profile": articulation.profile, "joints": joints}));
+        }
+        if written.is_empty() {
+            return Ok(());
+        }
+        for (skin, value) in entries_mut(&mut self.json, "skins").iter_mut().zip(written) {
+            extend(skin, value);
+        }
+        self.use_extension(NAME);
+        Ok(())
+    }
+
+    /// Stores a binary table under a name with an animation, such as `motionError`.
+    ///
+    /// # Errors
+    /// [`WriteError::Mismatch`] if there is no such animation.
+    pub fn set_motion_table(
+        &mut self,
+        animation: usize,
+        name: &str,
+        bytes: &[u8],
+    ) -> Result<(), WriteError> {
+        self.animation_mut(animation)?;
+        let view = self.add_buffer_view(bytes);
+        let slot = motion_extension(self.animation_mut(animation)?);
+        let tables = object(slot).entry("tables").or_insert_with(|| json!({}));
+        set(tables, name, view);
+        self.use_extension(NAME);
+        Ok(())
+    }
+
+    /// The bytes of a table that an animation has under a name.
+    pub fn motion_table(&self, animation: usize, name: &str) -> Option<&[u8]> {
+        let tables = self.motion_member(animation, "tables")?;
+        let views = self.json.get("bufferViews")?.as_array()?;
+        let view = views.get(index(tables, name)?)?;
+        let bytes = self.buffers.get(index(view, "buffer")?)?;
+        let start = index(view, "byteOffset").unwrap_or(0);
+        let length = index(view, "byteLength")?;
+        bytes.get(start..start.checked_add(length)?)
+    }
+
+    /// Stores a JSON member in the extension of an animation; `tables` is taken.
+    ///
+    /// # Errors
+    /// [`WriteError::Mismatch`] if there is no such animation, or the member is `tables`.
+    pub fn set_motion_member(
+        &mut self,
+        animation: usize,
+        name: &str,
+        value: Value,
+    ) -> Result<(), WriteError> {
+        if name == "tables" {
+            return Err(WriteError::mismatch("name", "\"tables\" is taken"));
+        }
+        let slot = motion_extension(self.animation_mut(animation)?);
+        set(slot, name, value);
+        self.use_extension(NAME);
+        Ok(())
+    }
+
+    /// A JSON member of the extension of an animation.
+    pub fn motion_member(&self, animation: usize, name: &str) -> Option<&Value> {
+        let animations = self.json.get("animations")?.as_array()?;
+        let extensions = animations.get(animation)?.get("extensions")?;
+        extensions.get(NAME)?.get(name)
+    }
+
+    fn animation_mut(&mut self, animation: usize) -> Result<&mut Value, WriteError> {
+        let animations = entries_mut(&mut self.json, "animations");
+        let count = animations.len();
+        animations.get_mut(animation).ok_or_else(|| {
+            let what = format!("index {animation}, but there are {count}");
+            WriteError::mismatch("animation", what)
+        })
+    }
+}
+
+fn skin_joints(skin: &Value, of_node: &[Option<&JointArticulation>]) -> Option<Vec<Value>> {
+    let nodes = skin.get("joints")?.as_array()?;
+    let joint = |node: &Value| {
+        let node = usize::try_from(super::place::whole(node)?).ok()?;
+        let joint = of_node.get(node).copied().flatten()?;
+        Some(json!({
+            "hanim": joint.hanim,
+            "level": joint.level,
+            "region": joint.region.name(),
+        }))
+    };
+    nodes.iter().map(joint).collect()
+}
+
+fn extend(owner: &mut Value, value: Value) {
+    let extensions = object(owner)
+        .entry("extensions")
+        .or_insert_with(|| json!({}));
+    set(extensions, NAME, value);
+}
+
+fn motion_extension(animation: &mut Value) -> &mut Value {
+    let extensions = object(animation)
+        .entry("extensions")
+        .or_insert_with(|| json!({}));
+    object(extensions).entry(NAME).or_insert_with(|| json!({}))
+}
+
+/// Reads the extension from all skins; `None` if none has it. A broken one is a warning: the
+/// character can be mapped anew.
+pub(super) fn read(
+    reader: &mut Reader<'_>,
+    skeletal: &Skeletal,
+) -> Result<Option<Articulation>, ReadError> {
+    let mut found = vec![None; skeletal.node_of_joint.len()];
+    let mut profile = None;
+    for skin in reader.root.entries("skins")? {
+        let Some(extension) = skin.dig(&["extensions", NAME]) else {
+            continue;
+        };
+        match read_skin(&skin, &extension) {
+            Ok(joints) => {
+                profile.get_or_insert_with(|| extension.text("profile").to_owned());
+                for (node, joint) in joints {
+                    if let Some(j) = skeletal.joint_of_node.get(node).copied().flatten() {
+                        found[j].get_or_insert(joint);
+                    }
+                }
+            }
+            Err(error) => reader.warn(&extension, format!("left out: {error}")),
+        }
+    }
+    Ok(profile.map(|profile| Articulation {
+        profile,
+        joints: inherited(found, skeletal),
+    }))
+}
+
+/// Node and meaning of each joint of a skin.
+fn read_skin(
+    skin: &Place<'_>,
+    extension: &Place<'_>,
+) -> Result<Vec<(usize, JointArticulation)>, ReadError> {
+    let nodes = skin.entries("joints")?;
+    let joints = extension.entries("joints")?;
+    if nodes.len() != joints.len() {
+        let what = format!("{} entries for {} joints", joints.len(), nodes.len());
+        return Err(extension.malformed(what));
+    }
+    let pairs = nodes.iter().zip(&joints);
+    pairs
+        .map(|(node, joint)| Ok((node.index_below(usize::MAX)?, read_joint(joint)?)))
+        .collect()
+}
+
+fn read_joint(place: &Place<'_>) -> Result<JointArticulation, ReadError> {
+    let level = place.require("level")?;
+    let level = level.index_below(usize::from(MAX_LEVEL) + 1)? as u8;
+    let name = place.text("region");
+    let region = Region::from_name(name).ok_or_else(|| place.malformed("no such region"))?;
+    let hanim = place.get("hanim").and_then(|h| h.value().as_str());
+    Ok(JointArticulation {
+        hanim: hanim.map(str::to_owned),
+        level,
+        region,
+    })
+}
+
+/// Joints in no skin take level and region of what is above them; above all of them stands
+/// the root, which every level includes.
+fn inherited(found: Vec<Option<JointArticulation>>, skeletal: &Skeletal) -> Vec<JointArticulation> {
+    let mut joints: Vec<JointArticulation> = Vec::with_capacity(found.len());
+    for (joint, own) in skeletal.skeleton.joints.iter().zip(found) {
+        let above = joint.parent.map(|parent| &joints[parent]);
+        let inherited = || JointArticulation {
+            hanim: None,
+            level: above.map_or(0, |a| a.level),
+            region: above.map_or(Region::Pelvis, |a| a.region),
+        };
+        let joint = own.unwrap_or_else(inherited);
+        joints.push(joint);
+    }
+    joints
+}

@@ -1,0 +1,205 @@
+//! Animations of a document, written anew from clips.
+
+use super::append::{exact, float_bytes, object, push, set};
+use super::articulation::NAME;
+use super::document::Document;
+use super::write::WriteError;
+use articula_core::source::{Channel, Clip, Interpolation, Property};
+use serde_json::{Value, json};
+use std::collections::HashMap;
+
+impl Document {
+    /// Writes `animations` anew from clips.
+    ///
+    /// Channel targets are joints and meshes of the character that was read from this
+    /// document: `node_of_joint` and `node_of_mesh` are those of its
+    /// [`GltfFile`](super::GltfFile). Arrays and bytes that only the old animations used are
+    /// dropped, unless the document has extensions that might refer to them. A clip keeps the
+    /// extras and unknown extensions of the old animation with its name; motion tables
+    /// describe old keys and go. Channels without keys, and clips without channels, which
+    /// glTF cannot express, are left out.
+    ///
+    /// # Errors
+    /// [`WriteError::Mismatch`] if a channel drives a joint or mesh without node, or has
+    /// another number of values than its keys need; the document is unchanged then.
+    pub fn replace_clips(
+        &mut self,
+        clips: &[Clip],
+        node_of_joint: &[usize],
+        node_of_mesh: &[usize],
+    ) -> Result<(), WriteError> {
+        let nodes = Nodes {
+            of_joint: node_of_joint,
+            of_mesh: node_of_mesh,
+            count: self.count("nodes"),
+        };
+        for (i, channel) in clips.iter().flat_map(|clip| &clip.channels).enumerate() {
+            nodes.check(i, channel)?;
+        }
+        let mut old = self.take_animations();
+        for clip in clips {
+            let channels = clip.channels.iter().filter(|c| !c.times_secs.is_empty());
+            let channels: Vec<_> = channels.collect();
+            if channels.is_empty() {
+                continue;
+            }
+            let mut animation = self.animation(clip, &channels, &nodes);
+            if let Some(same) = old.iter().position(|o| o["name"] == clip.name.as_str()) {
+                keep_unknown(old.swap_remove(same), &mut animation);
+            }
+            push(&mut self.json, "animations", animation);
+        }
+        Ok(())
+    }
+
+    fn animation(&mut self, clip: &Clip, channels: &[&Channel], nodes: &Nodes<'_>) -> Value {
+        let mut arrays = Arrays {
+            view: self.count("bufferViews"),
+            bytes: Vec::new(),
+            known: HashMap::new(),
+        };
+        let mut samplers = Vec::new();
+        let mut targets = Vec::new();
+        for channel in channels {
+            let input = arrays.add(self, &channel.times_secs, 1);
+            let output = arrays.add(self, &channel.values, element_width(channel.property));
+            targets.push(json!({
+                "sampler": samplers.len(),
+                "target": {"node": nodes.node(channel), "path": path(channel.property)},
+            }));
+            samplers.push(json!({
+                "input": input,
+                "interpolation": interpolation(channel.interpolation),
+                "output": output,
+            }));
+        }
+        self.add_buffer_view(&arrays.bytes);
+        json!({"name": clip.name, "channels": targets, "samplers": samplers})
+    }
+}
+
+/// The way from channel targets to nodes.
+struct Nodes<'a> {
+    of_joint: &'a [usize],
+    of_mesh: &'a [usize],
+    count: usize,
+}
+
+impl Nodes<'_> {
+    fn node(&self, channel: &Channel) -> Option<usize> {
+        let list = match channel.property {
+            Property::Weights => self.of_mesh,
+            _ => self.of_joint,
+        };
+        list.get(channel.target)
+            .copied()
+            .filter(|&n| n < self.count)
+    }
+
+    fn check(&self, i: usize, channel: &Channel) -> Result<(), WriteError> {
+        let at = || format!("channel {i}");
+        if self.node(channel).is_none() {
+            let what = format!("target {} has no node", channel.target);
+            return Err(WriteError::mismatch(at(), what));
+        }
+        let parts = match channel.interpolation {
+            Interpolation::CubicSpline => 3,
+            _ => 1,
+        };
+        let unit = channel.times_secs.len() * parts * element_width(channel.property);
+        let found = channel.values.len();
+        let fits = match channel.property {
+            Property::Weights => unit == 0 || found > 0 && found.is_multiple_of(unit),
+            _ => found == unit,
+        };
+        if !fits {
+            let what = format!("{found} floats for {} keys", channel.times_secs.len());
+            return Err(WriteError::mismatch(at(), what));
+        }
+        Ok(())
+    }
+}
+
+/// The arrays of one animation, in one buffer view; equal ones are stored once.
+struct Arrays {
+    view: usize,
+    bytes: Vec<u8>,
+    known: HashMap<(usize, Vec<u8>), usize>,
+}
+
+impl Arrays {
+    fn add(&mut self, document: &mut Document, numbers: &[f32], width: usize) -> usize {
+        let bytes = float_bytes(numbers);
+        let key = (width, bytes);
+        if let Some(accessor) = self.known.get(&key) {
+            return *accessor;
+        }
+        let mut accessor = json!({
+            "bufferView": self.view,
+            "byteOffset": self.bytes.len(),
+            "componentType": 5126,
+            "count": numbers.len() / width,
+            "type": (element_type(width)),
+        });
+        if width == 1 {
+            let least = numbers.iter().copied().fold(f32::INFINITY, f32::min);
+            let greatest = numbers.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+            set(&mut accessor, "min", exact(&[least]));
+            set(&mut accessor, "max", exact(&[greatest]));
+        }
+        self.bytes.extend_from_slice(&key.1);
+        let index = document.add_accessor(accessor);
+        self.known.insert(key, index);
+        index
+    }
+}
+
+/// Floats in one element of the output accessor.
+fn element_width(property: Property) -> usize {
+    match property {
+        Property::Translation | Property::Scale => 3,
+        Property::Rotation => 4,
+        Property::Weights => 1,
+    }
+}
+
+fn element_type(width: usize) -> &'static str {
+    match width {
+        3 => "VEC3",
+        4 => "VEC4",
+        _ => "SCALAR",
+    }
+}
+
+fn path(property: Property) -> &'static str {
+    match property {
+        Property::Translation => "translation",
+        Property::Rotation => "rotation",
+        Property::Scale => "scale",
+        Property::Weights => "weights",
+    }
+}
+
+fn interpolation(interpolation: Interpolation) -> &'static str {
+    match interpolation {
+        Interpolation::Linear => "LINEAR",
+        Interpolation::Step => "STEP",
+        Interpolation::CubicSpline => "CUBICSPLINE",
+    }
+}
+
+/// Carries over what an old animation had beyond channels and samplers.
+fn keep_unknown(mut old: Value, animation: &mut Value) {
+    let members = std::mem::take(object(&mut old));
+    for (key, mut value) in members {
+        if key == "extensions" {
+            object(&mut value).shift_remove(NAME);
+            if object(&mut value).is_empty() {
+                continue;
+            }
+        }
+        if animation.get(&key).is_none() {
+            set(animation, &key, value);
+        }
+    }
+}

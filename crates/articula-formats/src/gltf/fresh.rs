@@ -1,0 +1,256 @@
+//! A new document from a character: for what no glTF file gave.
+
+use super::append::{Use, float_bytes, push, set, short, shorts};
+use super::document::Document;
+use super::geometry::add_primitive;
+use super::material::mime_type;
+use super::write::WriteError;
+use articula_core::math::Transform;
+use articula_core::source::{Character, Image, Joint, Material, Mesh, Skin};
+use glam::{Affine3A, Mat4, Vec4};
+use serde_json::{Value, json};
+
+impl Document {
+    /// Makes a document that shows a character: joint `i` becomes node `i`.
+    ///
+    /// A mesh with one joint and an identity inverse bind matrix hangs on that joint's node;
+    /// other meshes are skinned, on nodes of their own at the root of the scene. Joints of a
+    /// skin that no mesh uses (a skeleton without mesh has only such) are named by a skin of
+    /// their own, so that they stay joints and can carry their articulation. Pictures of an
+    /// unknown kind, primitives without triangles and clips without channels, which glTF
+    /// cannot express, are left out.
+    ///
+    /// # Errors
+    /// [`WriteError::Mismatch`] if the character is not consistent: a joint, material or
+    /// picture that is not there, arrays of unequal length.
+    pub fn from_character(character: &Character) -> Result<Self, WriteError> {
+        check(character)?;
+        let mut document = Self {
+            json: json!({
+                "asset": {
+                    "version": "2.0",
+                    "generator": concat!("articula ", env!("CARGO_PKG_VERSION")),
+                },
+                "scene": 0,
+                "scenes": [{}],
+            }),
+            buffers: Vec::new(),
+            pictures: Vec::new(),
+        };
+        if !character.name.is_empty() {
+            set(
+                &mut document.json["scenes"][0],
+                "name",
+                character.name.as_str(),
+            );
+        }
+        document.add_look(&character.materials, &character.images);
+        document.add_joints(&character.skeleton.joints);
+        let node_of_mesh = document.add_meshes(character);
+        document.add_loose_joints(character);
+        let node_of_joint: Vec<usize> = (0..character.skeleton.joints.len()).collect();
+        document.replace_clips(&character.clips, &node_of_joint, &node_of_mesh)?;
+        if let Some(articulation) = &character.articulation {
+            document.set_articulation(articulation, &node_of_joint)?;
+        }
+        Ok(document)
+    }
+
+    fn add_joints(&mut self, joints: &[Joint]) {
+        for (j, joint) in joints.iter().enumerate() {
+            let mut node = json!({});
+            if !joint.name.is_empty() {
+                set(&mut node, "name", joint.name.as_str());
+            }
+            write_transform(&mut node, joint.rest);
+            push(&mut self.json, "nodes", node);
+            match joint.parent {
+                Some(parent) => push(&mut self.json["nodes"][parent], "children", json!(j)),
+                None => self.show(j),
+            };
+        }
+    }
+
+    /// Puts a node at the root of the scene.
+    fn show(&mut self, node: usize) -> usize {
+        push(&mut self.json["scenes"][0], "nodes", json!(node))
+    }
+
+    fn add_meshes(&mut self, character: &Character) -> Vec<usize> {
+        let mut skins: Vec<(&Skin, usize)> = Vec::new();
+        let mut nodes = Vec::new();
+        for mesh in &character.meshes {
+            let own = rigid_joint(mesh).filter(|&j| self.json["nodes"][j]["mesh"].is_null());
+            let is_skinned = own.is_none();
+            let index = self.add_mesh(mesh, is_skinned);
+            let node = own.unwrap_or_else(|| {
+                let node = push(&mut self.json, "nodes", json!({"name": mesh.name}));
+                self.show(node);
+                node
+            });
+            nodes.push(node);
+            let Some(index) = index else { continue };
+            set(&mut self.json["nodes"][node], "mesh", index);
+            if is_skinned {
+                let known = skins.iter().find(|(skin, _)| *skin == &mesh.skin);
+                let skin = known.map_or_else(|| self.add_skin(&mesh.skin), |(_, i)| *i);
+                skins.push((&mesh.skin, skin));
+                set(&mut self.json["nodes"][node], "skin", skin);
+            }
+        }
+        nodes
+    }
+
+    /// Index of the new mesh; `None` if it has no triangle at all.
+    fn add_mesh(&mut self, mesh: &Mesh, is_skinned: bool) -> Option<usize> {
+        let drawn = mesh.primitives.iter().filter(|p| !p.triangles.is_empty());
+        let primitives: Vec<Value> = drawn
+            .map(|primitive| add_primitive(self, primitive, is_skinned))
+            .collect();
+        if primitives.is_empty() {
+            return None;
+        }
+        let mut value = json!({"name": mesh.name, "primitives": primitives});
+        if !mesh.morph_weights.is_empty() {
+            set(&mut value, "weights", shorts(&mesh.morph_weights));
+            set(
+                &mut value,
+                "extras",
+                json!({"targetNames": mesh.morph_names}),
+            );
+        }
+        Some(push(&mut self.json, "meshes", value))
+    }
+
+    fn add_skin(&mut self, skin: &Skin) -> usize {
+        let matrices: Vec<f32> = skin
+            .inverse_bind
+            .iter()
+            .flat_map(|m| Mat4::from(*m).to_cols_array())
+            .collect();
+        let view = self.add_view(&float_bytes(&matrices), Use::Other);
+        let accessor = self.add_accessor(json!({
+            "bufferView": view,
+            "componentType": 5126,
+            "count": skin.inverse_bind.len(),
+            "type": "MAT4",
+        }));
+        let value = json!({"inverseBindMatrices": accessor, "joints": skin.joints});
+        push(&mut self.json, "skins", value)
+    }
+
+    /// Names the joints that no written skin names.
+    fn add_loose_joints(&mut self, character: &Character) {
+        let joints = &character.skeleton.joints;
+        let mut is_loose: Vec<bool> = joints.iter().map(|j| j.in_skin).collect();
+        for skin in self.json["skins"].as_array().into_iter().flatten() {
+            for joint in skin["joints"].as_array().into_iter().flatten() {
+                if let Some(j) = joint.as_u64() {
+                    is_loose[j as usize] = false;
+                }
+            }
+        }
+        let loose: Vec<usize> = (0..joints.len()).filter(|&j| is_loose[j]).collect();
+        if !loose.is_empty() {
+            push(&mut self.json, "skins", json!({"joints": loose}));
+        }
+    }
+
+    fn add_look(&mut self, materials: &[Material], images: &[Image]) {
+        let textures: Vec<Option<usize>> = images.iter().map(|i| self.add_image(i)).collect();
+        for material in materials {
+            let mut surface = json!({"metallicFactor": 0.0, "roughnessFactor": 1.0});
+            if material.base_color != Vec4::ONE {
+                let color = shorts(&material.base_color.to_array());
+                set(&mut surface, "baseColorFactor", color);
+            }
+            if let Some(texture) = material.base_color_image.and_then(|i| textures[i]) {
+                set(&mut surface, "baseColorTexture", json!({"index": texture}));
+            }
+            let mut value = json!({"name": material.name, "pbrMetallicRoughness": surface});
+            if material.alpha_cutoff > 0.0 {
+                set(&mut value, "alphaMode", "MASK");
+                set(&mut value, "alphaCutoff", short(material.alpha_cutoff));
+            }
+            if material.double_sided {
+                set(&mut value, "doubleSided", true);
+            }
+            push(&mut self.json, "materials", value);
+        }
+    }
+
+    /// Index of the texture that shows a picture; `None` if glTF cannot hold it.
+    fn add_image(&mut self, image: &Image) -> Option<usize> {
+        let mime = mime_type(&image.mime_type, &image.bytes);
+        if image.bytes.is_empty() || !matches!(mime.as_str(), "image/png" | "image/jpeg") {
+            return None;
+        }
+        let view = self.add_buffer_view(&image.bytes);
+        let value = json!({"name": image.name, "mimeType": mime, "bufferView": view});
+        let source = push(&mut self.json, "images", value);
+        Some(push(&mut self.json, "textures", json!({"source": source})))
+    }
+}
+
+/// The joint that a mesh hangs on rigidly.
+fn rigid_joint(mesh: &Mesh) -> Option<usize> {
+    let is_identity = mesh.skin.inverse_bind == [Affine3A::IDENTITY];
+    match mesh.skin.joints[..] {
+        [joint] if is_identity => Some(joint),
+        _ => None,
+    }
+}
+
+fn write_transform(node: &mut Value, rest: Transform) {
+    let identity = Transform::IDENTITY;
+    if rest.translation != identity.translation {
+        set(node, "translation", shorts(&rest.translation.to_array()));
+    }
+    if rest.rotation != identity.rotation {
+        set(node, "rotation", shorts(&rest.rotation.to_array()));
+    }
+    if rest.scale != identity.scale {
+        set(node, "scale", shorts(&rest.scale.to_array()));
+    }
+}
+
+/// Refuses what would otherwise become a broken file.
+fn check(character: &Character) -> Result<(), WriteError> {
+    let wrong = |at: String, what: &str| Err(WriteError::mismatch(at, what));
+    let joints = character.skeleton.joints.len();
+    for (j, joint) in character.skeleton.joints.iter().enumerate() {
+        if joint.parent.is_some_and(|parent| parent >= j) {
+            return wrong(format!("joint {j}"), "its parent does not come before it");
+        }
+    }
+    for (m, material) in character.materials.iter().enumerate() {
+        let image = material.base_color_image;
+        if image.is_some_and(|i| i >= character.images.len()) {
+            return wrong(
+                format!("material {m}"),
+                "it names a picture that is not there",
+            );
+        }
+    }
+    for (m, mesh) in character.meshes.iter().enumerate() {
+        let skin = &mesh.skin;
+        let fits = skin.joints.len() == skin.inverse_bind.len() && !skin.joints.is_empty();
+        if !fits || skin.joints.iter().any(|&j| j >= joints) {
+            return wrong(
+                format!("mesh {m}"),
+                "its skin does not go with the skeleton",
+            );
+        }
+        for (p, primitive) in mesh.primitives.iter().enumerate() {
+            let at = || format!("mesh {m} primitive {p}");
+            super::geometry::check(primitive, mesh, at)?;
+            if primitive
+                .material
+                .is_some_and(|i| i >= character.materials.len())
+            {
+                return wrong(at(), "it names a material that is not there");
+            }
+        }
+    }
+    Ok(())
+}

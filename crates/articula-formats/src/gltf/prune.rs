@@ -1,0 +1,305 @@
+//! Arrays and bytes that only the old animations used, dropped.
+//!
+//! Only bytes that animations name are ever dropped, and only if nothing else names them. An
+//! extension that is not known to leave accessors and buffer views alone keeps everything.
+
+use super::append::{entries_mut, index, object, set};
+use super::articulation::NAME;
+use super::document::Document;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+
+/// Extensions that name neither accessors nor buffer views.
+const HARMLESS: &[&str] = &[
+    "ARTICULA_articulation",
+    "KHR_animation_pointer",
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_node_visibility",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+    "EXT_texture_webp",
+    "MSFT_lod",
+    "VRM",
+];
+const HARMLESS_FAMILIES: &[&str] = &["KHR_materials_", "VRMC_"];
+
+impl Document {
+    /// Takes all animations out, with what only they used.
+    pub(super) fn take_animations(&mut self) -> Vec<Value> {
+        let old = object(&mut self.json).shift_remove("animations");
+        let Some(Value::Array(old)) = old else {
+            return Vec::new();
+        };
+        if has_unknown_extension(&self.json) || old.iter().any(has_unknown_extension) {
+            return old;
+        }
+        let mut accessors = BTreeSet::new();
+        let mut views = BTreeSet::new();
+        for animation in &old {
+            accessors.extend(sampler_accessors(animation));
+            views.extend(table_views(animation));
+        }
+        each_accessor_reference(&mut self.json, &mut |i| {
+            accessors.remove(&i);
+            i
+        });
+        self.drop_accessors(&accessors, &mut views);
+        each_view_reference(&mut self.json, &mut |i| {
+            views.remove(&i);
+            i
+        });
+        self.drop_views(&views);
+        old
+    }
+
+    fn drop_accessors(&mut self, dropped: &BTreeSet<usize>, views: &mut BTreeSet<usize>) {
+        let mut gone = json!({ "accessors": remove(&mut self.json, "accessors", dropped) });
+        each_view_reference(&mut gone, &mut |i| {
+            views.insert(i);
+            i
+        });
+        let new = renumbered(dropped);
+        each_accessor_reference(&mut self.json, &mut |i| new(i));
+    }
+
+    fn drop_views(&mut self, dropped: &BTreeSet<usize>) {
+        let gone = remove(&mut self.json, "bufferViews", dropped);
+        let new = renumbered(dropped);
+        each_view_reference(&mut self.json, &mut |i| new(i));
+        let buffers: BTreeSet<usize> = gone.iter().filter_map(|v| index(v, "buffer")).collect();
+        for b in buffers {
+            if b >= self.buffers.len() {
+                continue;
+            }
+            let kept = entries_mut(&mut self.json, "bufferViews");
+            let cuts = cuts(&ranges(&gone, b), &ranges(kept, b), self.buffers[b].len());
+            if cuts.is_empty() {
+                continue;
+            }
+            for view in kept.iter_mut().filter(|v| index(v, "buffer") == Some(b)) {
+                let offset = index(view, "byteOffset").unwrap_or(0);
+                set(view, "byteOffset", moved(&cuts, offset));
+            }
+            self.buffers[b] = without(&self.buffers[b], &cuts);
+            let length = self.buffers[b].len();
+            if let Some(buffer) = entries_mut(&mut self.json, "buffers").get_mut(b) {
+                set(buffer, "byteLength", length);
+            }
+        }
+    }
+}
+
+fn has_unknown_extension(value: &Value) -> bool {
+    let is_unknown = |name: &String| {
+        !HARMLESS.contains(&name.as_str()) && !HARMLESS_FAMILIES.iter().any(|f| name.starts_with(f))
+    };
+    match value {
+        Value::Array(list) => list.iter().any(has_unknown_extension),
+        Value::Object(members) => members.iter().any(|(key, value)| {
+            let names = value.as_object().filter(|_| key == "extensions");
+            names.is_some_and(|names| names.keys().any(is_unknown)) || has_unknown_extension(value)
+        }),
+        _ => false,
+    }
+}
+
+fn sampler_accessors(animation: &Value) -> Vec<usize> {
+    let samplers = animation.get("samplers").and_then(Value::as_array);
+    samplers
+        .into_iter()
+        .flatten()
+        .flat_map(|s| [index(s, "input"), index(s, "output")])
+        .flatten()
+        .collect()
+}
+
+fn table_views(animation: &Value) -> Vec<usize> {
+    let tables = animation
+        .get("extensions")
+        .and_then(|e| e.get(NAME)?.get("tables")?.as_object());
+    let names = tables.into_iter().flat_map(|tables| tables.keys());
+    names
+        .filter_map(|name| index(&animation["extensions"][NAME]["tables"], name))
+        .collect()
+}
+
+/// Visits every place outside animations that names an accessor, and puts the answer there.
+fn each_accessor_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usize) {
+    for mesh in entries_mut(json, "meshes") {
+        for primitive in entries_mut(mesh, "primitives") {
+            change(primitive, "indices", visit);
+            change_all(primitive.get_mut("attributes"), visit);
+            for target in entries_mut(primitive, "targets") {
+                change_all(Some(target), visit);
+            }
+        }
+    }
+    for skin in entries_mut(json, "skins") {
+        change(skin, "inverseBindMatrices", visit);
+    }
+}
+
+/// Visits every place outside animations that names a buffer view, and puts the answer there.
+fn each_view_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usize) {
+    for accessor in entries_mut(json, "accessors") {
+        change(accessor, "bufferView", visit);
+        for part in ["indices", "values"] {
+            if let Some(part) = accessor.get_mut("sparse").and_then(|s| s.get_mut(part)) {
+                change(part, "bufferView", visit);
+            }
+        }
+    }
+    for image in entries_mut(json, "images") {
+        change(image, "bufferView", visit);
+    }
+}
+
+fn change(owner: &mut Value, key: &str, visit: &mut dyn FnMut(usize) -> usize) {
+    if let Some(i) = index(owner, key) {
+        set(owner, key, visit(i));
+    }
+}
+
+fn change_all(owner: Option<&mut Value>, visit: &mut dyn FnMut(usize) -> usize) {
+    let Some(owner) = owner.filter(|owner| owner.is_object()) else {
+        return;
+    };
+    let keys: Vec<String> = object(owner).keys().cloned().collect();
+    for key in keys {
+        change(owner, &key, visit);
+    }
+}
+
+/// Removes entries of a top-level array, and the array if nothing is left; gives them back.
+fn remove(json: &mut Value, key: &str, dropped: &BTreeSet<usize>) -> Vec<Value> {
+    let Some(Value::Array(list)) = json.get_mut(key).map(Value::take) else {
+        return Vec::new();
+    };
+    let (gone, kept): (Vec<_>, Vec<_>) = list
+        .into_iter()
+        .enumerate()
+        .partition(|(i, _)| dropped.contains(i));
+    let values = |list: Vec<(usize, Value)>| list.into_iter().map(|(_, v)| v).collect();
+    let kept: Vec<Value> = values(kept);
+    if kept.is_empty() {
+        object(json).shift_remove(key);
+    } else {
+        set(json, key, kept);
+    }
+    values(gone)
+}
+
+fn renumbered(dropped: &BTreeSet<usize>) -> impl Fn(usize) -> usize {
+    let dropped: Vec<usize> = dropped.iter().copied().collect();
+    move |i| i - dropped.partition_point(|&d| d < i)
+}
+
+/// A range of bytes of one buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Range {
+    start: usize,
+    end: usize,
+}
+
+/// A range to be taken out, and how many bytes are gone by its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Cut {
+    start: usize,
+    end: usize,
+    total: usize,
+}
+
+/// The ranges of views in a buffer, sorted and merged.
+fn ranges(views: &[Value], buffer: usize) -> Vec<Range> {
+    let in_buffer = views.iter().filter(|v| index(v, "buffer") == Some(buffer));
+    let mut all: Vec<Range> = in_buffer
+        .map(|view| {
+            let start = index(view, "byteOffset").unwrap_or(0);
+            let length = index(view, "byteLength").unwrap_or(0);
+            let end = start.saturating_add(length);
+            Range { start, end }
+        })
+        .collect();
+    all.sort_by_key(|r| r.start);
+    let mut merged: Vec<Range> = Vec::new();
+    for range in all {
+        match merged.last_mut() {
+            Some(last) if range.start <= last.end => last.end = last.end.max(range.end),
+            _ => merged.push(range),
+        }
+    }
+    merged
+}
+
+/// What of `gone` no kept range covers, each piece a multiple of 4 long, so that whatever
+/// comes after keeps its alignment.
+fn cuts(gone: &[Range], kept: &[Range], length: usize) -> Vec<Cut> {
+    let mut cuts = Vec::new();
+    let mut total = 0;
+    let mut push = |start: usize, end: usize| {
+        let end = end.min(length);
+        let end = start + end.saturating_sub(start) / 4 * 4;
+        if end > start {
+            total += end - start;
+            cuts.push(Cut { start, end, total });
+        }
+    };
+    let mut next = 0;
+    for range in gone {
+        while next < kept.len() && kept[next].end <= range.start {
+            next += 1;
+        }
+        let mut start = range.start;
+        for keep in kept[next..].iter().take_while(|k| k.start < range.end) {
+            push(start, keep.start.min(range.end));
+            start = start.max(keep.end);
+        }
+        push(start, range.end);
+    }
+    cuts
+}
+
+fn without(bytes: &[u8], cuts: &[Cut]) -> Vec<u8> {
+    let mut kept = Vec::with_capacity(bytes.len());
+    let mut from = 0;
+    for cut in cuts {
+        kept.extend_from_slice(&bytes[from..cut.start]);
+        from = cut.end;
+    }
+    kept.extend_from_slice(&bytes[from..]);
+    kept
+}
+
+/// Where an offset lies once the cuts before it are taken out.
+fn moved(cuts: &[Cut], offset: usize) -> usize {
+    let before = cuts.partition_point(|cut| cut.end <= offset);
+    offset - before.checked_sub(1).map_or(0, |last| cuts[last].total)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cuts_spare_what_is_kept_and_keep_alignment() {
+        let range = |start, end| Range { start, end };
+        let gone = [range(0, 10), range(20, 40)];
+        let kept = [range(8, 12), range(26, 30)];
+        let cuts = cuts(&gone, &kept, 38);
+        let places: Vec<_> = cuts.iter().map(|c| (c.start, c.end, c.total)).collect();
+        assert_eq!(places, [(0, 8, 8), (20, 24, 12), (30, 38, 20)]);
+        assert_eq!(moved(&cuts, 8), 0);
+        assert_eq!(moved(&cuts, 26), 14);
+        assert_eq!(moved(&cuts, 38), 18);
+    }
+
+    #[test]
+    fn unknown_extensions_are_found_at_any_depth() {
+        let known = json!({"extensions": {"VRMC_vrm": {}}, "materials": [
+            {"extensions": {"KHR_materials_unlit": {}}}]});
+        assert!(!has_unknown_extension(&known));
+        let unknown = json!({"meshes": [{"extensions": {"EXT_new": {"bufferView": 3}}}]});
+        assert!(has_unknown_extension(&unknown));
+    }
+}

@@ -1,0 +1,151 @@
+//! A document as one GLB: every buffer and picture in a single binary chunk.
+//!
+//! Source: glTF 2.0, chapter 4. All other JSON is written as it stands.
+
+use super::append::{entries_mut, index, object, push, set};
+use super::document::Document;
+use super::material::mime_type;
+use serde_json::{Value, json};
+use thiserror::Error;
+
+/// Why a document cannot be written.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum WriteError {
+    /// A GLB counts its bytes with 32 bits.
+    #[error("the file would take {bytes} bytes, a GLB holds less than 4 GiB")]
+    TooLarge {
+        /// Bytes that the file would take.
+        bytes: u64,
+    },
+    /// What the caller gave does not belong to the document.
+    #[error("{at}: {what}")]
+    Mismatch {
+        /// Which argument or path.
+        at: String,
+        /// What does not fit.
+        what: String,
+    },
+}
+
+impl WriteError {
+    pub(super) fn mismatch(at: impl Into<String>, what: impl Into<String>) -> Self {
+        Self::Mismatch {
+            at: at.into(),
+            what: what.into(),
+        }
+    }
+}
+
+impl Document {
+    /// Writes the document as one GLB.
+    ///
+    /// External and inline buffers, and the pictures that were fetched, move into the binary
+    /// chunk; a picture that could not be had keeps its URI. Everything else, unknown
+    /// extensions and extras too, is written as it stands.
+    ///
+    /// # Errors
+    /// [`WriteError::TooLarge`] from 4 GiB on; [`WriteError::Mismatch`] if `buffers` does not
+    /// go with the JSON.
+    pub fn write_glb(&self) -> Result<Vec<u8>, WriteError> {
+        let (json, binary) = self.packed()?;
+        let mut text = json.to_string().into_bytes();
+        text.resize(text.len().next_multiple_of(4), b' ');
+        let chunk = binary.len().next_multiple_of(4);
+        let has_binary = !binary.is_empty();
+        let total = 20 + text.len() as u64 + if has_binary { 8 + chunk as u64 } else { 0 };
+        let length = u32::try_from(total).map_err(|_| WriteError::TooLarge { bytes: total })?;
+        let mut out = Vec::with_capacity(total as usize);
+        out.extend_from_slice(b"glTF");
+        out.extend_from_slice(&2u32.to_le_bytes());
+        out.extend_from_slice(&length.to_le_bytes());
+        out.extend_from_slice(&(text.len() as u32).to_le_bytes());
+        out.extend_from_slice(b"JSON");
+        out.extend_from_slice(&text);
+        if has_binary {
+            out.extend_from_slice(&(chunk as u32).to_le_bytes());
+            out.extend_from_slice(b"BIN\0");
+            out.extend_from_slice(&binary);
+            out.resize(total as usize, 0);
+        }
+        Ok(out)
+    }
+
+    /// The JSON for a single buffer, and that buffer.
+    fn packed(&self) -> Result<(Value, Vec<u8>), WriteError> {
+        if self.count("buffers") != self.buffers.len() {
+            let what = format!("{} for {}", self.buffers.len(), self.count("buffers"));
+            return Err(WriteError::mismatch("buffers", what));
+        }
+        let mut json = self.json.clone();
+        let mut binary = Vec::new();
+        let mut starts = Vec::new();
+        for buffer in &self.buffers {
+            binary.resize(binary.len().next_multiple_of(4), 0);
+            starts.push(binary.len());
+            binary.extend_from_slice(buffer);
+        }
+        if starts.len() > 1 {
+            for view in entries_mut(&mut json, "bufferViews") {
+                rebase(view, &starts);
+                // Compressed views name a second buffer inside their extension.
+                let extensions = view.get_mut("extensions").and_then(Value::as_object_mut);
+                for (_, extension) in extensions.into_iter().flatten() {
+                    rebase(extension, &starts);
+                }
+            }
+        }
+        self.pack_pictures(&mut json, &mut binary);
+        keep_one_buffer(&mut json, binary.len());
+        Ok((json, binary))
+    }
+
+    fn pack_pictures(&self, json: &mut Value, binary: &mut Vec<u8>) {
+        let mut views = self.count("bufferViews");
+        for (i, picture) in self.pictures.iter().enumerate() {
+            let (Some(bytes), Some(image)) = (picture, entries_mut(json, "images").get_mut(i))
+            else {
+                continue;
+            };
+            let declared = image.get("mimeType").and_then(Value::as_str).unwrap_or("");
+            let mime = mime_type(declared, bytes);
+            // A picture in a buffer needs a media type; of an unknown kind it stays outside.
+            if mime.is_empty() || bytes.is_empty() {
+                continue;
+            }
+            binary.resize(binary.len().next_multiple_of(4), 0);
+            let view = json!({
+                "buffer": 0,
+                "byteOffset": binary.len(),
+                "byteLength": bytes.len(),
+            });
+            binary.extend_from_slice(bytes);
+            object(image).shift_remove("uri");
+            set(image, "mimeType", mime);
+            set(image, "bufferView", views);
+            push(json, "bufferViews", view);
+            views += 1;
+        }
+    }
+}
+
+/// Moves a reference into one of several buffers to the one that they become.
+fn rebase(view: &mut Value, starts: &[usize]) {
+    let Some(start) = index(view, "buffer").and_then(|b| starts.get(b)) else {
+        return;
+    };
+    let offset = index(view, "byteOffset").unwrap_or(0);
+    set(view, "buffer", 0);
+    set(view, "byteOffset", start + offset);
+}
+
+fn keep_one_buffer(json: &mut Value, length: usize) {
+    let first = entries_mut(json, "buffers").first_mut().map(Value::take);
+    if length == 0 {
+        object(json).shift_remove("buffers");
+        return;
+    }
+    let mut buffer = first.unwrap_or_default();
+    object(&mut buffer).shift_remove("uri");
+    set(&mut buffer, "byteLength", length);
+    set(json, "buffers", json!([buffer]));
+}
