@@ -1,0 +1,342 @@
+//! What we evaluate and what we write, judged by others: three.js says where joints are, the
+//! Khronos validator whether a file is good. Both run in node, from the folder `oracle`.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "tests open real files and write what the judges are to read"
+)]
+
+use articula_build::character;
+use articula_build::clip::ClipOptions;
+use articula_core::clip::Clip;
+use articula_core::hierarchy::local_to_model;
+use articula_core::loa::JointSet;
+use articula_core::pose::{LocalPose, ModelPose};
+use articula_core::rig::Rig;
+use articula_core::sample::{Wrap, sample};
+use articula_core::source::{self, evaluate};
+use articula_formats::gltf::{self, Document, GltfFile};
+use articula_formats::{Limits, profile};
+use glam::Vec3;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// How far a joint may be from where three.js has it, as a fraction of the figure's height.
+const TOLERANCE: f32 = 1e-4;
+
+/// Between two keys a runtime clip blends straight and normalises where three.js turns evenly.
+/// Over a turn of 0.6 rad between keys, faster than any joint here, the two are at most
+/// `0.004 * 0.6^3 = 0.9` milliradians apart; along a chain of a third of the height: 3e-4.
+const TOLERANCE_BETWEEN_FRAMES: f32 = 3e-4;
+
+/// Where between two frames the two ways to turn differ most; at the middle they agree.
+const WORST_PART: f32 = 0.211;
+
+/// Files with different features, and the clip to play; none for the rest pose.
+const CHARACTERS: &[(&str, Option<&str>)] = &[
+    // Raw capture: every joint keyed in translation, rotation and scale; mirrored joints.
+    ("glb/pab_arnaud.glb", Some("walk")),
+    // Nodes and clip without names: an empty name is the first clip.
+    ("glb/CesiumMan.glb", Some("")),
+    // Props hung rigidly on joints, several skinned meshes.
+    ("glb/KayKit_Knight.glb", Some("Running_A")),
+    // Four skins on one skeleton below an armature of scale 100.
+    (
+        "glb/Quaternius_cyberpunk_pack__Character.glb",
+        Some("CharacterArmature|Run"),
+    ),
+    // Rigid parts, joints that are no skin's.
+    ("glb/RobotExpressive.glb", Some("Robot_Dance")),
+    ("glb/mannequiny.glb", Some("run_root.001")),
+    // 163 joints with fingers, toes and face.
+    ("glb/mh_female_dance.glb", Some("dance")),
+    // No clip at all.
+    ("vrm/Godette_vrm_v4.vrm", None),
+];
+
+/// One character as we read it, and the file for the judge.
+struct Subject {
+    path: PathBuf,
+    file: GltfFile,
+    rig: Rig,
+    /// Index of the clip in the file.
+    clip: Option<usize>,
+}
+
+impl Subject {
+    fn new(name: &str, clip: Option<&str>) -> Self {
+        let path = data_folder().join(name);
+        let bytes = std::fs::read(&path).unwrap();
+        let mut alone = |uri: &str| Err(format!("{uri} is not needed"));
+        let file = gltf::read(&bytes, &Limits::default(), &mut alone)
+            .unwrap()
+            .value;
+        let skeleton = &file.character.skeleton;
+        let mapping = profile::map(skeleton, profile::builtin(), None);
+        let rig = Rig::new(skeleton, mapping.articulation).unwrap();
+        let clip = clip.map(|wanted| {
+            let known = &file.character.clips;
+            let named = |c: &source::Clip| wanted.is_empty() || c.name == wanted;
+            let found = known.iter().position(named);
+            found.unwrap_or_else(|| panic!("{name} has no clip {wanted}"))
+        });
+        Self {
+            path,
+            file,
+            rig,
+            clip,
+        }
+    }
+
+    fn source_clip(&self) -> Option<&source::Clip> {
+        self.clip.map(|c| &self.file.character.clips[c])
+    }
+
+    /// Where three.js has every joint, for each time.
+    fn judged(&self, times: &[f32]) -> Vec<Vec<Vec3>> {
+        let mut words = vec![self.path.to_string_lossy().into_owned()];
+        match self.clip {
+            Some(clip) => {
+                words.push(clip.to_string());
+                words.extend(times.iter().map(ToString::to_string));
+            }
+            None => words.push("rest".to_owned()),
+        }
+        let (answer, good) = ask("joint_positions.mjs", &words);
+        assert!(good, "{answer}");
+        let answer: Value = serde_json::from_str(&answer).unwrap();
+        let frames = answer["frames"].as_array().unwrap();
+        frames
+            .iter()
+            .map(|frame| self.joints_of(&frame["positions"]))
+            .collect()
+    }
+
+    /// Picks the joints out of the positions of all nodes.
+    fn joints_of(&self, positions: &Value) -> Vec<Vec3> {
+        let axis = |p: &Value, i: usize| p[i].as_f64().expect("the node is in the scene") as f32;
+        let nodes = self.file.node_of_joint.iter();
+        nodes
+            .map(|&node| &positions[node])
+            .map(|p| Vec3::new(axis(p, 0), axis(p, 1), axis(p, 2)))
+            .collect()
+    }
+
+    fn positions(&self, local: &LocalPose) -> Vec<Vec3> {
+        let mut model = ModelPose::new(self.rig.len());
+        local_to_model(&self.rig, local, &mut model);
+        (0..self.rig.len()).map(|j| model.position(j)).collect()
+    }
+
+    /// Height from the lowest to the highest skin joint at rest: a little less than the figure's.
+    fn height(&self) -> f32 {
+        let rest = self.positions(self.rig.rest_pose());
+        let skeleton = &self.file.character.skeleton;
+        let heights = (0..rest.len())
+            .filter(|&j| skeleton.joints[j].in_skin)
+            .map(|j| rest[j].y);
+        let (low, high) = heights.fold((f32::MAX, f32::MIN), |(low, high), y| {
+            (low.min(y), high.max(y))
+        });
+        high - low
+    }
+
+    /// Fails if some joint is not where the judge has it.
+    fn compare(&self, what: &str, ours: &[Vec3], judged: &[Vec3], tolerance: f32) {
+        let height = self.height();
+        assert!(height > 0.1, "{} has no height", self.path.display());
+        for (joint, (a, b)) in ours.iter().zip(judged).enumerate() {
+            let apart = a.distance(*b) / height;
+            assert!(
+                apart <= tolerance,
+                "{} {what}: joint {joint} \"{}\" is at {a}, three.js has it at {b}: {apart:e} of the height",
+                self.path.display(),
+                self.rig.name(joint)
+            );
+        }
+    }
+}
+
+/// Times on keys, between keys, at both ends and beyond the last.
+fn times_of(clip: &source::Clip) -> Vec<f32> {
+    let keys = &clip
+        .channels
+        .iter()
+        .max_by_key(|c| c.times_secs.len())
+        .unwrap()
+        .times_secs;
+    let end = clip.duration_secs;
+    let on_keys = [1, keys.len() / 3, keys.len() / 2].map(|k| keys[k.min(keys.len() - 1)]);
+    let between = [0.1234, 0.4567, 0.789].map(|part| part * end);
+    [
+        vec![0.0],
+        on_keys.to_vec(),
+        between.to_vec(),
+        vec![end, end + 1.0],
+    ]
+    .concat()
+}
+
+#[test]
+fn joints_are_where_three_js_has_them() {
+    if !judges_are_here() || !data_is_here() {
+        return;
+    }
+    for (name, clip) in CHARACTERS {
+        let subject = Subject::new(name, *clip);
+        let Some(clip) = subject.source_clip() else {
+            let judged = subject.judged(&[]);
+            let ours = subject.positions(subject.rig.rest_pose());
+            subject.compare("at rest", &ours, &judged[0], TOLERANCE);
+            continue;
+        };
+        let times = times_of(clip);
+        let mut local = subject.rig.rest_pose().clone();
+        for (time, judged) in times.iter().zip(subject.judged(&times)) {
+            evaluate::pose(clip, &subject.file.character.skeleton, *time, &mut local);
+            let ours = subject.positions(&local);
+            subject.compare(&format!("at {time} s"), &ours, &judged, TOLERANCE);
+        }
+    }
+}
+
+#[test]
+fn runtime_clips_follow_three_js() {
+    if !judges_are_here() || !data_is_here() {
+        return;
+    }
+    for (name, clip) in CHARACTERS {
+        let subject = Subject::new(name, *clip);
+        let Some(index) = subject.clip else { continue };
+        let mapping = profile::map(&subject.file.character.skeleton, profile::builtin(), None);
+        let asset = character::character(
+            &subject.file.character,
+            Some(mapping.articulation),
+            &ClipOptions::default(),
+        )
+        .unwrap();
+        let clip = &asset.clips[index];
+        let frame_secs = 1.0 / clip.rate_hz();
+        let last = clip.frames() - 1;
+        let on_frames = [0, 1, last / 3, last / 2, last].map(|f| f as f32 * frame_secs);
+        follow(&subject, clip, &on_frames, TOLERANCE);
+        let between = [0.37, 0.62].map(|part| (last as f32 * part).floor() + WORST_PART);
+        let between = between.map(|f| f.min(last as f32) * frame_secs);
+        follow(&subject, clip, &between, TOLERANCE_BETWEEN_FRAMES);
+    }
+}
+
+fn follow(subject: &Subject, clip: &Clip, times: &[f32], tolerance: f32) {
+    let every = JointSet::first(subject.rig.len());
+    let mut local = subject.rig.rest_pose().clone();
+    for (time, judged) in times.iter().zip(subject.judged(times)) {
+        sample(clip, f64::from(*time), Wrap::Clamp, &every, &mut local);
+        let ours = subject.positions(&local);
+        subject.compare(
+            &format!("as a runtime clip at {time} s"),
+            &ours,
+            &judged,
+            tolerance,
+        );
+    }
+}
+
+/// Characters whose own files the validator passes, with different content.
+const ROUND_TRIPS: &[&str] = &[
+    "glb/pab_arnaud.glb",
+    "glb/KayKit_Knight.glb",
+    "glb/Quaternius_cyberpunk_pack__Character.glb",
+    "glb/RobotExpressive.glb",
+    // Buffers as data URIs.
+    "glb/MorphStressTest.gltf",
+    // Sparse accessors.
+    "glb/mh_female_default163_arkit52.glb",
+    // No skin at all.
+    "glb/AnimatedMorphCube.glb",
+    "vrm/Godette_vrm_v4.vrm",
+];
+
+#[test]
+fn what_we_write_is_valid() {
+    if !judges_are_here() || !data_is_here() {
+        return;
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("valid");
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut written = Vec::new();
+    for name in ROUND_TRIPS {
+        let bytes = std::fs::read(data_folder().join(name)).unwrap();
+        let mut alone = |uri: &str| Err(format!("{uri} is not needed"));
+        let file = gltf::read(&bytes, &Limits::default(), &mut alone).unwrap().value;
+        let stem = Path::new(name).file_stem().unwrap().to_str().unwrap();
+        let anew = Document::from_character(&file.character).unwrap();
+        for (how, document) in [("through", &file.document), ("anew", &anew)] {
+            let path = folder.join(format!("{stem}.{how}.glb"));
+            std::fs::write(&path, document.write_glb().unwrap()).unwrap();
+            written.push(path.to_string_lossy().into_owned());
+        }
+    }
+    let (verdict, good) = ask("validate.mjs", &written);
+    assert!(good, "{}", faults_of(&verdict));
+}
+
+/// Only what the validator holds against files.
+fn faults_of(verdict: &str) -> String {
+    let Ok(Value::Array(files)) = serde_json::from_str(verdict) else {
+        return verdict.to_owned();
+    };
+    let bad = files.iter().filter(|file| file["errors"] != 0);
+    bad.map(|file| format!("{}: {}\n", file["file"], file["messages"]))
+        .collect()
+}
+
+/// What a script of the folder `oracle` prints, and whether it ended well.
+fn ask(script: &str, words: &[String]) -> (String, bool) {
+    let output = Command::new("node")
+        .arg(oracle_folder().join(script))
+        .args(words)
+        .output()
+        .unwrap();
+    let mut text = String::from_utf8(output.stdout).unwrap();
+    text.push_str(&String::from_utf8_lossy(&output.stderr));
+    (text, output.status.success())
+}
+
+fn oracle_folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle")
+}
+
+fn data_folder() -> PathBuf {
+    std::env::var_os("ARTICULA_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
+        PathBuf::from,
+    )
+}
+
+fn is_required(variable: &str) -> bool {
+    std::env::var_os(variable).is_some_and(|v| v == "1")
+}
+
+fn data_is_here() -> bool {
+    let here = data_folder().join("MANIFEST.md").is_file();
+    assert!(here || !is_required("ARTICULA_REQUIRE_DATA"), "no data");
+    if !here {
+        println!("skipped: no data");
+    }
+    here
+}
+
+/// Whether node and the judges' packages are there (`cargo xtask test` installs them).
+fn judges_are_here() -> bool {
+    let packages = oracle_folder().join("node_modules/three").is_dir();
+    let node = || Command::new("node").arg("--version").output().is_ok();
+    let here = packages && node();
+    assert!(
+        here || !is_required("ARTICULA_REQUIRE_TOOLS"),
+        "no node oracle"
+    );
+    if !here {
+        println!("skipped: node oracle (no node, or `npm ci` was not run in oracle)");
+    }
+    here
+}
