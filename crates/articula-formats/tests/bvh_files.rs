@@ -420,3 +420,30 @@ fn writing_nonsense_is_refused() {
         assert!(bvh::write(&character, clip, &options).is_err());
     }
 }
+
+/// Largest distance that the maker of both files measured, in metres.
+const DANCE_APART: f32 = 0.041e-3;
+
+#[test]
+fn the_dance_is_the_same_in_both_formats() {
+    let names = ["bvh/dance_fingers.bvh", "glb/mh_female_dance.glb"];
+    let [Some(text), Some(binary)] = names.map(bytes) else {
+        println!("skipped: no data");
+        return;
+    };
+    let dance = read(&text);
+    let mut nothing_beside = |uri: &str| Err(format!("{uri} is not there"));
+    let other = articula_formats::gltf::read(&binary, &Limits::default(), &mut nothing_beside);
+    let other = other.unwrap().value.character;
+    for frame in (0..720).step_by(24) {
+        let ours = world(&dance.character, dance.frame_time_secs * frame as f32);
+        let theirs = world(&other, frame as f32 / 30.0);
+        for (index, joint) in dance.character.skeleton.joints.iter().enumerate() {
+            let twin = other.skeleton.find(&joint.name).unwrap();
+            let apart = ours[index].distance(theirs[twin]);
+            // Sums of 163 offsets in f32 add less than a micrometre.
+            let allowed = DANCE_APART + 1e-6;
+            assert!(apart <= allowed, "{} at {frame}: {apart} m", joint.name);
+        }
+    }
+}

@@ -144,7 +144,10 @@ const EXPECTED: [&str; 7] = [
 ];
 
 /// File, profile, mapped joints (counted by reading the files' joint names), wrists.
-const HUMANOIDS: [(&str, &str, usize, bool); 22] = [
+const HUMANOIDS: [(&str, &str, usize, bool); 24] = [
+    // Their joints have no names: 3 torso, 2 neck, 4 a leg, 3 an arm.
+    ("glb/CesiumMan.glb", "shape", 19, true),
+    ("glb/RiggedFigure.glb", "shape", 19, true),
     // 43 joints less Bone and two pole targets.
     ("glb/RobotExpressive.glb", "quaternius", 40, false),
     ("glb/KayKit_Knight.glb", "kaykit", 18, true),
@@ -241,9 +244,13 @@ fn every_humanoid_maps_with_its_sides() {
             let [Some(left), Some(right)] = both else {
                 panic!("{name} lacks {joint}");
             };
-            // VRM 0.x characters face -Z, all others +Z.
-            let facing = if name.contains("Godette") { -1.0 } else { 1.0 };
-            let apart = (left.x - right.x) * facing;
+            // VRM 0.x characters face -Z, Cesium man faces +X (read from his feet), others +Z.
+            let to_the_left = match name {
+                "vrm/Godette_vrm_v4.vrm" => Vec3::NEG_X,
+                "glb/CesiumMan.glb" => Vec3::NEG_Z,
+                _ => Vec3::X,
+            };
+            let apart = (left - right).dot(to_the_left);
             assert!(apart > 0.0 || !joint.starts_with("l_"), "{name}: {joint}");
         }
     }

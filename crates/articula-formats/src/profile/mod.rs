@@ -15,6 +15,7 @@ mod levels;
 mod matching;
 mod names;
 pub(crate) mod rest;
+mod shape;
 mod spine;
 mod standard;
 
@@ -83,7 +84,8 @@ pub fn hanim_table() -> &'static [HanimJoint] {
 /// that fit. On a tie the first in the list wins, so put the user's own before [`builtin`].
 ///
 /// `given` is a map that the file brings itself: joint index and VRM human bone. If it names
-/// hips, legs and arms it decides alone.
+/// hips, legs and arms it decides alone. A rig whose names say nothing is told by the shape of
+/// its tree at rest, if it is a plain human one; the profile's name is then `shape`.
 pub fn map(
     skeleton: &Skeleton,
     profiles: &[Profile],
@@ -91,7 +93,8 @@ pub fn map(
 ) -> Mapping {
     let candidate = given
         .and_then(|bones| by_humanoid_map(skeleton, bones))
-        .or_else(|| best(skeleton, profiles, Scope::Body));
+        .or_else(|| best(skeleton, profiles, Scope::Body))
+        .or_else(|| by_shape(skeleton));
     if let Some(candidate) = candidate {
         return mapping(skeleton, candidate, true);
     }
@@ -125,6 +128,11 @@ fn by_humanoid_map(skeleton: &Skeleton, bones: &[(usize, String)]) -> Option<Can
         }
     }
     Candidate::new(skeleton, name, found, Scope::Body)
+}
+
+fn by_shape(skeleton: &Skeleton) -> Option<Candidate> {
+    let found = shape::human(skeleton)?;
+    Candidate::new(skeleton, "shape", found, Scope::Body)
 }
 
 fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> Mapping {

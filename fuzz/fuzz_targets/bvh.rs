@@ -1,0 +1,12 @@
+//! Any bytes as a BVH file: a value or an error, and whatever is read can be mapped.
+#![no_main]
+
+use articula_formats::bvh::{self, ReadOptions};
+use articula_formats::{Limits, profile};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Ok(read) = bvh::read(bytes, &ReadOptions::default(), &Limits::default()) {
+        profile::map(&read.value.character.skeleton, profile::builtin(), None);
+    }
+});
