@@ -57,17 +57,24 @@ impl SecondMoment {
         )
     }
 
-    /// Root mean square displacement of the skin, seen along the unit direction `view`, for a
-    /// small rotation given as a vector (axis times radians, in the joint's frame). Metres.
-    ///
-    /// `phi^2 (a^T (tr(C) I - C) a - (w x a)^T C (w x a))` with axis `a` and direction `w`:
-    /// what the rotation moves in all, less what it moves along the line of sight.
-    pub fn projected_rms(self, rotation: Vec3, view: Vec3) -> f32 {
+    /// Root mean square displacement of the skin for a small rotation given as a vector (axis
+    /// times radians, in the joint's frame). Metres.
+    pub fn rms(self, rotation: Vec3) -> f32 {
         let c = self.matrix();
         let trace = c.x_axis.x + c.y_axis.y + c.z_axis.z;
+        let squared = trace * rotation.length_squared() - rotation.dot(c * rotation);
+        squared.max(0.0).sqrt()
+    }
+
+    /// The same as it looks along the unit direction `view`:
+    /// `phi^2 (a^T (tr(C) I - C) a - (w x a)^T C (w x a))` with axis `a` and direction `w`,
+    /// what the rotation moves in all, less what it moves along the line of sight.
+    pub fn projected_rms(self, rotation: Vec3, view: Vec3) -> f32 {
         let along = view.cross(rotation);
-        let whole = trace * rotation.length_squared() - rotation.dot(c * rotation);
-        (whole - along.dot(c * along)).max(0.0).sqrt()
+        let whole = self.rms(rotation);
+        (whole * whole - along.dot(self.matrix() * along))
+            .max(0.0)
+            .sqrt()
     }
 }
 
@@ -78,11 +85,19 @@ impl JointLever {
         self.rest_metres * crate::math::angle_between(shown, wanted)
     }
 
-    /// The same as it looks from `view`, a unit direction in the joint's frame: root mean
-    /// square over the skin.
+    /// The same as it looks from `view`, a unit direction in the joint's frame: reduced by the
+    /// part of the motion that lies along the line of sight, root mean square over the skin. A
+    /// joint without skin is not reduced.
     pub fn projected_error(&self, shown: Quat, wanted: Quat, view: Vec3) -> f32 {
-        self.second_moment
-            .projected_rms(rotation_vector(shown, wanted), view)
+        let rotation = rotation_vector(shown, wanted);
+        let whole = self.second_moment.rms(rotation);
+        let seen = self.second_moment.projected_rms(rotation, view);
+        let part = if whole > 0.0 {
+            (seen / whole).min(1.0)
+        } else {
+            1.0
+        };
+        self.held_error(shown, wanted) * part
     }
 }
 

@@ -1,2 +1,65 @@
-//! Placeholder head.
-fn main() {}
+//! Is it true? Evaluation runs, one command for each published table.
+//!
+//! Results go to `docs/results` as a page for people and a CSV for machines; every number in
+//! them comes from one run of the command named at their head.
+
+#![allow(
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "a program that reads files, writes files and reports"
+)]
+
+mod data;
+mod tables;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Evaluation runs of Articula.
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
+    #[command(subcommand)]
+    table: Table,
+    /// Folder of the real characters; by default `ARTICULA_DATA` or `../shared/data`.
+    #[arg(long, global = true)]
+    data: Option<PathBuf>,
+    /// Folder that receives the pages and CSV files.
+    #[arg(long, global = true, default_value = "docs/results")]
+    out: PathBuf,
+    /// One clip and fewer steps: shows that everything runs.
+    #[arg(long, global = true)]
+    small: bool,
+}
+
+#[derive(Subcommand)]
+enum Table {
+    /// Joint-update gain of every method at one pixel, over distance (spec part 11).
+    MotionLod,
+    /// Gain over distance, threshold and beta (the thesis' table 6.8).
+    ThesisGrid,
+    /// All of them.
+    All,
+}
+
+fn main() -> Result<()> {
+    let arguments = Arguments::parse();
+    let Some(data) = data::folder(arguments.data.as_deref())? else {
+        println!("skipped: no data");
+        return Ok(());
+    };
+    let run = tables::Run {
+        data,
+        out: arguments.out,
+        small: arguments.small,
+    };
+    match arguments.table {
+        Table::MotionLod => tables::motion_lod::write(&run),
+        Table::ThesisGrid => tables::thesis_grid::write(&run),
+        Table::All => {
+            tables::motion_lod::write(&run)?;
+            tables::thesis_grid::write(&run)
+        }
+    }
+}

@@ -10,7 +10,6 @@ use crate::motion_error::{ahn, closed_loop};
 use articula_core::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
 use articula_core::loa::JointSet;
 use articula_core::math::nlerp;
-use articula_core::motion_error::SecondMoment;
 use articula_core::thesis_metric::{ErrorMatrix, Threshold, switch};
 use glam::{Quat, Vec3};
 
@@ -186,12 +185,7 @@ fn held_in_view(stage: &Stage<'_>, tolerance: f32, view: Vec3) -> Playback {
             let (before, wanted) = (out.shown[frame - 1][joint], out.shown[frame][joint]);
             let lever = &stage.levers[joint];
             let in_joint = stage.true_models[frame][joint].conjugate() * view;
-            // A joint without skin of its own still counts by its floor.
-            let error = if lever.second_moment == SecondMoment::default() {
-                lever.held_error(before, wanted)
-            } else {
-                lever.projected_error(before, wanted, in_joint)
-            };
+            let error = lever.projected_error(before, wanted, in_joint);
             if error > tolerance {
                 out.updated[frame].insert(joint);
             } else {

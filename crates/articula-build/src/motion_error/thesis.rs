@@ -131,7 +131,9 @@ fn play(rig: &Rig, clip: &Clip, direction: Direction) -> (Vec<Vec<Quat>>, Vec<Ve
         sample(clip, secs, Wrap::Clamp, &rig.all(), &mut pose);
         local_to_model(rig, &pose, &mut model);
         rotations.push(pose.rotations.clone());
-        positions.push((0..rig.len()).map(|j| model.position(j)).collect());
+        // The viewer follows the root, so its way over the ground is no motion.
+        let ground = model.position(rig.root()) * Vec3::new(1.0, 0.0, 1.0);
+        positions.push((0..rig.len()).map(|j| model.position(j) - ground).collect());
     }
     let directions = match direction {
         Direction::Bone => positions.iter().map(|p| bones(rig, p)).collect(),

@@ -1,0 +1,42 @@
+//! Where the real characters lie, and how one becomes an asset.
+
+use anyhow::{Context, Result, bail};
+use articula_build::character::{Asset, character};
+use articula_build::clip::ClipOptions;
+use articula_formats::{Limits, gltf, profile};
+use std::path::{Path, PathBuf};
+
+/// The data folder: the one given, `ARTICULA_DATA`, or `../shared/data` beside the project.
+/// `None` if there is none and `ARTICULA_REQUIRE_DATA` does not ask for it.
+pub(crate) fn folder(given: Option<&Path>) -> Result<Option<PathBuf>> {
+    let named = given
+        .map(Path::to_owned)
+        .or_else(|| std::env::var_os("ARTICULA_DATA").map(PathBuf::from));
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
+    let folder = named.unwrap_or(root);
+    if folder.is_dir() {
+        return Ok(Some(folder));
+    }
+    if given.is_some() || std::env::var_os("ARTICULA_REQUIRE_DATA").is_some_and(|v| v == "1") {
+        bail!("{}: no such folder", folder.display());
+    }
+    Ok(None)
+}
+
+/// Reads a character of the data folder, maps its joints by name, and builds it.
+pub(crate) fn asset(data: &Path, name: &str) -> Result<Asset> {
+    let path = data.join(name);
+    let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
+    let folder = path.parent().unwrap_or(data).to_owned();
+    let mut beside = |uri: &str| std::fs::read(folder.join(uri)).map_err(|e| e.to_string());
+    let file = gltf::read(&bytes, &Limits::default(), &mut beside)
+        .with_context(|| path.display().to_string())?
+        .value;
+    let mapping = profile::map(&file.character.skeleton, profile::builtin(), None);
+    character(
+        &file.character,
+        Some(mapping.articulation),
+        &ClipOptions::default(),
+    )
+    .with_context(|| path.display().to_string())
+}

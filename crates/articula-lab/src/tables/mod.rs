@@ -1,0 +1,37 @@
+//! One file for each published table.
+
+pub(crate) mod motion_lod;
+pub(crate) mod thesis_grid;
+
+use anyhow::{Context, Result};
+use std::path::PathBuf;
+
+/// Where a table reads and writes, and how much of it.
+pub(crate) struct Run {
+    /// Folder of the real characters.
+    pub(crate) data: PathBuf,
+    /// Folder of the results.
+    pub(crate) out: PathBuf,
+    /// Whether only a part is run.
+    pub(crate) small: bool,
+}
+
+impl Run {
+    /// Writes a page and its numbers, and says where.
+    fn save(&self, name: &str, page: &str, csv: &str) -> Result<()> {
+        let folder = &self.out;
+        std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
+        for (extension, text) in [("md", page), ("csv", csv)] {
+            let path = folder.join(name).with_extension(extension);
+            std::fs::write(&path, text).with_context(|| path.display().to_string())?;
+            println!("{}", path.display());
+        }
+        Ok(())
+    }
+}
+
+/// Distances of the thesis, and a fifth by the same factor.
+pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
+
+/// Clips of `pab_arnaud.glb` that the published numbers were taken on.
+pub(crate) const CLIPS: [&str; 4] = ["walk", "jog", "run", "atlas"];

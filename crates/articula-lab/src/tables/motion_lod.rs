@@ -1,0 +1,261 @@
+//! Joint-update gain of every method at one pixel of error, over distance.
+//!
+//! Source: `spec/motion-lod.md` part 11; protocol 11.1.
+
+use super::{CLIPS, DISTANCES_M, Run};
+use crate::data;
+use anyhow::{Context, Result};
+use articula_build::character::Asset;
+use articula_build::evaluate::{
+    Method, MethodOptions, Row, Setup, SkinPxVariant, Stage, calibrate, sweep,
+};
+use articula_build::motion_error::thesis::{Direction, ThesisOptions};
+use articula_core::articulation::Complexity;
+use articula_core::loa::selection::complexity;
+use std::fmt::Write as _;
+
+/// A row of the table: its title, the method, and what the prototype measured.
+pub(crate) struct Entry {
+    pub(crate) title: &'static str,
+    pub(crate) method: Method,
+    options: MethodOptions,
+    pub(crate) published: Option<[f32; 5]>,
+}
+
+/// Gains and errors of one row.
+pub(crate) struct Measured {
+    pub(crate) title: &'static str,
+    pub(crate) published: Option<[f32; 5]>,
+    /// `rows[clip][distance]`.
+    pub(crate) rows: Vec<Vec<Row>>,
+}
+
+impl Measured {
+    /// Mean gain over the clips at each distance, in percent.
+    pub(crate) fn mean_gain_percent(&self) -> Vec<f32> {
+        (0..DISTANCES_M.len())
+            .map(|d| {
+                let sum: f32 = self.rows.iter().map(|r| r[d].trial.joint_update_gain).sum();
+                100.0 * sum / self.rows.len() as f32
+            })
+            .collect()
+    }
+}
+
+/// The rows, in the order of the published table.
+pub(crate) fn entries(asset: &Asset) -> Vec<Entry> {
+    let levels = Complexity::ALL
+        .iter()
+        .rev()
+        .map(|c| complexity(&asset.rig, *c))
+        .collect();
+    let path = MethodOptions {
+        thesis: ThesisOptions {
+            direction: Direction::Path,
+            ..ThesisOptions::default()
+        },
+        ..MethodOptions::default()
+    };
+    let plain = MethodOptions::default();
+    let entry = |title, method, options, published| Entry {
+        title,
+        method,
+        options,
+        published,
+    };
+    let ours = |variant| Method::SkinPx(variant);
+    vec![
+        entry("fixed LoA", Method::Loa(levels), plain, Some([0.0; 5])),
+        entry("skip frames, hold", Method::SkipHold, plain, Some([0.0; 5])),
+        entry(
+            "skip frames, ideal interpolation",
+            Method::SkipLerp,
+            plain,
+            Some([0.0, 0.0, 12.0, 25.0, 45.0]),
+        ),
+        entry(
+            "thesis formula (path direction)",
+            Method::Thesis,
+            path,
+            Some([2.0, 2.0, 2.0, 3.0, 5.0]),
+        ),
+        entry(
+            "thesis formula (bone direction)",
+            Method::Thesis,
+            plain,
+            Some([9.0, 10.0, 13.0, 13.0, 14.0]),
+        ),
+        entry(
+            "Ahn-like clustering per joint",
+            Method::Ahn,
+            plain,
+            Some([20.0, 23.0, 30.0, 40.0, 50.0]),
+        ),
+        entry(
+            "drift, hold last",
+            ours(SkinPxVariant::Hold),
+            plain,
+            Some([27.0, 32.0, 35.0, 45.0, 52.0]),
+        ),
+        entry(
+            "drift, hold last, view dependent",
+            ours(SkinPxVariant::View),
+            plain,
+            None,
+        ),
+        entry(
+            "drift, key pose of segment",
+            ours(SkinPxVariant::KeyPose),
+            plain,
+            Some([28.0, 33.0, 39.0, 50.0, 60.0]),
+        ),
+        entry(
+            "closed loop",
+            ours(SkinPxVariant::ClosedLoop),
+            plain,
+            Some([29.0, 36.0, 40.0, 52.0, 60.0]),
+        ),
+        entry(
+            "drift, linear keys",
+            ours(SkinPxVariant::Linear),
+            plain,
+            Some([57.0, 61.0, 66.0, 71.0, 79.0]),
+        ),
+    ]
+}
+
+/// Calibrates one row on some clips at all distances.
+pub(crate) fn measure(
+    asset: &Asset,
+    entry: &Entry,
+    clips: &[&str],
+    limit_px: f32,
+) -> Result<Measured> {
+    let mut rows = Vec::new();
+    for name in clips {
+        let clip = asset
+            .clips
+            .iter()
+            .find(|c| c.name == *name)
+            .with_context(|| format!("no clip \"{name}\""))?;
+        let stage = Stage::new(asset, clip, Setup::default(), entry.options);
+        let swept = sweep(&stage, &entry.method);
+        let at = |d: &f32| {
+            let trial = calibrate(&stage, &swept, *d, limit_px)?;
+            Some(stage.row(trial, *d))
+        };
+        let found: Option<Vec<Row>> = DISTANCES_M.iter().map(at).collect();
+        rows.push(found.context("a method without any parameter")?);
+    }
+    Ok(Measured {
+        title: entry.title,
+        published: entry.published,
+        rows,
+    })
+}
+
+/// Runs the table and writes it.
+pub(crate) fn write(run: &Run) -> Result<()> {
+    let asset = data::asset(&run.data, "glb/pab_arnaud.glb")?;
+    let clips = if run.small { &CLIPS[..1] } else { &CLIPS[..] };
+    let mut page = String::from(HEAD);
+    let mut csv = String::from(
+        "method,clip,distance_m,parameter,joint_update_gain,evaluations_saved,joints_sampled,fk_joints,error_px_p50,error_px_p95,error_px_max\n",
+    );
+    for entry in entries(&asset) {
+        let measured = measure(&asset, &entry, clips, 1.0)?;
+        let cells: Vec<String> = measured
+            .mean_gain_percent()
+            .iter()
+            .enumerate()
+            .map(|(d, gain)| match measured.published {
+                Some(published) if !run.small => format!("{gain:.1} ({:.0})", published[d]),
+                _ => format!("{gain:.1}"),
+            })
+            .collect();
+        writeln!(page, "| {} | {} |", measured.title, cells.join(" | "))?;
+        for (clip, rows) in clips.iter().zip(&measured.rows) {
+            for row in rows {
+                let (t, e) = (&row.trial, &row.error_px);
+                writeln!(
+                    csv,
+                    "{},{clip},{},{:.6},{:.4},{:.4},{:.2},{:.2},{:.3},{:.3},{:.3}",
+                    measured.title.replace(',', ";"),
+                    row.distance_m,
+                    t.parameter,
+                    t.joint_update_gain,
+                    t.evaluations_saved,
+                    t.joints_sampled,
+                    t.fk_joints,
+                    e.p50,
+                    e.p95,
+                    e.max
+                )?;
+            }
+        }
+    }
+    writeln!(page, "\n{TAIL}")?;
+    run.save("motion-lod", &page, &csv)
+}
+
+const HEAD: &str = "# Motion level of detail at one pixel
+
+Made by `cargo run --release -p articula-lab -- motion-lod`. Joint-update gain in percent of moving
+joints, mean over the clips walk, jog, run and atlas of `pab_arnaud.glb`, at the best parameter
+whose error is at most one pixel: the 95th percentile over frames of the 95th over 700 vertices,
+the worst of three azimuths, 720 px high, 45 degrees, weak perspective. In brackets what the
+prototype of the specification measured.
+
+| method | 3.5 m | 5.65 m | 9.05 m | 16 m | 25.6 m |
+| --- | --- | --- | --- | --- | --- |
+";
+
+const TAIL: &str = "Gains count rotation updates, not time: `fk_joints` in the CSV shows how few model matrices stay
+untouched when joints are gated one by one. The parameter is the method's own: metres of skin for
+ours and for Ahn's, a threshold on the normalised error for the thesis, frames for skipping, the
+index of the level (0 is everything) for a fixed level of articulation.";
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Acceptance test 12 of the specification, without pose keys. The thesis' row is met
+    /// within three points; ours may do better but not worse by more than three.
+    #[test]
+    fn published_numbers_are_reproduced() {
+        let Some(data) = data::folder(None).unwrap() else {
+            println!("skipped: no data");
+            return;
+        };
+        let asset = data::asset(&data, "glb/pab_arnaud.glb").unwrap();
+        for entry in entries(&asset) {
+            let both_sides = match entry.title {
+                "thesis formula (bone direction)" => true,
+                "drift, hold last" | "closed loop" => false,
+                _ => continue,
+            };
+            let measured = measure(&asset, &entry, &CLIPS, 1.0).unwrap();
+            let published = measured.published.unwrap();
+            for (found, expected) in measured.mean_gain_percent().iter().zip(published) {
+                let gap = found - expected;
+                assert!(
+                    gap >= -3.0,
+                    "{}: {found} is below {expected}",
+                    measured.title
+                );
+                assert!(
+                    !both_sides || gap <= 3.0,
+                    "{}: {found} is above {expected}",
+                    measured.title
+                );
+            }
+            let worst = measured
+                .rows
+                .iter()
+                .flatten()
+                .map(|r| r.error_px.p95)
+                .fold(0.0, f32::max);
+            assert!(worst <= 1.05, "{}: {worst} px", measured.title);
+        }
+    }
+}
