@@ -28,6 +28,7 @@ const STEPS: &[Step] = &[
     ("wasm build", wasm::check),
     ("tidy", tidy_step),
     ("oracle self-test", node::self_test),
+    ("lab, small", lab),
 ];
 
 /// Runs every step up to the first failure and prints how long each took.
@@ -86,5 +87,14 @@ fn documentation() -> Result<Outcome> {
 
 fn tidy_step() -> Result<Outcome> {
     tidy()?;
+    Ok(Outcome::Done)
+}
+
+/// Every published table with one clip and few steps: shows that the lab still runs. It shares
+/// the release build with `cargo xtask demo`.
+fn lab() -> Result<Outcome> {
+    let words = ["run", "--release", "--quiet", "-p", "articula-lab", "--"];
+    let small = ["all", "--small", "--out", "target/lab-small"];
+    run(cargo().args(words).args(small))?;
     Ok(Outcome::Done)
 }

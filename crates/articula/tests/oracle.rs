@@ -66,11 +66,7 @@ struct Subject {
 impl Subject {
     fn new(name: &str, clip: Option<&str>) -> Self {
         let path = data_folder().join(name);
-        let bytes = std::fs::read(&path).unwrap();
-        let mut alone = |uri: &str| Err(format!("{uri} is not needed"));
-        let file = gltf::read(&bytes, &Limits::default(), &mut alone)
-            .unwrap()
-            .value;
+        let file = open(name);
         let skeleton = &file.character.skeleton;
         let mapping = profile::map(skeleton, profile::builtin(), None);
         let rig = Rig::new(skeleton, mapping.articulation).unwrap();
@@ -155,6 +151,14 @@ impl Subject {
             );
         }
     }
+}
+
+/// Reads a file of the data folder that needs no other.
+fn open(name: &str) -> GltfFile {
+    let bytes = std::fs::read(data_folder().join(name)).unwrap();
+    let mut alone = |uri: &str| Err(format!("{uri} is not needed"));
+    let read = gltf::read(&bytes, &Limits::default(), &mut alone);
+    read.unwrap_or_else(|e| panic!("{name}: {e}")).value
 }
 
 /// Times on keys, between keys, at both ends and beyond the last.
@@ -256,6 +260,10 @@ const ROUND_TRIPS: &[&str] = &[
     "vrm/Godette_vrm_v4.vrm",
 ];
 
+/// A character whose own file the validator refuses, for weights that do not sum to 1: as it
+/// stands it passes through with its faults, made anew it is mended.
+const FAULTY: &str = "glb/CesiumMan.glb";
+
 #[test]
 fn what_we_write_is_valid() {
     if !judges_are_here() || !data_is_here() {
@@ -264,16 +272,18 @@ fn what_we_write_is_valid() {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("valid");
     std::fs::create_dir_all(&folder).unwrap();
     let mut written = Vec::new();
-    for name in ROUND_TRIPS {
-        let bytes = std::fs::read(data_folder().join(name)).unwrap();
-        let mut alone = |uri: &str| Err(format!("{uri} is not needed"));
-        let file = gltf::read(&bytes, &Limits::default(), &mut alone).unwrap().value;
-        let stem = Path::new(name).file_stem().unwrap().to_str().unwrap();
+    let mut write = |name: &str, how: &str, document: &Document| {
+        let stem = Path::new(name).file_stem().unwrap().to_string_lossy();
+        let path = folder.join(format!("{stem}.{how}.glb"));
+        std::fs::write(&path, document.write_glb().unwrap()).unwrap();
+        written.push(path.to_string_lossy().into_owned());
+    };
+    for name in ROUND_TRIPS.iter().chain([&FAULTY]) {
+        let file = open(name);
         let anew = Document::from_character(&file.character).unwrap();
-        for (how, document) in [("through", &file.document), ("anew", &anew)] {
-            let path = folder.join(format!("{stem}.{how}.glb"));
-            std::fs::write(&path, document.write_glb().unwrap()).unwrap();
-            written.push(path.to_string_lossy().into_owned());
+        write(name, "anew", &anew);
+        if *name != FAULTY {
+            write(name, "through", &file.document);
         }
     }
     let (verdict, good) = ask("validate.mjs", &written);
