@@ -188,3 +188,90 @@ fn unmapped(skeleton: &Skeleton) -> Mapping {
         humanoid: false,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::articulation::Region;
+    use articula_core::math::Transform;
+    use articula_core::source::Joint;
+
+    fn joint(name: &str, parent: Option<usize>) -> Joint {
+        Joint {
+            name: name.to_owned(),
+            parent,
+            rest: Transform::IDENTITY,
+            in_skin: true,
+        }
+    }
+
+    fn standard() -> Skeleton {
+        let joints = hanim_table().iter().map(|j| joint(j.name, j.parent));
+        Skeleton {
+            joints: joints.collect(),
+        }
+    }
+
+    #[test]
+    fn the_standard_maps_to_itself() {
+        let mapping = map(&standard(), builtin(), None);
+        assert!(mapping.humanoid && mapping.gaps.is_empty() && mapping.missing.is_empty());
+        for (own, known) in mapping.articulation.joints.iter().zip(hanim_table()) {
+            assert_eq!(own.hanim.as_deref(), Some(known.name));
+            assert_eq!((own.level, own.region), (known.level, known.region));
+        }
+    }
+
+    #[test]
+    fn unknown_joints_follow_their_parent() {
+        let mut skeleton = standard();
+        let elbow = hanim_table::find("l_elbow");
+        skeleton.joints.push(joint("sleeve", elbow));
+        skeleton.joints.push(joint("cuff", Some(94)));
+        skeleton.joints.push(joint("camera", None));
+        let mapping = map(&skeleton, builtin(), None);
+        let of = |j: usize| {
+            let own = &mapping.articulation.joints[j];
+            (own.level, own.region)
+        };
+        assert_eq!(of(94), (2, Region::Arms), "the elbow is level 1");
+        assert_eq!(of(95), (3, Region::Arms));
+        assert_eq!(of(96), (5, Region::Pelvis), "beside the human");
+        let gaps = mapping.gaps.iter().map(|g| (g.joint, g.reason));
+        assert!(gaps.eq([94, 95, 96].map(|j| (j, GapReason::NoEntry))));
+    }
+
+    #[test]
+    fn a_missing_limb_is_no_human() {
+        let mut skeleton = standard();
+        let shoulder = hanim_table::find("r_shoulder").unwrap();
+        skeleton.joints[shoulder].name = "stump".to_owned();
+        let mapping = map(&skeleton, builtin(), None);
+        assert!(!mapping.humanoid);
+        assert_eq!(mapping.articulation.mapped(), 0);
+        let none = map(&Skeleton::default(), builtin(), None);
+        assert!(!none.humanoid && none.gaps.is_empty());
+    }
+
+    #[test]
+    fn a_map_of_the_file_decides_if_it_is_whole() {
+        let mut skeleton = standard();
+        for j in &mut skeleton.joints {
+            j.name = String::new();
+        }
+        let at = |name: &str| hanim_table::find(name).unwrap();
+        let bones = [
+            ("humanoid_root", "hips"),
+            ("l_hip", "leftUpperLeg"),
+            ("r_hip", "rightUpperLeg"),
+            ("l_shoulder", "leftUpperArm"),
+            ("r_shoulder", "rightUpperArm"),
+        ];
+        let mut given: Vec<_> = bones.map(|(j, b)| (at(j), b.to_owned())).into();
+        given.push((9999, "head".to_owned()));
+        let mapping = map(&skeleton, builtin(), Some(&given));
+        assert_eq!(mapping.articulation.mapped(), 5);
+        assert_eq!(mapping.articulation.profile, "vrm-1");
+        assert!(!map(&skeleton, builtin(), Some(&given[1..])).humanoid);
+    }
+}
