@@ -1,0 +1,146 @@
+//! The shape of the command line, and how its values are spelled.
+
+use crate::commands::{build, completions, convert, demo, human, inspect, lod};
+use articula_core::view::Viewport;
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Author a virtual human once; animate it at the detail that the viewer can see.
+#[derive(Debug, Parser)]
+#[command(
+    name = "articula",
+    version,
+    propagate_version = true,
+    max_term_width = 100
+)]
+#[command(arg_required_else_help = true, subcommand_required = true)]
+#[command(after_help = "Exit status: 0 done, 1 the input or the world is bad, 2 wrong usage.")]
+pub(crate) struct CommandLine {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+    /// Print the result as JSON, with units in the field names
+    #[arg(long, global = true)]
+    pub(crate) json: bool,
+    /// Keep progress bars and notes back
+    #[arg(long, short, global = true)]
+    pub(crate) quiet: bool,
+}
+
+/// The commands, in the order in which a newcomer meets them.
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Run the main job on the embedded reference human and write a page about it
+    Demo(demo::DemoArgs),
+    /// Say what is in a file, and what is odd about it
+    Inspect(inspect::InspectArgs),
+    /// Convert between formats, or save a reduced animation
+    Convert(convert::ConvertArgs),
+    /// Write the procedural reference human
+    Human(human::HumanArgs),
+    /// Prepare an asset: articulation and motion tables go into the GLB
+    Build(build::BuildArgs),
+    /// Play a clip under motion level of detail; report what it saves and what it costs
+    Lod(lod::LodArgs),
+    /// Print completions for a shell
+    Completions(completions::CompletionsArgs),
+}
+
+/// A character file and what of it counts.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct CharacterArgs {
+    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh)
+    pub(crate) file: PathBuf,
+    /// Leave this mesh out (repeatable)
+    #[arg(long, value_name = "NAME")]
+    pub(crate) hide: Vec<String>,
+    /// Keep only this mesh (repeatable)
+    #[arg(long, value_name = "NAME")]
+    pub(crate) only: Vec<String>,
+    #[command(flatten)]
+    pub(crate) names: NameArgs,
+}
+
+/// How joint names are understood.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct NameArgs {
+    /// Joint-name profile of your own, asked before the built-in ones (repeatable)
+    #[arg(long, value_name = "F.json")]
+    pub(crate) profile: Vec<PathBuf>,
+}
+
+/// The picture that pixels are counted in.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct ViewArgs {
+    /// Size of the picture, pixels
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
+    pub(crate) viewport: (u32, u32),
+    /// Vertical field of view, degrees
+    #[arg(long, value_name = "DEG", default_value = "45", value_parser = field_of_view)]
+    pub(crate) fov_deg: f32,
+}
+
+impl ViewArgs {
+    /// The viewport of the view.
+    pub(crate) fn viewport(&self) -> Viewport {
+        Viewport {
+            width_px: self.viewport.0 as f32,
+            height_px: self.viewport.1 as f32,
+            fov_y_radians: self.fov_deg.to_radians(),
+        }
+    }
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let parts = text.split_once(['x', 'X']);
+    let number = |t: &str| {
+        t.trim()
+            .parse::<u32>()
+            .ok()
+            .filter(|n| (16..=16384).contains(n))
+    };
+    parts
+        .and_then(|(w, h)| Some((number(w)?, number(h)?)))
+        .ok_or_else(|| "expected width x height of 16 to 16384 pixels, such as 1280x720".into())
+}
+
+fn field_of_view(text: &str) -> Result<f32, String> {
+    let angle = text.parse::<f32>().ok();
+    let angle = angle.filter(|a| (1.0..=170.0).contains(a));
+    angle.ok_or_else(|| "expected an angle of 1 to 170 degrees".into())
+}
+
+/// A finite number above zero.
+pub(crate) fn positive(text: &str) -> Result<f32, String> {
+    let number = text.parse::<f32>().ok();
+    let number = number.filter(|n| n.is_finite() && *n > 0.0);
+    number.ok_or_else(|| "expected a number above 0".into())
+}
+
+/// A finite number, zero or above.
+pub(crate) fn not_negative(text: &str) -> Result<f32, String> {
+    let number = text.parse::<f32>().ok();
+    let number = number.filter(|n| n.is_finite() && *n >= 0.0);
+    number.ok_or_else(|| "expected a number of 0 or above".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_well_formed() {
+        CommandLine::command().debug_assert();
+    }
+
+    #[test]
+    fn values_are_bounded() {
+        assert_eq!(size("1280x720"), Ok((1280, 720)));
+        for bad in ["", "x", "720", "0x10", "1280x99999", "-1x720", "1e3x720"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+        assert!(field_of_view("NaN").is_err() && field_of_view("180").is_err());
+        assert!(positive("inf").is_err() && positive("0").is_err() && positive("2").is_ok());
+        assert!(not_negative("0").is_ok() && not_negative("-1").is_err());
+    }
+}

@@ -1,0 +1,209 @@
+//! `articula convert IN OUT`: between formats, and to a reduced animation.
+
+mod reduction;
+
+use crate::arguments::NameArgs;
+use crate::console::Console;
+use crate::fault::clean;
+use crate::load::{self, Format, Loaded};
+use crate::reduced::{self, Passive};
+use crate::{fault, files};
+use anyhow::Context;
+use articula_build::clip::source_rate_hz;
+use articula_formats::bvh;
+use articula_formats::gltf::Document;
+use clap::Args;
+use reduction::Reduction;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// What is converted into what.
+const PAIRS: &str = "glb, gltf, vrm, vrma or bvh to glb; vrm to vrm; vrma to vrma; glb, gltf, vrm, vrma or bvh to bvh";
+
+/// Arguments of `convert`.
+#[derive(Debug, Args)]
+pub(crate) struct ConvertArgs {
+    /// File to read (.glb, .gltf, .vrm, .vrma, .bvh)
+    input: PathBuf,
+    /// File to write; its extension names the format (.glb, .vrm, .vrma, .bvh)
+    out: PathBuf,
+    /// Keep this clip alone [default: all clips; for .bvh the first]
+    #[arg(long, value_name = "NAME")]
+    clip: Option<String>,
+    /// Joints that may move, such as "loa(Low) + zone(hands)"; the others are held
+    #[arg(long, value_name = "EXPR")]
+    loa: Option<String>,
+    /// The same from a saved selection
+    #[arg(long, value_name = "F.json", conflicts_with = "loa")]
+    loa_profile: Option<PathBuf>,
+    /// What held joints show: hold, rest, key-pose, blend-to-rest:SECS [default: key-pose]
+    #[arg(long, value_name = "POLICY", value_parser = reduced::passive)]
+    passive: Option<Passive>,
+    #[command(flatten)]
+    names: NameArgs,
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    #[serde(rename = "in")]
+    input: String,
+    out: String,
+    format_in: &'static str,
+    format_out: &'static str,
+    bytes_in: usize,
+    bytes_out: usize,
+    clips: Vec<String>,
+    reduction: Option<Reduction>,
+    /// What the format of the output cannot hold.
+    left_out: Vec<String>,
+    warnings: Vec<String>,
+}
+
+/// Reads, reduces if asked to, and writes.
+pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
+    let out = args.format_out()?;
+    let mut loaded = load::character(&args.input, &args.names.profile)?;
+    check_pair(loaded.format, out)?;
+    let place = loaded.place();
+    let chosen = choose_clips(args, &mut loaded, out).context(place.clone())?;
+    let reduction = reduction::apply(args, &mut loaded).context(place.clone())?;
+    let changed = chosen || reduction.is_some();
+    let bytes = match out {
+        Format::Bvh => motion(&loaded).context(place)?,
+        _ => container(&mut loaded, changed).context(place)?,
+    };
+    files::write(&args.out, &bytes)?;
+    let report = Report {
+        input: loaded.place(),
+        out: files::shown(&args.out),
+        format_in: loaded.format.name(),
+        format_out: out.name(),
+        bytes_in: loaded.bytes,
+        bytes_out: bytes.len(),
+        clips: loaded
+            .character
+            .clips
+            .iter()
+            .map(|c| c.name.clone())
+            .collect(),
+        reduction,
+        left_out: left_out(&loaded, out),
+        warnings: loaded
+            .warnings
+            .iter()
+            .map(|w| format!("{}: {}", w.at, w.what))
+            .collect(),
+    };
+    console.result(&report, text)
+}
+
+impl ConvertArgs {
+    fn format_out(&self) -> anyhow::Result<Format> {
+        if self.passive.is_some() && self.loa.is_none() && self.loa_profile.is_none() {
+            return Err(fault::usage(
+                "--passive needs --loa EXPR or --loa-profile F.json",
+            ));
+        }
+        Format::of_name(&self.out).ok_or_else(|| {
+            let out = files::shown(&self.out);
+            fault::usage(format!(
+                "{out}: the extension names no format; converted are {PAIRS}"
+            ))
+        })
+    }
+}
+
+fn check_pair(input: Format, out: Format) -> anyhow::Result<()> {
+    let fits = match out {
+        Format::Glb | Format::Bvh => true,
+        Format::Vrm | Format::Vrma => input == out,
+        Format::Gltf => false,
+    };
+    if fits {
+        return Ok(());
+    }
+    let (input, out) = (input.name(), out.name());
+    Err(fault::usage(format!(
+        "{input} to {out} is not converted; converted are {PAIRS}"
+    )))
+}
+
+/// Keeps the clips that go into the output; says whether any was dropped.
+fn choose_clips(args: &ConvertArgs, loaded: &mut Loaded, out: Format) -> anyhow::Result<bool> {
+    let clips = &mut loaded.character.clips;
+    let index = match &args.clip {
+        Some(name) => load::choose("clip", name, clips.iter().map(|c| c.name.as_str()))?,
+        None if out == Format::Bvh && !clips.is_empty() => 0,
+        None if out == Format::Bvh => {
+            anyhow::bail!("clips: there is none to write; give a file that has one")
+        }
+        None => return Ok(false),
+    };
+    let dropped = clips.len() > 1;
+    *clips = vec![clips.swap_remove(index)];
+    Ok(dropped)
+}
+
+fn motion(loaded: &Loaded) -> anyhow::Result<Vec<u8>> {
+    let rate_hz = loaded.character.clips.first().map_or(30.0, source_rate_hz);
+    let options = bvh::WriteOptions {
+        rate_hz,
+        end_sites: loaded.end_sites.clone(),
+        ..bvh::WriteOptions::default()
+    };
+    Ok(bvh::write(&loaded.character, 0, &options)?)
+}
+
+/// The document as it was but for its clips, or a new one.
+fn container(loaded: &mut Loaded, clips_changed: bool) -> anyhow::Result<Vec<u8>> {
+    let Some(behind) = &mut loaded.behind else {
+        return Ok(Document::from_character(&loaded.character)?.write_glb()?);
+    };
+    if clips_changed {
+        let (joints, meshes) = (&behind.node_of_joint, &behind.node_of_mesh);
+        let clips = &loaded.character.clips;
+        behind.document.replace_clips(clips, joints, meshes)?;
+    }
+    Ok(behind.document.write_glb()?)
+}
+
+fn left_out(loaded: &Loaded, out: Format) -> Vec<String> {
+    let mut list = Vec::new();
+    let mut say = |count: usize, what: &str| {
+        if count > 0 {
+            list.push(format!("{count} {what}"));
+        }
+    };
+    if out == Format::Bvh {
+        say(
+            loaded.character.meshes.len(),
+            "meshes (BVH holds joints and one clip)",
+        );
+    } else if loaded.behind.is_none() {
+        say(loaded.end_sites.len(), "end sites (GLB has no such thing)");
+    }
+    list
+}
+
+fn text(report: &Report) -> String {
+    let mut text = format!(
+        "{} ({}, {} bytes) -> {} ({}, {} bytes), {} clips\n",
+        clean(&report.input),
+        report.format_in,
+        report.bytes_in,
+        clean(&report.out),
+        report.format_out,
+        report.bytes_out,
+        report.clips.len()
+    );
+    if let Some(reduction) = &report.reduction {
+        text.push_str(&reduction.text());
+    }
+    for left in &report.left_out {
+        text.push_str(&format!("left out: {}\n", clean(left)));
+    }
+    for warning in &report.warnings {
+        text.push_str(&format!("warning: {}\n", clean(warning)));
+    }
+    text
+}

@@ -1,0 +1,206 @@
+//! The findings as tables for people.
+
+use super::extent::Extent;
+use super::findings::{Findings, Skeleton};
+use crate::fault::clean;
+use crate::table::Table;
+
+/// Most rows of a table of clips or meshes, and most names in a list.
+const MOST_ROWS: usize = 100;
+const MOST_NAMES: usize = 24;
+
+/// All tables; with `map` every joint is listed.
+pub(super) fn of(found: &Findings, map: bool) -> String {
+    let mut text = head(found);
+    for skeleton in &found.skeletons {
+        text.push_str(&skeleton_text(skeleton));
+    }
+    let face = found.face.as_ref();
+    if let Some(face) = face {
+        text.push_str(&format!(
+            "\nface: {} morph targets, {} facial animation parameters\n",
+            face.morphs, face.faps
+        ));
+    }
+    section(&mut text, "clips", clips(found), found.clips.len());
+    section(&mut text, "meshes", meshes(found), found.meshes.len());
+    if map {
+        text.push_str("\njoints\n");
+        text.push_str(&joints(found).text());
+    }
+    if !found.warnings.is_empty() {
+        text.push_str(&format!("\n{} warnings\n", found.warnings.len()));
+        for w in &found.warnings {
+            text.push_str(&format!("  {}: {}\n", clean(&w.at), clean(&w.what)));
+        }
+    }
+    text
+}
+
+fn head(found: &Findings) -> String {
+    let mut text = format!("{}: {}", clean(&found.file), found.format);
+    text.push_str(&format!(", {}", size(found.bytes)));
+    if !found.name.is_empty() {
+        text.push_str(&format!(", \"{}\"", clean(&found.name)));
+    }
+    text.push('\n');
+    if let (Some(height), Some(bounds)) = (found.height_m, &found.bounds) {
+        let what = if found.bounds_of_joints {
+            "joints"
+        } else {
+            "skin"
+        };
+        text.push_str(&format!(
+            "height at rest {height:.3} m ({what}, {})\n",
+            corners(bounds)
+        ));
+    }
+    let stored = if found.articulation_stored {
+        "; levels and regions are stored in the file"
+    } else {
+        ""
+    };
+    text.push_str(&format!(
+        "{} materials, {} images{stored}\n",
+        found.materials, found.images
+    ));
+    text
+}
+
+fn skeleton_text(skeleton: &Skeleton) -> String {
+    let profile = if skeleton.profile.is_empty() {
+        "no profile fits".to_owned()
+    } else {
+        format!("profile {}", clean(&skeleton.profile))
+    };
+    let mut text = format!(
+        "\nskeleton \"{}\": {} joints, {} mapped to H-Anim ({profile})\n",
+        clean(&skeleton.root),
+        skeleton.joints,
+        skeleton.mapped
+    );
+    let levels: Vec<String> = skeleton.levels.iter().map(ToString::to_string).collect();
+    text.push_str(&format!(
+        "  joints up to level 0…5: {}\n",
+        levels.join(" / ")
+    ));
+    let regions: Vec<String> = skeleton
+        .regions
+        .iter()
+        .map(|(name, n)| format!("{name} {n}"))
+        .collect();
+    text.push_str(&format!("  regions: {}\n", regions.join(", ")));
+    if skeleton.mapped > 0 && !skeleton.missing.is_empty() {
+        text.push_str(&format!(
+            "  the standard has, this rig lacks: {}\n",
+            list(skeleton.missing.iter().copied())
+        ));
+    }
+    if !skeleton.unmapped.is_empty() {
+        let names = skeleton.unmapped.iter().map(|u| u.joint.as_str());
+        text.push_str(&format!(
+            "  {} without a twin in the standard: {}\n",
+            skeleton.unmapped.len(),
+            list(names)
+        ));
+    }
+    text
+}
+
+fn clips(found: &Findings) -> Table {
+    let mut table = Table::new(&[
+        "name", "length", "fps", "frames", "moving", "keyed", "morphs", "keys", "height",
+    ]);
+    for clip in found.clips.iter().take(MOST_ROWS) {
+        let height = clip.bounds.map(|b| format!("{:.2} m", b.size().y));
+        table.row([
+            clip.name.clone(),
+            format!("{:.2} s", clip.duration_secs),
+            trimmed(clip.fps),
+            clip.frames.to_string(),
+            clip.joints_animated.to_string(),
+            clip.joints_keyed.to_string(),
+            clip.morphs_animated.to_string(),
+            clip.keys.to_string(),
+            height.unwrap_or("-".into()),
+        ]);
+    }
+    table
+}
+
+fn meshes(found: &Findings) -> Table {
+    let mut table = Table::new(&["name", "vertices", "triangles", "influences", "morphs"]);
+    for mesh in found.meshes.iter().take(MOST_ROWS) {
+        table.row([
+            mesh.name.clone(),
+            mesh.vertices.to_string(),
+            mesh.triangles.to_string(),
+            mesh.influences_max.to_string(),
+            mesh.morph_targets.to_string(),
+        ]);
+    }
+    table
+}
+
+fn joints(found: &Findings) -> Table {
+    let mut table = Table::new(&["joint", "parent", "H-Anim", "level", "region"]);
+    for joint in &found.map {
+        let parent = joint.parent.map_or("", |p| found.map[p].name.as_str());
+        let hanim = joint.hanim.clone().unwrap_or_else(|| {
+            let why = if joint.in_skin { "-" } else { "(no joint)" };
+            why.into()
+        });
+        table.row([
+            joint.name.clone(),
+            parent.to_owned(),
+            hanim,
+            joint.level.to_string(),
+            joint.region.to_owned(),
+        ]);
+    }
+    table
+}
+
+fn section(text: &mut String, what: &str, table: Table, count: usize) {
+    if table.is_empty() {
+        text.push_str(&format!("\nno {what}\n"));
+        return;
+    }
+    text.push_str(&format!("\n{count} {what}\n"));
+    text.push_str(&table.text());
+    if count > MOST_ROWS {
+        text.push_str(&format!(
+            "  … and {} more (--json lists all)\n",
+            count - MOST_ROWS
+        ));
+    }
+}
+
+fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let mut names: Vec<String> = names.map(clean).collect();
+    let count = names.len();
+    if count > MOST_NAMES {
+        names.truncate(MOST_NAMES);
+        names.push(format!("… and {} more", count - MOST_NAMES));
+    }
+    names.join(", ")
+}
+
+fn corners(extent: &Extent) -> String {
+    let [x, y, z] = extent.min_m;
+    let [u, v, w] = extent.max_m;
+    format!("x {x:.2} … {u:.2}, y {y:.2} … {v:.2}, z {z:.2} … {w:.2}")
+}
+
+fn size(bytes: usize) -> String {
+    match bytes {
+        0..1_000 => format!("{bytes} bytes"),
+        1_000..1_000_000 => format!("{:.1} kB", bytes as f64 / 1e3),
+        _ => format!("{:.2} MB", bytes as f64 / 1e6),
+    }
+}
+
+fn trimmed(value: f32) -> String {
+    let text = format!("{value:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}

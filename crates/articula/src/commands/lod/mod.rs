@@ -1,0 +1,184 @@
+//! `articula lod FILE`: play a clip under motion level of detail; what it saves, what it costs.
+
+mod report;
+
+use crate::arguments::{CharacterArgs, ViewArgs, not_negative, positive};
+use crate::console::Console;
+use crate::play::methods::MethodArgs;
+use crate::play::rows::{self, Table, Tuning};
+use crate::play::{Scene, costs, plots, sheet};
+use crate::prepared::Prepared;
+use crate::{fault, files};
+use anyhow::Context;
+use articula_build::evaluate::Setup;
+use articula_flat::{Picture, codec};
+use clap::Args;
+use report::Report;
+use std::path::{Path, PathBuf};
+
+/// The distances of the spec's tables, metres.
+pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
+
+/// Arguments of `lod`.
+#[derive(Debug, Args)]
+pub(crate) struct LodArgs {
+    #[command(flatten)]
+    character: CharacterArgs,
+    /// Which clip to play [default: the first]
+    #[arg(long, value_name = "NAME")]
+    clip: Option<String>,
+    #[command(flatten)]
+    method: MethodArgs,
+    /// Distances of the camera to the root, metres, separated by commas
+    #[arg(long, value_name = "M,…", value_delimiter = ',', value_parser = positive,
+          default_values_t = DISTANCES_M)]
+    distances: Vec<f32>,
+    /// Find the method's parameter with the greatest gain at so many pixels of p95 error
+    #[arg(long, value_name = "PX", value_parser = positive, conflicts_with = "parameter")]
+    calibrate: Option<f32>,
+    /// The method's own parameter (skin-px, ahn: metres; thesis: threshold; skip: every n-th)
+    #[arg(long, value_name = "P", value_parser = not_negative)]
+    parameter: Option<f32>,
+    /// Write plots: FILE.svg gets gain and error, a folder gets all of them
+    #[arg(long, value_name = "FILE.svg|DIR")]
+    plot: Option<PathBuf>,
+    /// Write a page of pictures: each distance, some frames, joints marked
+    #[arg(long, value_name = "FILE.png")]
+    contact_sheet: Option<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
+    /// Seed of the choice of watched vertices
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// Plays the clip and prints the report.
+pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
+    args.check()?;
+    let prepared = Prepared::new(&args.character)?;
+    let Some(clip) = prepared.clip(args.clip.as_deref())? else {
+        return at_rest(args, &prepared, console);
+    };
+    let scene = Scene {
+        clip,
+        setup: args.setup(),
+        options: args.method.options(),
+        prepared: &prepared,
+    };
+    let methods = args.method.chosen(&prepared.asset.rig);
+    let methods = methods.with_context(|| prepared.loaded.place())?;
+    let tables = rows::of(&scene, &methods, &args.distances, args.tuning(), console);
+    let mut report = Report::new(&scene, args, &tables);
+    if let Some(path) = &args.plot {
+        report
+            .written
+            .extend(write_plots(&scene, args, &tables, path)?);
+    }
+    if let Some(path) = &args.contact_sheet {
+        let notes = report.notes();
+        let sheet = draw_sheet(&scene, &tables, &report.heading(), notes)?;
+        report.written.push(write_png(&sheet, path)?);
+    }
+    console.result(&report, Report::text)
+}
+
+impl LodArgs {
+    fn check(&self) -> anyhow::Result<()> {
+        use crate::play::methods::MethodName;
+        if self.parameter.is_some() && self.method.method == MethodName::All {
+            let what = "--parameter belongs to one method; compare methods with --calibrate PX";
+            return Err(fault::usage(what));
+        }
+        if self.distances.is_empty() || self.distances.len() > 100 {
+            return Err(fault::usage("--distances takes 1 to 100 distances"));
+        }
+        Ok(())
+    }
+
+    fn tuning(&self) -> Tuning {
+        match (self.calibrate, self.parameter) {
+            (Some(limit), _) => Tuning::Calibrated(limit),
+            (None, Some(parameter)) => Tuning::Fixed(parameter),
+            (None, None) => Tuning::Usual,
+        }
+    }
+
+    fn setup(&self) -> Setup {
+        Setup {
+            viewport: self.view.viewport(),
+            seed: self.seed,
+            ..Setup::default()
+        }
+    }
+}
+
+fn at_rest(args: &LodArgs, prepared: &Prepared, console: &Console) -> anyhow::Result<()> {
+    let mut report = Report::at_rest(prepared, args);
+    if args.plot.is_some() {
+        let what = "no clip, so there is nothing to plot; leave --plot out";
+        anyhow::bail!("{}: {what}", prepared.loaded.place());
+    }
+    if let Some(path) = &args.contact_sheet {
+        let sheet = sheet::at_rest(prepared, &report.heading())?;
+        report.written.push(write_png(&sheet, path)?);
+    }
+    console.result(&report, Report::text)
+}
+
+/// By distance for one method; by method at the middle distance for several.
+fn draw_sheet(
+    scene: &Scene<'_>,
+    tables: &[Table],
+    title: &str,
+    mut notes: Vec<String>,
+) -> anyhow::Result<Picture> {
+    let lines = match tables {
+        [table] => sheet::lines_by_distance(table),
+        _ => {
+            let middle = tables.first().map_or(0, |t| (t.rows.len() - 1) / 2);
+            let row = tables.first().and_then(|t| t.rows.get(middle));
+            notes.extend(row.map(|r| format!("All methods at {} m.", r.distance_m)));
+            sheet::lines_by_method(tables, middle)
+        }
+    };
+    sheet::played(scene, &lines, title, notes)
+}
+
+fn write_plots(
+    scene: &Scene<'_>,
+    args: &LodArgs,
+    tables: &[Table],
+    path: &Path,
+) -> anyhow::Result<Vec<String>> {
+    let clip = &scene.prepared.asset.clips[scene.clip].name;
+    let heading = format!("clip {clip}");
+    let first = vec![
+        plots::gain(tables, &heading),
+        plots::error(tables, &heading, args.calibrate),
+    ];
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+    {
+        files::write(path, plots::stacked(&first).as_bytes())?;
+        return Ok(vec![files::shown(path)]);
+    }
+    let middle = (args.distances.len() - 1) / 2;
+    let mut all = first;
+    let at = format!("{heading}, {} m", args.distances[middle]);
+    all.push(plots::over_the_clip(scene, tables, middle, &at));
+    all.extend(plots::costs(&costs::of(scene), &heading));
+    let mut written = Vec::new();
+    for plot in all {
+        let file = path.join(plot.name);
+        files::write(&file, plot.svg.as_bytes())?;
+        written.push(files::shown(&file));
+    }
+    Ok(written)
+}
+
+fn write_png(picture: &Picture, path: &Path) -> anyhow::Result<String> {
+    let bytes = codec::png(picture).with_context(|| files::shown(path))?;
+    files::write(path, &bytes)?;
+    Ok(files::shown(path))
+}

@@ -1,0 +1,25 @@
+//! One file for each command; a command reads, calls the libraries, and prints.
+
+pub(crate) mod build;
+pub(crate) mod completions;
+pub(crate) mod convert;
+pub(crate) mod demo;
+pub(crate) mod human;
+pub(crate) mod inspect;
+pub(crate) mod lod;
+
+use crate::arguments::Command;
+use crate::console::Console;
+
+/// Runs one command.
+pub(crate) fn run(command: &Command, console: &Console) -> anyhow::Result<()> {
+    match command {
+        Command::Demo(args) => demo::run(args, console),
+        Command::Inspect(args) => inspect::run(args, console),
+        Command::Convert(args) => convert::run(args, console),
+        Command::Human(args) => human::run(args, console),
+        Command::Build(args) => build::run(args, console),
+        Command::Lod(args) => lod::run(args, console),
+        Command::Completions(args) => completions::run(args),
+    }
+}

@@ -1,0 +1,80 @@
+//! What the user sees: results on standard output, notes and progress on standard error.
+
+use crate::fault;
+use anyhow::Context;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::time::Duration;
+
+/// How the user wants to be talked to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Console {
+    json: bool,
+    quiet: bool,
+}
+
+impl Console {
+    /// `json` prints results for programs; `quiet` keeps notes and progress back.
+    pub(crate) fn new(json: bool, quiet: bool) -> Self {
+        Self { json, quiet }
+    }
+
+    /// Prints a result, as JSON or as the text made from it.
+    pub(crate) fn result<T: Serialize>(
+        &self,
+        value: &T,
+        text: impl FnOnce(&T) -> String,
+    ) -> anyhow::Result<()> {
+        let out = if self.json {
+            let mut json = serde_json::to_string_pretty(value).context("standard output")?;
+            json.push('\n');
+            json
+        } else {
+            text(value)
+        };
+        print(&out)
+    }
+
+    /// Says something beside the result, unless the user wants quiet.
+    pub(crate) fn note(&self, text: &str) {
+        if !self.quiet {
+            complain(&fault::clean(text));
+        }
+    }
+
+    /// Prints an error on one line.
+    pub(crate) fn fault(&self, error: &anyhow::Error) {
+        complain(&fault::line(error));
+    }
+
+    /// A bar of `steps` steps on standard error; invisible if that is no terminal, or quiet.
+    pub(crate) fn progress(&self, what: &str, steps: usize) -> ProgressBar {
+        let target = if self.quiet || !std::io::stderr().is_terminal() {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr()
+        };
+        let bar = ProgressBar::with_draw_target(Some(steps as u64), target);
+        if let Ok(style) = ProgressStyle::with_template("{msg:22} {wide_bar} {pos}/{len} {eta}") {
+            bar.set_style(style);
+        }
+        bar.set_message(what.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(200));
+        bar
+    }
+}
+
+/// Writes to standard output. A reader that has seen enough (`| head`) is no error.
+pub(crate) fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(e).context("standard output"),
+        _ => Ok(()),
+    }
+}
+
+fn complain(text: &str) {
+    // There is nowhere left to report that standard error is gone.
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}

@@ -1,0 +1,67 @@
+//! Errors of the program: `FILE: place: what; mend` on one line, and the exit status.
+//!
+//! Libraries give typed errors that name the place; here the file is put in front of them.
+
+use std::fmt;
+
+/// The command line itself is wrong: exit status 2.
+#[derive(Debug)]
+pub(crate) struct Usage(String);
+
+impl fmt::Display for Usage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Usage {}
+
+/// An error that says how the command should have been called.
+pub(crate) fn usage(what: impl Into<String>) -> anyhow::Error {
+    anyhow::Error::new(Usage(what.into()))
+}
+
+/// The exit status that an error deserves.
+pub(crate) fn status(fault: &anyhow::Error) -> u8 {
+    if fault.downcast_ref::<Usage>().is_some() {
+        2
+    } else {
+        1
+    }
+}
+
+/// The whole chain of an error on one line.
+pub(crate) fn line(fault: &anyhow::Error) -> String {
+    format!("error: {}", clean(&format!("{fault:#}")))
+}
+
+/// Text from a file, fit for a terminal: control characters are spelled out, so that a name
+/// can neither break a line nor steer the terminal.
+pub(crate) fn clean(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        // Beside the controls: marks that turn the direction of writing.
+        let steers = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        if c.is_control() || steers {
+            out.extend(c.escape_default());
+        } else {
+            out.push(c);
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+
+    #[test]
+    fn one_line_names_the_file_first_and_keeps_the_status() {
+        let inner: anyhow::Result<()> = Err(usage("no such clip\n\u{1b}[31mred"));
+        let outer = inner.context("a.glb").unwrap_err();
+        assert_eq!(line(&outer), "error: a.glb: no such clip\\n\\u{1b}[31mred");
+        assert_eq!(status(&outer), 2);
+        assert_eq!(status(&anyhow::anyhow!("gone")), 1);
+    }
+}

@@ -1,0 +1,94 @@
+//! What zones, depths and levels of complexity cost: counts, and time by the clock.
+//!
+//! Source: thesis figures 6.14 and 6.15. Counts are exact: joints sampled a frame, and joints
+//! whose model matrix changes. Time is that of sampling the set and computing all model
+//! matrices on this machine with the plain code: a report, not a benchmark.
+
+use super::Scene;
+use articula_build::evaluate::{Method, Stage, play};
+use articula_core::articulation::{Complexity, Region, Zone};
+use articula_core::hierarchy::local_to_model;
+use articula_core::loa::{JointSet, selection};
+use articula_core::pose::ModelPose;
+use articula_core::sample::{Wrap, sample};
+use serde::Serialize;
+use std::time::Instant;
+
+/// Passes over the clip of which the fastest counts, and most frames of a pass.
+const PASSES: usize = 7;
+const MOST_FRAMES: usize = 300;
+
+/// The cost of one set of joints.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Cost {
+    pub(crate) name: String,
+    /// Joints in the set.
+    pub(crate) joints: usize,
+    /// Joints of it that the clip moves: sampled each frame.
+    pub(crate) joints_sampled: f32,
+    /// Joints whose model matrix changes, a frame.
+    pub(crate) fk_joints: f32,
+    /// Sampling and all model matrices, nanoseconds a frame, as measured here.
+    pub(crate) measured_ns_per_frame: f64,
+}
+
+/// Costs by zone, by depth, by complexity.
+#[derive(Debug, Clone, Serialize)]
+pub(crate) struct Costs {
+    pub(crate) zones: Vec<Cost>,
+    pub(crate) depths: Vec<Cost>,
+    pub(crate) complexities: Vec<Cost>,
+}
+
+/// Works out all costs of a clip.
+pub(crate) fn of(scene: &Scene<'_>) -> Costs {
+    let stage = scene.stage();
+    let rig = &stage.asset.rig;
+    let cost = |name: String, set: JointSet| cost(&stage, name, &set);
+    let deepest = rig.skin_joints().iter().map(|j| rig.depth(j)).max();
+    let zone = |(name, zone): (&str, Zone)| cost(name.to_owned(), selection::zone(rig, zone));
+    let regions = Region::ALL.map(|r| (r.name(), Zone::from(r)));
+    let composites = [
+        ("upper", Zone::UPPER),
+        ("lower", Zone::LOWER),
+        ("all", Zone::ALL),
+    ];
+    Costs {
+        zones: regions.into_iter().chain(composites).map(zone).collect(),
+        depths: (0..=deepest.unwrap_or(0) as u32 + 1)
+            .map(|k| cost(k.to_string(), selection::depth(rig, k)))
+            .collect(),
+        complexities: Complexity::ALL
+            .map(|c| cost(c.name().to_owned(), selection::complexity(rig, c)))
+            .into(),
+    }
+}
+
+fn cost(stage: &Stage<'_>, name: String, set: &JointSet) -> Cost {
+    let trial = play(stage, &Method::Loa(vec![*set]), 0.0).0;
+    Cost {
+        name,
+        joints: set.intersection(stage.asset.rig.skin_joints()).len(),
+        joints_sampled: trial.joints_sampled,
+        fk_joints: trial.fk_joints,
+        measured_ns_per_frame: measured(stage, set),
+    }
+}
+
+fn measured(stage: &Stage<'_>, set: &JointSet) -> f64 {
+    let (rig, clip) = (&stage.asset.rig, stage.clip);
+    let mut local = rig.rest_pose().clone();
+    let mut model = ModelPose::new(rig.len());
+    let frames = clip.frames().min(MOST_FRAMES);
+    let mut pass = || {
+        let start = Instant::now();
+        for frame in 0..frames {
+            let secs = frame as f64 / f64::from(clip.rate_hz());
+            sample(clip, secs, Wrap::Clamp, set, &mut local);
+            local_to_model(rig, std::hint::black_box(&local), &mut model);
+            std::hint::black_box(&model);
+        }
+        start.elapsed().as_nanos() as f64 / frames as f64
+    };
+    (0..PASSES).map(|_| pass()).fold(f64::INFINITY, f64::min)
+}

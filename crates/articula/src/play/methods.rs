@@ -1,0 +1,310 @@
+//! Which method plays, and the parameters of the thesis: from words of the command line.
+
+use crate::fault;
+use anyhow::Context;
+use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
+use articula_build::motion_error::thesis::{Direction, Radius};
+use articula_core::articulation::Complexity;
+use articula_core::joint_state::PassivePolicy;
+use articula_core::loa::{Expression, JointSet, selection};
+use articula_core::rig::Rig;
+use articula_core::thesis_metric::ThresholdCurve;
+use clap::{Args, ValueEnum};
+
+use crate::arguments::{not_negative, positive};
+
+/// A method, or all of them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodName {
+    /// Ours: drift of the skin against what is shown
+    SkinPx,
+    /// The two-step metric of the thesis
+    Thesis,
+    /// Posture clusters of each joint
+    Ahn,
+    /// Every n-th frame, held
+    SkipHold,
+    /// Every n-th frame, blended ideally
+    SkipLerp,
+    /// A fixed level of articulation
+    Loa,
+    /// Every one of them
+    All,
+}
+
+/// Form of our metric.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Variant {
+    /// Hold the last key until the drift exceeds the tolerance
+    Hold,
+    /// The same, with the error as each camera sees it
+    View,
+    /// One central rotation for each run of frames
+    KeyPose,
+    /// Hold, children cancel their ancestors' error
+    ClosedLoop,
+    /// Blend between keys
+    Linear,
+}
+
+impl Variant {
+    fn of_metric(self) -> SkinPxVariant {
+        match self {
+            Self::Hold => SkinPxVariant::Hold,
+            Self::View => SkinPxVariant::View,
+            Self::KeyPose => SkinPxVariant::KeyPose,
+            Self::ClosedLoop => SkinPxVariant::ClosedLoop,
+            Self::Linear => SkinPxVariant::Linear,
+        }
+    }
+}
+
+/// What joints outside a fixed level show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Passive {
+    /// The clip's first frame
+    Hold,
+    /// The rest pose
+    Rest,
+    /// The rotation nearest to all frames
+    KeyPose,
+}
+
+/// The curve of the thesis' threshold over distance.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Curve {
+    /// As printed; dips near the viewer
+    Literal,
+    /// Rising, as the text describes
+    Fixed,
+}
+
+/// Which direction the thesis' position term turns.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Turning {
+    /// From the joint to the mean of its children
+    Bone,
+    /// Along the path of the joint
+    Path,
+}
+
+/// The lever arm of the thesis' position term.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Lever {
+    /// Length-weighted mean
+    Mean,
+    /// Plain sum
+    Sum,
+}
+
+/// Choice of the method and its parameters.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct MethodArgs {
+    /// How detail is reduced
+    #[arg(long, value_enum, value_name = "M", default_value = "skin-px")]
+    pub(crate) method: MethodName,
+    /// Form of skin-px
+    #[arg(long, value_enum, value_name = "V", default_value = "hold")]
+    pub(crate) variant: Variant,
+    /// Joints that may move, such as "loa(Low) + zone(hands)" (with --method loa)
+    #[arg(long, value_name = "EXPR")]
+    pub(crate) loa: Option<String>,
+    /// What joints outside the level show (with --method loa)
+    #[arg(long, value_enum, default_value = "key-pose")]
+    passive: Passive,
+    /// Give the joints on the way to a standing foot a quarter of the tolerance (skin-px)
+    #[arg(long)]
+    contact_care: bool,
+    /// Thesis: weight of the angle terms against the position term, metres a radian
+    #[arg(long, default_value_t = 1.0, value_parser = not_negative, value_name = "A")]
+    alpha: f32,
+    /// Thesis: 1 judges orientation only, 0 angular velocity only
+    #[arg(long, default_value_t = 0.5, value_parser = share, value_name = "B")]
+    beta: f32,
+    /// Thesis: threshold at the closest view
+    #[arg(long, default_value_t = 1e-4, value_parser = not_negative, value_name = "E")]
+    thr_init: f32,
+    /// Thesis: threshold at the farthest view [default: 10 times --thr-init]
+    #[arg(long, value_parser = not_negative, value_name = "E")]
+    thr_max: Option<f32>,
+    /// Thesis: closest view, metres
+    #[arg(long, default_value_t = 3.5, value_parser = not_negative, value_name = "M")]
+    d_min: f32,
+    /// Thesis: farthest view, metres
+    #[arg(long, default_value_t = 16.0, value_parser = positive, value_name = "M")]
+    d_max: f32,
+    /// Thesis: how a joint changes between active and passive, milliseconds
+    #[arg(long, default_value_t = 0.0, value_parser = not_negative, value_name = "MS")]
+    transition_ms: f32,
+    /// Thesis: threshold over distance
+    #[arg(long, value_enum, default_value = "literal")]
+    curve: Curve,
+    /// Thesis: which direction turns
+    #[arg(long, value_enum, default_value = "bone")]
+    direction: Turning,
+    /// Thesis: lever arm of the position term
+    #[arg(long, value_enum, default_value = "mean")]
+    radius: Lever,
+}
+
+fn share(text: &str) -> Result<f32, String> {
+    let number = text.parse::<f32>().ok();
+    let number = number.filter(|n| (0.0..=1.0).contains(n));
+    number.ok_or_else(|| "expected a number from 0 to 1".into())
+}
+
+/// A method with the words that reports use for it.
+#[derive(Debug, Clone)]
+pub(crate) struct Chosen {
+    pub(crate) method: Method,
+    /// Form of the method, where it has several.
+    pub(crate) variant: Option<&'static str>,
+    /// Names of the levels of a fixed level of articulation, by its parameter.
+    pub(crate) levels: Vec<String>,
+}
+
+impl Chosen {
+    /// Method and variant as one name.
+    pub(crate) fn label(&self) -> String {
+        match self.variant {
+            Some(variant) => format!("{} {variant}", self.method.name()),
+            None => self.method.name().to_owned(),
+        }
+    }
+
+    fn plain(method: Method) -> Self {
+        Self {
+            method,
+            variant: None,
+            levels: Vec::new(),
+        }
+    }
+
+    fn skin_px(variant: SkinPxVariant) -> Self {
+        let name = match variant {
+            SkinPxVariant::Hold => "hold",
+            SkinPxVariant::View => "view",
+            SkinPxVariant::KeyPose => "key-pose",
+            SkinPxVariant::ClosedLoop => "closed-loop",
+            SkinPxVariant::Linear => "linear",
+        };
+        Self {
+            variant: Some(name),
+            ..Self::plain(Method::SkinPx(variant))
+        }
+    }
+
+    /// The named levels of articulation, from every joint to none.
+    fn ladder(rig: &Rig) -> Self {
+        let levels = Complexity::ALL.into_iter().rev();
+        let sets = levels.clone().map(|c| selection::complexity(rig, c));
+        Self {
+            method: Method::Loa(sets.collect()),
+            variant: None,
+            levels: levels.map(|c| format!("loa({})", c.name())).collect(),
+        }
+    }
+
+    /// One fixed set of joints.
+    fn fixed(name: &str, joints: JointSet) -> Self {
+        Self {
+            method: Method::Loa(vec![joints]),
+            variant: None,
+            levels: vec![name.to_owned()],
+        }
+    }
+}
+
+/// Every method, ours in all forms that show a single playback first.
+pub(crate) fn all(rig: &Rig) -> Vec<Chosen> {
+    let ours = [
+        SkinPxVariant::Hold,
+        SkinPxVariant::KeyPose,
+        SkinPxVariant::ClosedLoop,
+        SkinPxVariant::Linear,
+    ];
+    let others = [
+        Method::Thesis,
+        Method::Ahn,
+        Method::SkipHold,
+        Method::SkipLerp,
+    ];
+    let mut all: Vec<Chosen> = ours.into_iter().map(Chosen::skin_px).collect();
+    all.extend(others.into_iter().map(Chosen::plain));
+    all.push(Chosen::ladder(rig));
+    all
+}
+
+impl MethodArgs {
+    /// The methods to play.
+    pub(crate) fn chosen(&self, rig: &Rig) -> anyhow::Result<Vec<Chosen>> {
+        if self.loa.is_some() && !matches!(self.method, MethodName::Loa | MethodName::All) {
+            return Err(fault::usage(
+                "--loa chooses fixed joints; add --method loa (or --method all)",
+            ));
+        }
+        Ok(vec![match self.method {
+            MethodName::SkinPx => Chosen::skin_px(self.variant.of_metric()),
+            MethodName::Thesis => Chosen::plain(Method::Thesis),
+            MethodName::Ahn => Chosen::plain(Method::Ahn),
+            MethodName::SkipHold => Chosen::plain(Method::SkipHold),
+            MethodName::SkipLerp => Chosen::plain(Method::SkipLerp),
+            MethodName::Loa => self.level(rig)?,
+            MethodName::All => {
+                let mut all = all(rig);
+                all.pop();
+                all.push(self.level(rig)?);
+                return Ok(all);
+            }
+        }])
+    }
+
+    fn level(&self, rig: &Rig) -> anyhow::Result<Chosen> {
+        match &self.loa {
+            Some(text) => Ok(Chosen::fixed(text, joints(text, rig)?)),
+            None => Ok(Chosen::ladder(rig)),
+        }
+    }
+
+    /// The parameters that are not the method's own one.
+    pub(crate) fn options(&self) -> MethodOptions {
+        let mut options = MethodOptions::default();
+        options.thesis.alpha = self.alpha;
+        options.thesis.beta = self.beta;
+        options.thesis.direction = match self.direction {
+            Turning::Bone => Direction::Bone,
+            Turning::Path => Direction::Path,
+        };
+        options.thesis.radius = match self.radius {
+            Lever::Mean => Radius::Mean,
+            Lever::Sum => Radius::Sum,
+        };
+        options.threshold.thr_init = self.thr_init;
+        options.threshold.thr_max = self.thr_max.unwrap_or(10.0 * self.thr_init);
+        options.threshold.d_min_metres = self.d_min;
+        options.threshold.d_max_metres = self.d_max;
+        options.threshold.curve = match self.curve {
+            Curve::Literal => ThresholdCurve::Literal,
+            Curve::Fixed => ThresholdCurve::Fixed,
+        };
+        options.transition.secs = self.transition_ms / 1000.0;
+        options.transition.policy = match self.passive {
+            Passive::Hold => PassivePolicy::HoldLast,
+            Passive::Rest => PassivePolicy::Rest,
+            Passive::KeyPose => PassivePolicy::KeyPose,
+        };
+        options.contact_care = self.contact_care;
+        options
+    }
+}
+
+/// The joints of an expression; a mistake in it is wrong usage.
+pub(crate) fn joints(text: &str, rig: &Rig) -> anyhow::Result<JointSet> {
+    let expression = Expression::parse(text)
+        .map_err(|e| fault::usage(e.to_string()))
+        .with_context(|| format!("--loa \"{text}\""))?;
+    expression
+        .joints(rig)
+        .map_err(|e| fault::usage(e.to_string()))
+        .with_context(|| format!("--loa \"{text}\""))
+}

@@ -1,0 +1,206 @@
+//! Gain, error and cost as curves and bars (SVG).
+//!
+//! Source: thesis figures 6.14 and 6.15; `spec/motion-lod.md` 12.
+
+use super::costs::{Cost, Costs};
+use super::rows::{Row, Table};
+use super::{Scene, methods::Chosen};
+use articula_build::evaluate::play;
+use articula_flat::plot::{BarSeries, PlotOptions, Scale, Series, Values, bar_plot, line_plot};
+
+/// A plot with the name of its file.
+#[derive(Debug, Clone)]
+pub(crate) struct Plot {
+    /// File name without folder.
+    pub(crate) name: &'static str,
+    /// What it shows, for people.
+    pub(crate) title: String,
+    pub(crate) svg: String,
+}
+
+/// Joint updates saved over distance.
+pub(crate) fn gain(tables: &[Table], heading: &str) -> Plot {
+    let title = format!("Joint updates saved, {heading}");
+    let options = PlotOptions {
+        title: title.clone(),
+        x_label: "distance (m)".into(),
+        y_label: "joint updates saved".into(),
+        x: Scale::Logarithmic,
+        y: Values::Percent,
+        target: None,
+    };
+    Plot {
+        name: "gain.svg",
+        title,
+        svg: line_plot(&options, &series(tables, |r| r.joint_update_gain)),
+    }
+}
+
+/// p95 error over distance; `limit_px` is drawn as a line.
+pub(crate) fn error(tables: &[Table], heading: &str, limit_px: Option<f32>) -> Plot {
+    let title = format!("Error in pixels (p95), {heading}");
+    let options = PlotOptions {
+        title: title.clone(),
+        x_label: "distance (m)".into(),
+        y_label: "p95 error (px)".into(),
+        x: Scale::Logarithmic,
+        y: Values::Plain,
+        target: limit_px.map(|l| (f64::from(l), format!("target {l} px"))),
+    };
+    Plot {
+        name: "error.svg",
+        title,
+        svg: line_plot(&options, &series(tables, |r| r.error_px.p95)),
+    }
+}
+
+fn series(tables: &[Table], value: impl Fn(&Row) -> f32) -> Vec<Series> {
+    let line = |table: &Table| Series {
+        name: table.chosen.label(),
+        points: table
+            .rows
+            .iter()
+            .map(|r| (f64::from(r.distance_m), f64::from(value(r))))
+            .collect(),
+        // Ours are drawn through, the baselines dashed.
+        dashed: table.chosen.method.name() != "skin-px",
+    };
+    tables.iter().map(line).collect()
+}
+
+/// Joints sampled and matrices changed by zone, depth and level of complexity.
+pub(crate) fn costs(costs: &Costs, heading: &str) -> Vec<Plot> {
+    let plot = |name, by: &str, x: &str, costs: &[Cost]| {
+        let title = format!("Cost by {by}, {heading}");
+        let options = PlotOptions {
+            title: title.clone(),
+            x_label: x.into(),
+            y_label: "joints a frame".into(),
+            ..PlotOptions::default()
+        };
+        let names: Vec<String> = costs.iter().map(|c| c.name.clone()).collect();
+        let bars = |name: &str, of: &dyn Fn(&Cost) -> f32| BarSeries {
+            name: name.into(),
+            values: costs.iter().map(|c| f64::from(of(c))).collect(),
+        };
+        let series = [
+            bars("in the set", &|c| c.joints as f32),
+            bars("sampled", &|c| c.joints_sampled),
+            bars("matrices changed", &|c| c.fk_joints),
+        ];
+        Plot {
+            name,
+            title,
+            svg: bar_plot(&options, &names, &series),
+        }
+    };
+    vec![
+        plot("cost-by-zone.svg", "zone", "zone", &costs.zones),
+        plot(
+            "cost-by-depth.svg",
+            "depth",
+            "joints of smaller depth",
+            &costs.depths,
+        ),
+        plot(
+            "cost-by-complexity.svg",
+            "level of complexity",
+            "level",
+            &costs.complexities,
+        ),
+    ]
+}
+
+/// Joints updated at each frame of the clip, for each method at its parameter at one distance.
+pub(crate) fn over_the_clip(
+    scene: &Scene<'_>,
+    tables: &[Table],
+    distance: usize,
+    heading: &str,
+) -> Plot {
+    let stage = scene.stage();
+    let rate = f64::from(stage.clip.rate_hz());
+    let line = |chosen: &Chosen, row: &Row| {
+        let playback = play(&stage, &chosen.method, row.parameter)
+            .1
+            .into_iter()
+            .next();
+        let updated = playback.map_or(Vec::new(), |p| p.updated);
+        let point = |(frame, set): (usize, &articula_core::loa::JointSet)| {
+            (frame as f64 / rate, set.len() as f64)
+        };
+        Series {
+            name: chosen.label(),
+            // Nothing is updated at the first frame: every method starts from the truth.
+            points: updated.iter().enumerate().skip(1).map(point).collect(),
+            dashed: chosen.method.name() != "skin-px",
+        }
+    };
+    let shown = tables
+        .iter()
+        .filter_map(|t| Some((&t.chosen, t.rows.get(distance)?)));
+    let mut series: Vec<Series> = shown.map(|(c, r)| line(c, r)).collect();
+    let last = (stage.clip.frames() - 1) as f64 / rate;
+    let moving = stage.moving.len() as f64;
+    series.push(Series {
+        name: "every moving joint".into(),
+        points: vec![(1.0 / rate, moving), (last.max(1.0 / rate), moving)],
+        dashed: true,
+    });
+    let title = format!("Joints updated over the clip, {heading}");
+    let options = PlotOptions {
+        title: title.clone(),
+        x_label: "time in the clip (s)".into(),
+        y_label: "joints updated".into(),
+        ..PlotOptions::default()
+    };
+    Plot {
+        name: "over-the-clip.svg",
+        title,
+        svg: line_plot(&options, &series),
+    }
+}
+
+/// Several plots below each other as one SVG.
+pub(crate) fn stacked(plots: &[Plot]) -> String {
+    let size = |svg: &str, what: &str| {
+        let rest = svg.split_once(&format!(" {what}=\""))?.1;
+        rest.split_once('"')?.0.parse::<f64>().ok()
+    };
+    let mut inner = String::new();
+    let (mut width, mut height) = (0.0f64, 0.0f64);
+    for plot in plots {
+        let nested = plot
+            .svg
+            .replacen("<svg ", &format!("<svg y=\"{height}\" "), 1);
+        inner.push_str(&nested);
+        width = width.max(size(&plot.svg, "width").unwrap_or(0.0));
+        height += size(&plot.svg, "height").unwrap_or(0.0);
+    }
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\">\n{inner}</svg>\n"
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stacked_plots_stand_below_each_other() {
+        let plot = |title: &str| Plot {
+            name: "p.svg",
+            title: title.into(),
+            svg: line_plot(&PlotOptions::default(), &[]),
+        };
+        let one = stacked(&[plot("a")]);
+        let two = stacked(&[plot("a"), plot("b")]);
+        let height = |svg: &str| -> f64 {
+            let rest = svg.split_once(" height=\"").unwrap().1;
+            rest.split_once('"').unwrap().0.parse().unwrap()
+        };
+        assert!((height(&two) - 2.0 * height(&one)).abs() < 1e-9);
+        assert_eq!(two.matches("<svg ").count(), 3);
+        assert!(two.contains(&format!("y=\"{}\"", height(&one))));
+    }
+}
