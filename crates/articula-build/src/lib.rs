@@ -4,6 +4,7 @@
 //! - [`clip`]: keyed channels to a uniform rate
 //! - [`human`]: the procedural reference human
 //! - [`motion_error`]: levers, error matrices, key tables for every metric
+//! - [`reduce`]: a motion saved at a level of articulation
 //! - [`evaluate`]: a clip played under a method, its gain and its error in pixels
 //!
 //! What is deliberately absent: files, clocks, and any call from a frame.
@@ -13,3 +14,4 @@ pub mod clip;
 pub mod evaluate;
 pub mod human;
 pub mod motion_error;
+pub mod reduce;

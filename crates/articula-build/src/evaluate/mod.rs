@@ -9,11 +9,13 @@
 //! the root and morph weights always follow the clip.
 
 mod calibrate;
+mod camera_path;
 mod method;
 mod points;
 mod stage;
 
 pub use calibrate::{calibrate, parameters, sweep};
+pub use camera_path::{CameraKey, PathFrame, PathRun, play_camera_path};
 pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use points::Points;
 pub use stage::{ErrorMetres, ErrorPx, Row, Setup, Stage, Trial, play};

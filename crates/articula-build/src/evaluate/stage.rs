@@ -155,6 +155,10 @@ impl<'a> Stage<'a> {
         })
     }
 
+    pub(super) fn points(&self) -> &Points {
+        &self.points
+    }
+
     /// The row of a trial at a distance.
     pub fn row(&self, trial: Trial, distance_m: f32) -> Row {
         let ppm = self.setup.viewport.pixels_per_metre(distance_m);

@@ -31,11 +31,10 @@ pub fn closed_loop(rig: &Rig, truth: &[&[Quat]], moving: &JointSet, radians: &[f
             let above = |models: &[Quat]| rig.parent(joint).map_or(Quat::IDENTITY, |p| models[p]);
             true_model[joint] = above(&true_model) * locals[joint];
             let parent = above(&shown_model);
-            if !moving.contains(joint) {
+            let error = angle_between(parent * held[joint], true_model[joint]);
+            if frame == 0 || !moving.contains(joint) {
                 held[joint] = locals[joint];
-            } else if frame == 0 {
-                held[joint] = locals[joint];
-            } else if angle_between(parent * held[joint], true_model[joint]) > radians[joint] {
+            } else if error > radians[joint] {
                 held[joint] = (parent.conjugate() * true_model[joint]).normalize();
                 renewed.insert(joint);
             }

@@ -124,7 +124,7 @@ mod tests {
     #[test]
     fn short_stops_are_no_contacts() {
         let still = [true, false, true, true, true, false, true, true];
-        assert_eq!(runs(8, |f| still[f], 3), [2..5]);
+        assert_eq!(runs(8, |f| still[f], 3), vec![2..5; 1]);
         assert_eq!(runs(8, |f| still[f], 2), [2..5, 6..8]);
         assert_eq!(runs(0, |_| true, 1), Vec::<Range<usize>>::new());
     }

@@ -1,0 +1,200 @@
+//! A clip played for a moving perspective camera, under the drift controller.
+//!
+//! Source: `spec/motion-lod.md` 4.5 and 12. What is measured here is the controller that runs
+//! in a frame, not a table: its bound holds while the view moves.
+
+use super::stage::{ErrorPx, Stage, percentile};
+use crate::motion_error::bounds::{ChainShare, LeverKind, joint_bounds};
+use articula_core::drift::{Drift, DriftOptions, JointViews};
+use articula_core::hierarchy::local_to_model;
+use articula_core::joint_state::JointState;
+use articula_core::loa::JointSet;
+use articula_core::math::angle_between;
+use articula_core::pose::{LocalPose, ModelPose};
+use articula_core::sample::{Wrap, sample};
+use articula_core::view::{Camera, Viewport};
+use glam::Vec3;
+
+/// Nearer than this to the camera plane a vertex is not judged.
+const NEAR_METRES: f32 = 0.05;
+
+/// Where the camera stands at a time; between keys it moves straight.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CameraKey {
+    /// Time in seconds.
+    pub secs: f64,
+    /// Where it stands, metres in model space.
+    pub eye: Vec3,
+    /// What it looks at.
+    pub target: Vec3,
+}
+
+/// One display frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathFrame {
+    /// Time in seconds.
+    pub secs: f64,
+    /// The camera.
+    pub camera: Camera,
+    /// Distance of the camera to the root, metres.
+    pub distance_m: f32,
+    /// Joints whose wanted rotation was sampled.
+    pub sampled: JointSet,
+    /// Moving joints whose shown rotation changed.
+    pub updated: JointSet,
+    /// State of each joint.
+    pub states: Vec<JointState>,
+    /// What was shown.
+    pub shown: LocalPose,
+    /// 95th percentile over the watched vertices of the distance between shown and true
+    /// projections, pixels.
+    pub error_px: f32,
+    /// Greatest `lever * angle * pixels per metre` of any joint: what the controller bounds.
+    pub joint_error_px: f32,
+}
+
+/// A whole run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PathRun {
+    /// The frames.
+    pub frames: Vec<PathFrame>,
+    /// Share of joint updates saved, of moving joints times frames after the first.
+    pub joint_update_gain: f32,
+    /// Share of frames after the first at which no joint changed.
+    pub evaluations_saved: f32,
+    /// Percentiles over frames of [`PathFrame::error_px`].
+    pub error_px: ErrorPx,
+}
+
+/// Plays a clip (looping) along a camera path at a display rate. `None` without a key.
+pub fn play_camera_path(
+    stage: &Stage<'_>,
+    path: &[CameraKey],
+    display_hz: f64,
+    opts: DriftOptions,
+) -> Option<PathRun> {
+    let (first, last) = (path.first()?, path.last()?);
+    let (asset, clip) = (stage.asset, stage.clip);
+    let bounds = joint_bounds(
+        asset,
+        clip,
+        &stage.levers,
+        LeverKind::Rest,
+        ChainShare::Whole,
+    );
+    let mut drift = Drift::new(asset.rig.rest_pose(), bounds, opts);
+    let mut wanted = asset.rig.rest_pose().clone();
+    let mut truth = wanted.clone();
+    let mut model = ModelPose::new(asset.rig.len());
+    let attention = vec![1.0; asset.rig.len()];
+    let count = ((last.secs - first.secs).max(0.0) * display_hz).floor() as usize;
+    let mut frames: Vec<PathFrame> = Vec::with_capacity(count + 1);
+    for i in 0..=count {
+        let secs = i as f64 / display_hz;
+        let camera = camera_at(path, first.secs + secs, stage.setup.viewport);
+        sample(clip, secs, Wrap::Loop, &asset.rig.all(), &mut truth);
+        local_to_model(&asset.rig, &truth, &mut model);
+        let ppm: Vec<f32> = (0..asset.rig.len())
+            .map(|j| {
+                camera
+                    .viewport
+                    .pixels_per_metre(camera.depth(model.position(j)).abs())
+            })
+            .collect();
+        let views = JointViews {
+            pixels_per_metre: &ppm,
+            attention: &attention,
+        };
+        let due = drift.due(secs, views);
+        sample(clip, secs, Wrap::Loop, &due, &mut wanted);
+        let shown = drift.step(secs, views, &due, &wanted).clone();
+        let joint_errors = stage.moving.iter().map(|j| {
+            let angle = angle_between(shown.rotations[j], truth.rotations[j]);
+            stage.levers[j].rest_metres * angle * ppm[j]
+        });
+        frames.push(PathFrame {
+            secs,
+            camera,
+            distance_m: camera.eye.distance(model.position(asset.rig.root())),
+            sampled: due,
+            updated: changed(stage, frames.last().map(|f| &f.shown), &shown),
+            states: (0..asset.rig.len())
+                .map(|j| drift.states().state(j))
+                .collect(),
+            joint_error_px: joint_errors.fold(0.0, f32::max),
+            error_px: stage.projected_error(&camera, &shown, &truth),
+            shown,
+        });
+    }
+    Some(summary(stage, frames))
+}
+
+fn changed(stage: &Stage<'_>, before: Option<&LocalPose>, shown: &LocalPose) -> JointSet {
+    let Some(before) = before else {
+        return JointSet::EMPTY;
+    };
+    let moved = stage
+        .moving
+        .iter()
+        .filter(|j| before.rotations[*j] != shown.rotations[*j]);
+    moved.collect()
+}
+
+fn summary(stage: &Stage<'_>, frames: Vec<PathFrame>) -> PathRun {
+    let after = frames.len().saturating_sub(1).max(1) as f32;
+    let updates: usize = frames.iter().map(|f| f.updated.len()).sum();
+    let free = frames
+        .iter()
+        .skip(1)
+        .filter(|f| f.updated.is_empty())
+        .count();
+    let mut errors: Vec<f32> = frames.iter().map(|f| f.error_px).collect();
+    let mut at = |fraction| percentile(&mut errors, fraction);
+    let error_px = ErrorPx {
+        p50: at(0.5),
+        p95: at(0.95),
+        max: at(1.0),
+    };
+    PathRun {
+        joint_update_gain: 1.0 - updates as f32 / (stage.moving.len().max(1) as f32 * after),
+        evaluations_saved: free as f32 / after,
+        error_px,
+        frames,
+    }
+}
+
+/// The camera at a time: straight between keys, still outside them.
+fn camera_at(path: &[CameraKey], secs: f64, viewport: Viewport) -> Camera {
+    let after = path.partition_point(|k| k.secs <= secs);
+    let before = &path[after.saturating_sub(1)];
+    let next = &path[after.min(path.len() - 1)];
+    let span = next.secs - before.secs;
+    let u = if span > 0.0 {
+        ((secs - before.secs) / span) as f32
+    } else {
+        0.0
+    };
+    Camera::looking_at(
+        before.eye.lerp(next.eye, u),
+        before.target.lerp(next.target, u),
+        viewport,
+    )
+}
+
+impl Stage<'_> {
+    /// 95th percentile over the watched vertices of the distance between the projections of
+    /// two poses, pixels. Vertices at or behind the camera are left out.
+    fn projected_error(&self, camera: &Camera, shown: &LocalPose, truth: &LocalPose) -> f32 {
+        let shown = self.points().posed(self.asset, shown);
+        let truth = self.points().posed(self.asset, truth);
+        let mut distances: Vec<f32> = shown
+            .iter()
+            .zip(&truth)
+            .filter_map(|(s, t)| {
+                let ((s, sz), (t, tz)) = (camera.project(*s), camera.project(*t));
+                (sz > NEAR_METRES && tz > NEAR_METRES).then(|| s.distance(t))
+            })
+            .collect();
+        percentile(&mut distances, 0.95)
+    }
+}
