@@ -308,3 +308,52 @@ impl Mesh {
         out
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::polygonise::tests::{ball, edge_uses};
+    use super::*;
+
+    fn thinned(half: bool, target: usize) -> Surface {
+        let center = if half { Vec3::ZERO } else { Vec3::X * 3.0 };
+        let options = Options {
+            target,
+            mirrored: half,
+            importance: &|_| 1.0,
+            onto: &|p, flat| {
+                let p = if flat { Vec3::new(0.0, p.y, p.z) } else { p };
+                center + (p - center).normalize()
+            },
+        };
+        collapse(&ball(half), &options)
+    }
+
+    #[test]
+    fn a_thinned_ball_is_still_a_ball() {
+        let thin = thinned(false, 200);
+        assert!((198..=200).contains(&thin.triangles.len()));
+        assert!(edge_uses(&thin).values().all(|n| *n == 2));
+        assert!(
+            thin.positions
+                .iter()
+                .all(|p| ((*p - Vec3::X * 3.0).length() - 1.0).abs() < 1e-5)
+        );
+    }
+
+    #[test]
+    fn a_thinned_half_keeps_its_rim_in_the_plane() {
+        let thin = thinned(true, 120);
+        assert!((118..=120).contains(&thin.triangles.len()));
+        for ((a, b), uses) in edge_uses(&thin) {
+            let in_plane = [a, b].iter().all(|v| thin.positions[*v as usize].x == 0.0);
+            assert_eq!(uses, if in_plane { 1 } else { 2 });
+        }
+    }
+
+    #[test]
+    fn a_target_out_of_reach_ends_with_a_closed_surface() {
+        let least = thinned(false, 0);
+        assert!(least.triangles.len() >= 4);
+        assert!(edge_uses(&least).values().all(|n| *n == 2));
+    }
+}

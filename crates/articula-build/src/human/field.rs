@@ -289,3 +289,65 @@ pub(super) fn gradient(field: impl Fn(Vec3) -> f32, p: Vec3) -> Vec3 {
     let along = |axis: Vec3| field(p + axis * STEP) - field(p - axis * STEP);
     Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)) / (2.0 * STEP)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_smooth_minimum_only_differs_inside_its_blend() {
+        assert_eq!(smooth_min(1.0, 2.0, 0.5), 1.0);
+        assert_eq!(smooth_min(2.0, 1.0, 0.0), 1.0);
+        // Equal sides sink by a sixth of the blend, the most that happens.
+        assert!((smooth_min(1.0, 1.0, 0.6) - 0.9).abs() < 1e-6);
+    }
+
+    #[test]
+    fn shapes_are_zero_on_their_surfaces_and_signed_around_them() {
+        let ellipsoid = Shape::ellipsoid([1.0, 0.0, 0.0], [0.1, 0.2, 0.3], Mat3::IDENTITY);
+        assert!(ellipsoid.distance(Vec3::new(1.0, 0.2, 0.0)).abs() < 1e-6);
+        assert!((ellipsoid.distance(Vec3::new(1.0, 0.0, 0.4)) - 0.1).abs() < 1e-6);
+        assert!(ellipsoid.distance(Vec3::X) < 0.0);
+        // A capsule of one radius: the exact distance is known.
+        let capsule = Shape::cone([0.0; 3], [0.0, 1.0, 0.0], [0.1, 0.1]);
+        assert!((capsule.distance(Vec3::new(0.3, 0.5, 0.4)) - 0.4).abs() < 1e-6);
+        assert!((capsule.distance(Vec3::new(0.0, 1.5, 0.0)) - 0.4).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_loft_passes_through_its_sections() {
+        let sections = [
+            [0.0, -0.1, 0.1, 0.2, -0.2],
+            [1.0, -0.2, 0.4, 0.1, -0.3],
+            [2.0, -0.1, 0.1, 0.2, -0.2],
+        ];
+        let loft = Shape::loft(&sections);
+        for [y, inner, outer, front, back] in sections {
+            let (x, z) = (0.5 * (inner + outer), 0.5 * (front + back));
+            for p in [
+                Vec3::new(inner, y, z),
+                Vec3::new(outer, y, z),
+                Vec3::new(x, y, front),
+                Vec3::new(x, y, back),
+            ] {
+                assert!(loft.distance(p).abs() < 1e-6, "{p}");
+            }
+        }
+    }
+
+    #[test]
+    fn skipping_far_shapes_changes_nothing_near_the_surface() {
+        let group = Group::default()
+            .with(
+                Shape::cone([0.0; 3], [0.0, 1.0, 0.0], [0.1, 0.1]),
+                Join::Add(0.0),
+            )
+            .with(
+                Shape::cone([0.0, 5.0, 0.0], [0.0, 6.0, 0.0], [0.1, 0.1]),
+                Join::Add(0.05),
+            );
+        assert!((group.distance(Vec3::new(0.15, 0.5, 0.0)) - 0.05).abs() < 1e-6);
+        let far = group.distance(Vec3::new(3.0, 0.5, 0.0));
+        assert!(far > REACH && far <= 2.9, "a lower bound: {far}");
+    }
+}

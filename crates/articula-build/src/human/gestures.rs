@@ -79,9 +79,9 @@ fn standing(phase: f32, amount: f32) -> Pose {
 const RAISE: f32 = 0.27;
 
 fn raise(pose: &mut Pose, phase: f32) {
-    let up = smooth_step(0.0, RAISE, phase) * smooth_step(1.0, 1.0 - RAISE, phase);
+    let up = smooth_step(0.03, RAISE, phase) * smooth_step(0.97, 1.0 - RAISE, phase);
     // The elbow leads on the way up, so that the hand does not sweep far out.
-    let lead = smooth_step(0.0, 0.8 * RAISE, phase) * smooth_step(1.0, 1.0 - 0.8 * RAISE, phase);
+    let lead = smooth_step(0.03, 0.8 * RAISE, phase) * smooth_step(0.97, 1.0 - 0.8 * RAISE, phase);
     let waving = smooth_step(0.2, 0.32, phase) * smooth_step(0.82, 0.7, phase);
     let beat = waving * (TAU * 3.0 * (phase - 0.245) / 0.51).sin();
     let lag = waving * (TAU * 3.0 * (phase - 0.275) / 0.51).sin();
@@ -92,7 +92,7 @@ fn raise(pose: &mut Pose, phase: f32) {
     let raised = glam::Quat::from_rotation_z(-(52.0 * up).to_radians());
     let shoulder = side.joint("shoulder");
     pose.rotations[shoulder] = raised * pose.rotations[shoulder];
-    pose.turn_side(side, "elbow", [-124.0 * lead + 17.0 * beat, 22.0 * up, 0.0]);
+    pose.turn_side(side, "elbow", [-112.0 * lead + 19.0 * beat, 22.0 * up, 0.0]);
     pose.turn_side(side, "wrist", [6.0 * up + 13.0 * lag, 0.0, 6.0 * up]);
     pose.curl(side, -7.0 * up);
     pose.turn_spine("vl5", "vt1", [0.0, 2.0 * up, 2.5 * up]);

@@ -9,7 +9,7 @@ use glam::{Mat3, Vec3};
 pub(super) const EYE_RADIUS: f32 = 0.0122;
 
 /// Chin to forehead.
-const FACE: [Section; 10] = [
+const FACE: [Section; 9] = [
     [1.541, -0.019, 0.019, 0.0845, 0.035],
     [1.548, -0.030, 0.030, 0.0865, 0.015],
     [1.56, -0.040, 0.040, 0.0865, -0.01],
@@ -19,7 +19,6 @@ const FACE: [Section; 10] = [
     [1.62, -0.064, 0.064, 0.084, -0.065],
     [1.64, -0.067, 0.067, 0.0825, -0.075],
     [1.66, -0.069, 0.069, 0.082, -0.08],
-    [1.69, -0.067, 0.067, 0.078, -0.08],
 ];
 
 fn e(center: [f32; 3], radii: [f32; 3]) -> Shape {
@@ -32,7 +31,10 @@ pub(super) fn head() -> Group {
     let neck = ([0.0, 1.47, -0.042], [0.0, 1.605, -0.024], [0.056, 0.051]);
     let group = Group::default()
         .with(Shape::loft(&FACE), add(0.0))
-        .with(e([0.0, 1.668, -0.014], [0.0745, 0.082, 0.095]), add(0.025))
+        .with(
+            e([0.0, 1.6685, -0.014], [0.0745, 0.0805, 0.094]),
+            add(0.025),
+        )
         // Neck, with the muscle from behind the ear to the breast bone.
         .with(
             Shape::flat_cone(neck.0, neck.1, neck.2, Vec3::Z, 1.06),
@@ -82,7 +84,7 @@ fn face(group: Group) -> Group {
             ),
             add(0.02),
         )
-        // Nose: bridge, tip, wing, nostril.
+        // Nose: bridge, tip, wing.
         .with(
             Shape::cone([0.0, 1.645, 0.079], [0.0, 1.605, 0.0965], [0.0066, 0.008]),
             add(0.016),
@@ -99,30 +101,28 @@ fn face(group: Group) -> Group {
     ear(lids(group))
 }
 
-/// A lid shell around the eyeball with an almond opening.
+/// Lids: a shell around the eyeball with an almond opening.
 fn lids(group: Group) -> Group {
     let [x, y, z] = EYE.to_array();
+    let almond = Shape::ellipsoid(
+        [x + 0.0003, y - 0.001, z + 0.014],
+        [0.0132, 0.005, 0.02],
+        Mat3::from_rotation_z(0.06),
+    );
     group
-        .with(e([x, y, z], [EYE_RADIUS + 0.0021; 3]), Join::Add(0.005))
-        .with(
-            Shape::ellipsoid(
-                [x + 0.0004, y - 0.0012, z + 0.014],
-                [0.0132, 0.0048, 0.02],
-                Mat3::from_rotation_z(0.08),
-            ),
-            Join::Carve(0.0022),
-        )
+        .with(e([x, y, z], [EYE_RADIUS + 0.0021; 3]), Join::Add(0.006))
+        .with(almond, Join::Carve(0.002))
 }
 
 fn ear(group: Group) -> Group {
     let turn = Mat3::from_rotation_y(-0.45) * Mat3::from_rotation_x(-0.15);
     group
         .with(
-            Shape::ellipsoid([0.0725, 1.629, -0.012], [0.0065, 0.030, 0.0175], turn),
-            Join::Add(0.006),
+            Shape::ellipsoid([0.0715, 1.631, -0.012], [0.0068, 0.0275, 0.017], turn),
+            Join::Add(0.009),
         )
         .with(
-            Shape::ellipsoid([0.080, 1.633, -0.009], [0.0075, 0.019, 0.0105], turn),
+            Shape::ellipsoid([0.0795, 1.635, -0.009], [0.0075, 0.0175, 0.0105], turn),
             Join::Carve(0.007),
         )
 }
@@ -130,7 +130,7 @@ fn ear(group: Group) -> Group {
 /// The left brow: an arch that stands out of the ridge.
 pub(super) fn brow(head: &Group) -> Group {
     let arch = [
-        ([0.0135, 1.6595], 0.0026),
+        ([0.0135, 1.6592], 0.0021),
         ([0.025, 1.6625], 0.0028),
         ([0.0365, 1.6625], 0.0024),
         ([0.0475, 1.658], 0.0012),

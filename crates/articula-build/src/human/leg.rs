@@ -54,3 +54,55 @@ fn aim(bone: Vec3, to: Vec3, hinge: Vec3) -> Quat {
     };
     Quat::from_mat3(&(frame(to, hinge) * frame(bone, Vec3::Z.cross(Vec3::NEG_Y)).transpose()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_ankle_arrives_and_the_knee_points_forward() {
+        for (side, z, y) in [
+            (Side::Left, 0.3, 0.12),
+            (Side::Right, -0.25, 0.2),
+            (Side::Left, 0.0, 0.3),
+        ] {
+            let mut pose = Pose::rest();
+            pose.turn(0, [4.0, 6.0, -3.0]);
+            pose.root.y -= 0.05;
+            let ankle = Vec3::new(0.1 * side.sign(), y, z);
+            stand(
+                &mut pose,
+                side,
+                Foothold {
+                    ankle,
+                    pitch: 0.3,
+                    toes: 0.2,
+                },
+            );
+            let [hip, knee, foot] = ["hip", "knee", "ankle"].map(|n| pose.model(side.joint(n)));
+            assert!(foot.0.distance(ankle) < 1e-5);
+            assert!(foot.1.dot(Quat::from_rotation_x(0.3)).abs() > 1.0 - 1e-6);
+            let straight = hip.0.lerp(foot.0, 0.5);
+            assert!(
+                knee.0.z > straight.z,
+                "the knee lies before the line from hip to ankle"
+            );
+        }
+    }
+
+    #[test]
+    fn a_foothold_out_of_reach_is_approached_without_a_break() {
+        let mut pose = Pose::rest();
+        let far = Foothold {
+            ankle: Vec3::new(0.1, -1.0, 0.0),
+            pitch: 0.0,
+            toes: 0.0,
+        };
+        stand(&mut pose, Side::Left, far);
+        let hip = pose.model(Side::Left.joint("hip")).0;
+        let ankle = pose.model(Side::Left.joint("ankle")).0;
+        let line = (far.ankle - hip).normalize();
+        assert!((ankle - hip).normalize().dot(line) > 0.999_99);
+        assert!(pose.rotations.iter().all(|q| q.is_finite()));
+    }
+}

@@ -155,7 +155,7 @@ fn skin(body: &Body, surface: &Surface) -> Primitive {
     let influences: Vec<_> = surface.positions.iter().map(|p| weigher.at(*p)).collect();
     Primitive {
         positions: surface.positions.clone(),
-        normals: surface.positions.iter().map(|p| body.normal(*p)).collect(),
+        normals: normals(surface, |p| body.normal(p)),
         influences: INFLUENCES,
         joints: influences.iter().flatten().map(|(j, _)| *j).collect(),
         weights: influences.iter().flatten().map(|(_, w)| *w).collect(),
@@ -163,6 +163,27 @@ fn skin(body: &Body, surface: &Surface) -> Primitive {
         material: Some(0),
         ..Primitive::default()
     }
+}
+
+/// Half the field's slope and half the triangles' own normals: where a coarse surface cuts
+/// across a fold that the field has, the slope alone would shade it dark.
+fn normals(surface: &Surface, field: impl Fn(Vec3) -> Vec3) -> Vec<Vec3> {
+    let positions = &surface.positions;
+    let mut sums = vec![Vec3::ZERO; positions.len()];
+    for t in &surface.triangles {
+        let corner = |i: usize| positions[t[i % 3] as usize];
+        for i in 0..3 {
+            let (a, b) = (corner(i + 1) - corner(i), corner(i + 2) - corner(i));
+            sums[t[i] as usize] += a.cross(b).normalize_or_zero() * a.angle_between(b);
+        }
+    }
+    let blended = positions.iter().zip(sums).map(|(p, sum)| {
+        let smooth = field(*p);
+        let mirrored = Vec3::new(if p.x == 0.0 { 0.0 } else { 1.0 }, 1.0, 1.0);
+        let normal = (smooth + sum.normalize_or_zero()) * mirrored;
+        normal.try_normalize().unwrap_or(smooth)
+    });
+    blended.collect()
 }
 
 /// A surface that one joint carries.
@@ -174,7 +195,7 @@ fn rigid(
 ) -> Primitive {
     let positions = surface.positions.clone();
     Primitive {
-        normals: positions.iter().map(|p| normal(*p)).collect(),
+        normals: normals(surface, normal),
         influences: 1,
         joints: positions.iter().map(|p| joint(*p)).collect(),
         weights: vec![1.0; positions.len()],

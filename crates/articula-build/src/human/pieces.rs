@@ -46,12 +46,7 @@ fn skin_half(body: &Body, target: usize) -> Surface {
     let grid = Grid::banded(
         Vec3::new(0.0, -0.012, -0.15),
         Vec3::new(0.3, 1.765, 0.185),
-        SKIN_STEP,
-        |y| match y {
-            // Shins, knees and the trunk above the hands have no small features.
-            0.13..0.64 | 0.89..1.47 => 2.0 * SKIN_STEP,
-            _ => SKIN_STEP,
-        },
+        skin_step,
     );
     let fine = polygonise(&grid, &field);
     let options = Options {
@@ -63,22 +58,31 @@ fn skin_half(body: &Body, target: usize) -> Surface {
     collapse(&fine, &options)
 }
 
+/// Spacing of the samples along an axis (0 to 2) at a place on it.
+fn skin_step(axis: usize, at: f32) -> f32 {
+    match (axis, at) {
+        // Shins, knees and the trunk above the hands have no small features.
+        (1, 0.13..0.64 | 0.89..1.47) => 2.0 * SKIN_STEP,
+        // The lids are the finest thing there is.
+        (0, 0.015..0.048) | (1, 1.621..1.645) | (2, 0.066..0.084) => 0.5 * SKIN_STEP,
+        _ => SKIN_STEP,
+    }
+}
+
 /// Small round features need as many triangles around them as large ones, so that errors count
 /// by about the inverse square of the local radius.
 fn importance(p: Vec3) -> f32 {
     let hand = p.y < 0.87 && p.x > 0.2;
-    let near_eye = p.distance(EYE + Vec3::Z * 0.012) < 0.017;
+    let near_eye = p.distance(EYE + Vec3::Z * 0.01) < 0.02;
     let face = p.y > 1.53 && p.z > 0.03;
     let ear = p.y > 1.59 && p.y < 1.665 && p.x > 0.062;
     if near_eye {
-        60.0
+        80.0
     } else if hand {
         30.0
     } else if face || ear {
         20.0
-    } else if p.y > 1.58 {
-        12.0
-    } else if p.y < 0.05 {
+    } else if p.y > 1.58 || p.y < 0.05 {
         12.0
     } else {
         1.0

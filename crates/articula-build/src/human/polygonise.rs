@@ -25,27 +25,24 @@ const BLOCK: usize = 4;
 impl Grid {
     /// A grid over a box, `step` apart; where the box reaches x = 0 it is mirrored there.
     pub(super) fn uniform(low: Vec3, high: Vec3, step: f32) -> Self {
-        Self::banded(low, high, step, |_| step)
+        Self::banded(low, high, |_, _| step)
     }
 
-    /// The same with a spacing of its own at every height.
-    pub(super) fn banded(low: Vec3, high: Vec3, step: f32, rise: impl Fn(f32) -> f32) -> Self {
-        let axis = |from: f32, to: f32, step: &dyn Fn(f32) -> f32| {
-            let mut samples = vec![from];
-            while samples[samples.len() - 1] < to {
-                let last = samples[samples.len() - 1];
-                samples.push(last + step(last));
+    /// The same with a spacing of its own at every place of every axis.
+    pub(super) fn banded(low: Vec3, high: Vec3, step: impl Fn(usize, f32) -> f32) -> Self {
+        let first = step(0, 0.0);
+        let start = if low.x <= first { -0.5 * first } else { low.x };
+        let from = [start, low.y, low.z];
+        let axes = std::array::from_fn(|axis| {
+            let mut samples = vec![from[axis]];
+            let mut last = from[axis];
+            while last < high[axis] {
+                last += step(axis, last);
+                samples.push(last);
             }
             samples
-        };
-        let start = if low.x <= step { -0.5 * step } else { low.x };
-        Self {
-            axes: [
-                axis(start, high.x, &|_| step),
-                axis(low.y, high.y, &rise),
-                axis(low.z, high.z, &|_| step),
-            ],
-        }
+        });
+        Self { axes }
     }
 
     fn counts(&self) -> [usize; 3] {
@@ -238,4 +235,62 @@ fn forward_gradient(field: &impl Fn(Vec3) -> f32, p: Vec3, here: f32) -> Vec3 {
     const STEP: f32 = 2e-4;
     let along = |axis: Vec3| field(p + axis * STEP) - here;
     Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)) / STEP
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use std::collections::HashMap;
+
+    /// How many triangles touch each edge.
+    pub(crate) fn edge_uses(surface: &Surface) -> HashMap<(u32, u32), usize> {
+        let mut uses = HashMap::new();
+        for [a, b, c] in &surface.triangles {
+            for (u, v) in [(a, b), (b, c), (c, a)] {
+                *uses.entry((*u.min(v), *u.max(v))).or_insert(0) += 1;
+            }
+        }
+        uses
+    }
+
+    /// A ball of radius 1 around the origin, or the half of it with x >= 0.
+    pub(crate) fn ball(half: bool) -> Surface {
+        let low = if half {
+            Vec3::new(0.0, -1.3, -1.3)
+        } else {
+            Vec3::new(1.7, -1.3, -1.3)
+        };
+        let center = if half { Vec3::ZERO } else { Vec3::X * 3.0 };
+        let high = center + 1.3;
+        polygonise(&Grid::uniform(low, high, 0.1), &|p| {
+            (p - center).length() - 1.0
+        })
+    }
+
+    #[test]
+    fn a_ball_is_closed_round_and_faces_outwards() {
+        let ball = ball(false);
+        let edges = edge_uses(&ball);
+        assert!(edges.values().all(|n| *n == 2));
+        // Euler: V - E + F = 2 for a sphere.
+        assert_eq!(ball.positions.len() + ball.triangles.len(), edges.len() + 2);
+        for p in &ball.positions {
+            // Steps end at 2 mm each; the cells' means lie within 4 mm of the ball.
+            assert!(((*p - Vec3::X * 3.0).length() - 1.0).abs() < 2e-3, "{p}");
+        }
+        for t in &ball.triangles {
+            let [a, b, c] = t.map(|v| ball.positions[v as usize] - Vec3::X * 3.0);
+            assert!((b - a).cross(c - a).dot(a + b + c) > 0.0);
+        }
+    }
+
+    #[test]
+    fn half_a_ball_opens_only_in_the_mirror_plane() {
+        let half = ball(true);
+        for ((a, b), uses) in edge_uses(&half) {
+            let in_plane = [a, b].iter().all(|v| half.positions[*v as usize].x == 0.0);
+            assert_eq!(uses, if in_plane { 1 } else { 2 });
+        }
+        assert!(half.positions.iter().all(|p| p.x >= 0.0));
+    }
 }

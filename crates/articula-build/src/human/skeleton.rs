@@ -163,3 +163,48 @@ pub(super) fn articulation() -> Articulation {
         joints,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_right_side_mirrors_the_left_and_the_spine_is_in_the_middle() {
+        let centers = centers();
+        for (j, row) in JOINTS[..BODY_JOINTS].iter().enumerate() {
+            match row.name.strip_prefix("l_") {
+                Some(rest) => {
+                    let twin = centers[joint(&format!("r_{rest}"))];
+                    assert_eq!(centers[j], twin * Vec3::new(-1.0, 1.0, 1.0), "{}", row.name);
+                    assert!(centers[j].x > 0.0);
+                }
+                None if row.name.starts_with("r_") => {}
+                None => assert_eq!(centers[j].x, 0.0, "{}", row.name),
+            }
+        }
+    }
+
+    #[test]
+    fn fitted_centers_stay_near_the_standard() {
+        for (row, center) in JOINTS.iter().zip(centers()) {
+            // The arms hang 5 cm farther out; the collar joints lie where collar bones are.
+            assert!(
+                row.center.distance(center) < 0.11,
+                "{} at {center}",
+                row.name
+            );
+        }
+    }
+
+    #[test]
+    fn hand_axes_are_a_right_angled_frame_with_the_thumb_in_front() {
+        let axes = hand_axes();
+        assert!(
+            (axes * axes.transpose() - Mat3::IDENTITY)
+                .to_cols_array()
+                .iter()
+                .all(|v| v.abs() < 1e-6)
+        );
+        assert!(axes.z_axis.z > 0.9 && axes.y_axis.y < -0.9 && axes.x_axis.x > 0.9);
+    }
+}

@@ -103,7 +103,7 @@ impl<'a> Weigher<'a> {
     fn arm_share(&self, p: Vec3) -> f32 {
         let core = self.body.trunk.distance(p).min(self.body.leg.distance(p));
         let nearer = core - self.body.upper_limb(p);
-        let plane = self.behind("l_shoulder", Vec3::new(0.82, -0.57, 0.0), 0.055, p);
+        let plane = self.behind("l_shoulder", Vec3::new(0.88, -0.47, 0.0), 0.07, p);
         // Down in the armpit the border is sharp, so that the flank stays with the trunk.
         let band = 0.004 + 0.026 * smooth_step(1.28, 1.4, p.y);
         plane * smooth_step(-band, band, nearer)
