@@ -8,6 +8,7 @@
 //! - [`bvh`]: Biovision hierarchical motion, in and out
 //! - [`profile`]: joint-name profiles, name to H-Anim joint, level and region
 //! - [`loa_profile`]: a saved selection of levels of articulation
+//! - [`motion_table`]: motion-error tables as bytes
 //! - [`error`], [`limits`]: what can be wrong, and how much is too much
 
 pub mod bvh;
@@ -15,6 +16,7 @@ pub mod error;
 pub mod gltf;
 pub mod limits;
 pub mod loa_profile;
+pub mod motion_table;
 pub mod profile;
 
 pub use error::{Read, ReadError, Warning};

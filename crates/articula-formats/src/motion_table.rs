@@ -1,0 +1,366 @@
+//! Motion-error tables as bytes: `segs` (keys of every joint) and `posekeys` (whole poses).
+//!
+//! Source: `spec/motion-lod.md` part 9, ours. Little endian; a head with the hashes of rig,
+//! clip and mesh, then rising frame numbers as variable-length gaps, about a byte a key. Levels
+//! are nested: the coarsest comes first and whole, each finer one adds the keys it has more,
+//! so a prefix of the levels is usable. The page is `docs/formats/motion-tables.md`.
+
+use crate::{Limits, ReadError};
+use articula_core::key_table::{KeyMode, KeyTable, PoseKeys, TableHashes};
+use articula_core::loa::MAX_JOINTS;
+
+const SEGS: &[u8; 4] = b"ASEG";
+const POSE_KEYS: &[u8; 4] = b"APKY";
+const VERSION: u8 = 1;
+/// More levels than any ladder has between a hair and a house.
+const MAX_LEVELS: usize = 64;
+
+/// Writes a table of held or blended keys. Coarser levels must be subsets of finer ones, as
+/// [`KeyTable::check`] demands; a key that is not is left out of the coarser level's bytes.
+pub fn write_segs(table: &KeyTable) -> Vec<u8> {
+    let levels = table.levels();
+    let mut out = head(
+        SEGS,
+        mode_byte(table.mode),
+        &table.hashes,
+        table.base_metres,
+    );
+    out.extend(table.rate_hz.to_le_bytes());
+    out.extend(table.frames.to_le_bytes());
+    varint(&mut out, table.keys.len() as u64);
+    varint(&mut out, levels as u64);
+    for joint in &table.keys {
+        let mut coarser: &[u32] = &[];
+        for level in (0..levels).rev() {
+            let keys = joint.get(level).map_or(&[][..], Vec::as_slice);
+            let added: Vec<u32> = keys
+                .iter()
+                .copied()
+                .filter(|k| coarser.binary_search(k).is_err())
+                .collect();
+            gaps(&mut out, &added);
+            coarser = keys;
+        }
+    }
+    out
+}
+
+/// Reads what [`write_segs`] wrote.
+///
+/// # Errors
+/// [`ReadError::Malformed`] with the byte offset, [`ReadError::Unsupported`] for another
+/// version, [`ReadError::LimitExceeded`].
+pub fn read_segs(bytes: &[u8], limits: &Limits) -> Result<KeyTable, ReadError> {
+    let mut r = Bytes { bytes, at: 0 };
+    let (mode, hashes, base_metres) = r.head(SEGS)?;
+    let mode = match mode {
+        0 => KeyMode::Hold,
+        1 => KeyMode::Linear,
+        other => return Err(r.bad(format!("key mode {other}, 0 or 1 is expected"))),
+    };
+    let rate_hz = r.positive("a rate")?;
+    let frames = r.u32()?;
+    Limits::check("byte 36", "frames", u64::from(frames), limits.frames)?;
+    let joints = r.count("joints", MAX_JOINTS)?;
+    let levels = r.count("levels", MAX_LEVELS)?;
+    let mut keys = Vec::with_capacity(joints);
+    for _ in 0..joints {
+        let mut per_level: Vec<Vec<u32>> = Vec::with_capacity(levels);
+        for _ in 0..levels {
+            let mut merged = per_level.last().cloned().unwrap_or_default();
+            merged.extend(r.gaps(frames)?);
+            merged.sort_unstable();
+            if merged.windows(2).any(|w| w[0] == w[1]) {
+                return Err(r.bad("a key that a coarser level has already"));
+            }
+            per_level.push(merged);
+        }
+        per_level.reverse();
+        keys.push(per_level);
+    }
+    r.end()?;
+    Ok(KeyTable {
+        hashes,
+        rate_hz,
+        frames,
+        base_metres,
+        mode,
+        keys,
+    })
+}
+
+/// Writes whole-pose keys.
+pub fn write_pose_keys(keys: &PoseKeys) -> Vec<u8> {
+    let mut out = head(POSE_KEYS, 0, &keys.hashes, keys.base_metres);
+    out.extend(keys.tick_hz.to_le_bytes());
+    out.extend(keys.ticks.to_le_bytes());
+    varint(&mut out, keys.levels.len() as u64);
+    for level in &keys.levels {
+        // No keys at all stands for "evaluate every frame": a level that is kept has a first.
+        gaps(&mut out, level.as_deref().unwrap_or_default());
+    }
+    out
+}
+
+/// Reads what [`write_pose_keys`] wrote.
+///
+/// # Errors
+/// As [`read_segs`].
+pub fn read_pose_keys(bytes: &[u8], limits: &Limits) -> Result<PoseKeys, ReadError> {
+    let mut r = Bytes { bytes, at: 0 };
+    let (_, hashes, base_metres) = r.head(POSE_KEYS)?;
+    let tick_hz = r.positive("a tick rate")?;
+    let ticks = r.u32()?;
+    Limits::check("byte 36", "ticks", u64::from(ticks), limits.frames)?;
+    let count = r.count("levels", MAX_LEVELS)?;
+    let mut levels = Vec::with_capacity(count);
+    for _ in 0..count {
+        let keys = r.gaps(ticks.saturating_add(1))?;
+        levels.push((!keys.is_empty()).then_some(keys));
+    }
+    r.end()?;
+    Ok(PoseKeys {
+        hashes,
+        tick_hz,
+        ticks,
+        base_metres,
+        levels,
+    })
+}
+
+fn mode_byte(mode: KeyMode) -> u8 {
+    match mode {
+        KeyMode::Hold => 0,
+        KeyMode::Linear => 1,
+    }
+}
+
+fn head(magic: &[u8; 4], mode: u8, hashes: &TableHashes, base_metres: f32) -> Vec<u8> {
+    let mut out = magic.to_vec();
+    out.extend([VERSION, mode, 0, 0]);
+    for hash in [hashes.rig, hashes.clip, hashes.mesh] {
+        out.extend(hash.to_le_bytes());
+    }
+    out.extend(base_metres.to_le_bytes());
+    out
+}
+
+fn varint(out: &mut Vec<u8>, mut value: u64) {
+    while value >= 0x80 {
+        out.push((value & 0x7f) as u8 | 0x80);
+        value >>= 7;
+    }
+    out.push((value & 0x7f) as u8);
+}
+
+/// A count, then each number less the one before it (the first as it is).
+fn gaps(out: &mut Vec<u8>, rising: &[u32]) {
+    varint(out, rising.len() as u64);
+    let mut before = 0;
+    for value in rising {
+        varint(out, u64::from(value - before));
+        before = *value;
+    }
+}
+
+struct Bytes<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl Bytes<'_> {
+    fn bad(&self, what: impl Into<String>) -> ReadError {
+        ReadError::malformed(format!("byte {}", self.at), what)
+    }
+
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], ReadError> {
+        let found = self
+            .bytes
+            .get(self.at..)
+            .and_then(|rest| rest.first_chunk::<N>());
+        let found =
+            *found.ok_or_else(|| self.bad(format!("the end, {N} more bytes are expected")))?;
+        self.at += N;
+        Ok(found)
+    }
+
+    fn u32(&mut self) -> Result<u32, ReadError> {
+        self.take().map(u32::from_le_bytes)
+    }
+
+    fn u64(&mut self) -> Result<u64, ReadError> {
+        self.take().map(u64::from_le_bytes)
+    }
+
+    fn positive(&mut self, what: &str) -> Result<f32, ReadError> {
+        let value = f32::from_le_bytes(self.take()?);
+        if value.is_finite() && value > 0.0 {
+            return Ok(value);
+        }
+        Err(self.bad(format!("{value} where {what} above 0 is expected")))
+    }
+
+    fn head(&mut self, magic: &[u8; 4]) -> Result<(u8, TableHashes, f32), ReadError> {
+        let found = self.take::<4>()?;
+        if found != *magic {
+            let expected = String::from_utf8_lossy(magic);
+            return Err(ReadError::malformed(
+                "byte 0",
+                format!("no \"{expected}\" table"),
+            ));
+        }
+        let [version, mode, _, _] = self.take::<4>()?;
+        if version != VERSION {
+            return Err(ReadError::Unsupported {
+                at: "byte 4".into(),
+                what: format!("version {version} of the table"),
+                mend: "build the asset again with this version of Articula".into(),
+            });
+        }
+        let hashes = TableHashes {
+            rig: self.u64()?,
+            clip: self.u64()?,
+            mesh: self.u64()?,
+        };
+        Ok((mode, hashes, self.positive("a tolerance")?))
+    }
+
+    fn varint(&mut self) -> Result<u64, ReadError> {
+        let mut value = 0u64;
+        for shift in (0..35).step_by(7) {
+            let [byte] = self.take::<1>()?;
+            value |= u64::from(byte & 0x7f) << shift;
+            if byte & 0x80 == 0 {
+                return Ok(value);
+            }
+        }
+        Err(self.bad("a number of more than 35 bits"))
+    }
+
+    fn count(&mut self, which: &'static str, limit: usize) -> Result<usize, ReadError> {
+        let at = format!("byte {}", self.at);
+        let count = self.varint()?;
+        Limits::check(&at, which, count, limit as u64)?;
+        Ok(count as usize)
+    }
+
+    /// Rising numbers below `end`; each takes a byte at least, so the file bounds their count.
+    fn gaps(&mut self, end: u32) -> Result<Vec<u32>, ReadError> {
+        let count = self.varint()?;
+        if count > (self.bytes.len() - self.at) as u64 {
+            return Err(self.bad(format!("{count} keys, more than there are bytes")));
+        }
+        let mut values = Vec::with_capacity(count as usize);
+        let mut before = 0u64;
+        for i in 0..count {
+            let gap = self.varint()?;
+            before += gap;
+            if (i > 0 && gap == 0) || before >= u64::from(end) {
+                return Err(self.bad(format!(
+                    "key {before} of {end} frames does not rise or lies outside"
+                )));
+            }
+            values.push(before as u32);
+        }
+        Ok(values)
+    }
+
+    fn end(&self) -> Result<(), ReadError> {
+        if self.at == self.bytes.len() {
+            return Ok(());
+        }
+        Err(self.bad(format!("{} bytes too many", self.bytes.len() - self.at)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn nested(frames: u32) -> impl Strategy<Value = Vec<Vec<u32>>> {
+        prop::collection::vec(prop::collection::btree_set(0..frames, 0..20), 3).prop_map(|adds| {
+            let mut level = std::collections::BTreeSet::new();
+            let mut levels: Vec<Vec<u32>> = adds
+                .into_iter()
+                .map(|add| {
+                    level.extend(add);
+                    level.iter().copied().collect()
+                })
+                .collect();
+            levels.reverse();
+            levels
+        })
+    }
+
+    fn table() -> impl Strategy<Value = KeyTable> {
+        (
+            prop::collection::vec(nested(500), 0..6),
+            any::<[u64; 3]>(),
+            any::<bool>(),
+        )
+            .prop_map(|(keys, [rig, clip, mesh], hold)| KeyTable {
+                hashes: TableHashes { rig, clip, mesh },
+                rate_hz: 30.0,
+                frames: 500,
+                base_metres: 0.0005,
+                mode: if hold { KeyMode::Hold } else { KeyMode::Linear },
+                keys,
+            })
+    }
+
+    proptest! {
+        #[test]
+        fn segs_come_back(table in table()) {
+            let bytes = write_segs(&table);
+            prop_assert_eq!(read_segs(&bytes, &Limits::default()).unwrap(), table);
+        }
+
+        #[test]
+        fn segs_cut_short_are_errors(table in table()) {
+            let bytes = write_segs(&table);
+            for end in 0..bytes.len() {
+                prop_assert!(read_segs(&bytes[..end], &Limits::default()).is_err());
+            }
+        }
+
+        #[test]
+        fn altered_bytes_never_panic(table in table(), at in any::<prop::sample::Index>(), byte in any::<u8>()) {
+            let mut bytes = write_segs(&table);
+            let at = at.index(bytes.len());
+            bytes[at] = byte;
+            if let Ok(read) = read_segs(&bytes, &Limits::default()) {
+                prop_assert!(read.keys.iter().flatten().flatten().all(|k| *k < read.frames));
+            }
+        }
+    }
+
+    #[test]
+    fn pose_keys_come_back_and_other_files_are_refused() {
+        let keys = PoseKeys {
+            hashes: TableHashes {
+                rig: 1,
+                clip: 2,
+                mesh: 3,
+            },
+            tick_hz: 120.0,
+            ticks: 160,
+            base_metres: 0.0005,
+            levels: vec![None, Some(vec![0, 7, 160]), Some(vec![0, 160])],
+        };
+        let bytes = write_pose_keys(&keys);
+        assert_eq!(read_pose_keys(&bytes, &Limits::default()).unwrap(), keys);
+        let of = |bytes: &[u8]| {
+            read_pose_keys(bytes, &Limits::default())
+                .unwrap_err()
+                .to_string()
+        };
+        assert!(of(b"nothing").contains("byte 0"));
+        let mut newer = bytes.clone();
+        newer[4] = 2;
+        assert!(of(&newer).contains("build the asset again"));
+        let mut huge = bytes;
+        huge[40..44].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert!(of(&huge).contains("limit"));
+    }
+}
