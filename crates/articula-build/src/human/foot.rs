@@ -4,7 +4,7 @@ use super::field::{Group, Join, Shape};
 use glam::{Mat3, Vec3};
 
 /// Root and tip of each toe with their radii, great toe first.
-pub(super) const TOES: [([f32; 3], [f32; 3], [f32; 2]); 5] = [
+const TOES: [([f32; 3], [f32; 3], [f32; 2]); 5] = [
     (
         [0.0905, 0.0150, 0.108],
         [0.0905, 0.0120, 0.1535],

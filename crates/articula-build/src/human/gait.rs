@@ -14,11 +14,11 @@ use std::f32::consts::TAU;
 /// Frames of one cycle (two steps).
 const FRAMES: usize = 32;
 /// Speed of the ground, metres a second.
-pub(super) const SPEED: f32 = 1.3;
+const SPEED: f32 = 1.3;
 /// Ground covered in one cycle, metres.
 const STRIDE: f32 = SPEED * FRAMES as f32 / 30.0;
 /// Share of the cycle that a foot is on the ground.
-pub(super) const STANCE: f32 = 0.62;
+const STANCE: f32 = 0.62;
 /// Phases at which the foot is flat, and at which the heel leaves the ground.
 const FLAT: f32 = 0.11;
 const HEEL_OFF: f32 = 0.34;
@@ -67,7 +67,7 @@ fn swing_arm(pose: &mut Pose, side: Side, phase: f32) {
 }
 
 /// Where a foot is at a phase of its own cycle, which begins with its heel strike.
-pub(super) fn foothold(side: Side, phase: f32) -> Foothold {
+fn foothold(side: Side, phase: f32) -> Foothold {
     if phase <= STANCE {
         on_ground(side, phase)
     } else {

@@ -230,13 +230,23 @@ impl<'a> Weigher<'a> {
         let first = smooth_step(0.99, self.spine[0].1 + 0.02, height);
         sum.add(joint("humanoid_root"), left * (1.0 - first));
         left *= first;
-        for pair in self.spine.windows(2) {
-            let ((at, low), (_, high)) = (pair[0], pair[1]);
-            let passed = ((height - low) / (high - low)).clamp(0.0, 1.0);
-            sum.add(at, left * (1.0 - passed));
-            left *= passed;
+        let mut passed = 1.0;
+        for (i, (at, _)) in self.spine.iter().enumerate() {
+            let next = match self.spine.get(i + 1) {
+                Some((_, center)) => smooth_step(-1.0, 1.0, (height - center) / self.spine_band(i)),
+                None => 0.0,
+            };
+            let next = next.min(passed);
+            sum.add(*at, left * (passed - next));
+            passed = next;
         }
-        sum.add(self.spine[self.spine.len() - 1].0, left);
+    }
+
+    /// Half the height over which one vertebra hands over to the next. Wide at the waist, where
+    /// a few joints often carry a whole bend; narrower where the collars need influences too.
+    fn spine_band(&self, i: usize) -> f32 {
+        let ((_, low), (_, high)) = (self.spine[i], self.spine[i + 1]);
+        (high - low) * if high < 1.37 { 1.5 } else { 1.0 }
     }
 }
 
