@@ -423,3 +423,16 @@ fn a_count_out_of_range_names_the_range() {
         assert!(error.to_string().contains("2000 to 70000"), "{error}");
     }
 }
+
+#[test]
+fn the_recipe_takes_it_as_it_is() {
+    let asset = articula_build::character::character(
+        default_human(),
+        None,
+        &articula_build::clip::ClipOptions::default(),
+    )
+    .unwrap();
+    assert_eq!(asset.rig.len(), BODY_JOINTS);
+    assert_eq!(asset.clips.len(), 3);
+    assert_eq!(asset.mesh.triangles.len(), total(default_human()));
+}
