@@ -70,6 +70,9 @@ impl Component {
     }
 }
 
+/// How an element is stored: its numbers, and how many they are.
+type Element = (Component, usize);
+
 /// Equally spaced elements whose bounds were checked.
 #[derive(Debug, Clone, Copy)]
 struct Strided<'a> {
@@ -136,11 +139,11 @@ impl<'a> Reader<'a> {
         let count = place.require("count")?.whole()?;
         let base = place
             .get("bufferView")
-            .map(|view| self.strided(&place, &view, component.size() * width, count))
+            .map(|view| self.strided(&place, &view, (component, width), count))
             .transpose()?;
         let sparse = place
             .get("sparse")
-            .map(|sparse| self.sparse(&sparse, component.size() * width, count))
+            .map(|sparse| self.sparse(&sparse, (component, width), count))
             .transpose()?;
         Ok(Accessor {
             is_normalized: place.is_true("normalized"),
@@ -230,7 +233,12 @@ impl<'a> Reader<'a> {
         Ok(out)
     }
 
-    fn sparse(&self, place: &Place<'a>, size: usize, of: u64) -> Result<Sparse<'a>, ReadError> {
+    fn sparse(
+        &self,
+        place: &Place<'a>,
+        element: Element,
+        of: u64,
+    ) -> Result<Sparse<'a>, ReadError> {
         let count = place.require("count")?.whole()?;
         if count > of {
             let what = format!("{count} sparse elements of {of}");
@@ -250,22 +258,24 @@ impl<'a> Reader<'a> {
         Ok(Sparse {
             count: count as usize,
             index_component,
-            indices: self.strided(&indices, &index_view, index_component.size(), count)?,
-            values: self.strided(&values, &value_view, size, count)?,
+            indices: self.strided(&indices, &index_view, (index_component, 1), count)?,
+            values: self.strided(&values, &value_view, element, count)?,
         })
     }
 
-    /// Elements of `size` bytes from the owner's `byteOffset` in a buffer view.
+    /// Elements from the owner's `byteOffset` in a buffer view.
     fn strided(
         &self,
         owner: &Place<'_>,
         view: &Place<'_>,
-        size: usize,
+        (component, width): Element,
         count: u64,
     ) -> Result<Strided<'a>, ReadError> {
+        let size = component.size() * width;
         let (bytes, stride) = self.buffer_view(view)?;
         let stride = stride.unwrap_or(size as u64);
-        if stride < size as u64 || stride > 1 << 16 {
+        let is_whole = stride.is_multiple_of(component.size() as u64);
+        if stride < size as u64 || stride > 1 << 16 || !is_whole {
             let what = format!("byteStride {stride} for elements of {size} bytes");
             return Err(view.malformed(what));
         }

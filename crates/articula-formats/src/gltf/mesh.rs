@@ -10,6 +10,7 @@ use super::skin::NodeSkin;
 use crate::error::ReadError;
 use articula_core::source::{Mesh, Primitive, Skin};
 use glam::Affine3A;
+use std::collections::HashSet;
 
 /// The meshes and the nodes that show them.
 #[derive(Debug, Default)]
@@ -96,9 +97,18 @@ fn read_primitives(
     texcoord_sets: &[u64],
 ) -> Result<Vec<Primitive>, ReadError> {
     let mut out: Vec<Primitive> = Vec::new();
-    for place in mesh.entries("primitives")? {
+    let places = mesh.entries("primitives")?;
+    let mut seen = HashSet::new();
+    let mut shared = HashSet::new();
+    for positions in places.iter().map(positions_of) {
+        if !seen.insert(positions) {
+            shared.insert(positions);
+        }
+    }
+    for place in places {
         reader.charge(place.at(), 0)?;
-        let Some(primitive) = primitive::read(reader, &place, joint_count, texcoord_sets)? else {
+        let Some(mut primitive) = primitive::read(reader, &place, joint_count, texcoord_sets)?
+        else {
             continue;
         };
         let morphs = out
@@ -109,9 +119,18 @@ fn read_primitives(
             let what = format!("{found} morph targets, but {morphs} in the primitive before");
             return Err(place.malformed(what));
         }
+        if shared.contains(&positions_of(&place)) {
+            primitive::keep_used_vertices(&mut primitive);
+        }
         out.push(primitive);
     }
     Ok(out)
+}
+
+/// Accessor of a primitive's positions.
+fn positions_of(primitive: &Place<'_>) -> Option<u64> {
+    let positions = primitive.dig(&["attributes", "POSITION"])?;
+    positions.whole().ok()
 }
 
 /// Names and rest weights of the morph targets. Names stand in the mesh's extras by custom,

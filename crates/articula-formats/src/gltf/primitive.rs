@@ -32,6 +32,11 @@ pub(super) fn read(
         reader.warn(place, "no positions; left out");
         return Ok(None);
     }
+    let triangles = triangles(reader, place, mode, count)?;
+    if triangles.is_empty() {
+        reader.warn(place, "no triangles; left out");
+        return Ok(None);
+    }
     let material = place.index("material", texcoord_sets.len())?;
     let texcoord = format!("TEXCOORD_{}", material.map_or(0, |m| texcoord_sets[m]));
     let (influences, joints, weights) = influences::read(reader, &attributes, count, joint_count)?;
@@ -43,7 +48,7 @@ pub(super) fn read(
         joints,
         weights,
         morphs: morphs(reader, place, count)?,
-        triangles: triangles(reader, place, mode, count)?,
+        triangles,
         material,
         positions,
     }))
@@ -206,6 +211,46 @@ fn assemble(mode: u64, corners: &[u32]) -> Vec<[u32; 3]> {
     }
 }
 
+/// Keeps the vertices that triangles use, in their order.
+///
+/// For primitives that share one vertex array: each would otherwise carry, and every frame
+/// skin, the vertices of all.
+pub(super) fn keep_used_vertices(primitive: &mut Primitive) {
+    let mut is_used = vec![false; primitive.positions.len()];
+    for corner in primitive.triangles.iter().flatten() {
+        is_used[*corner as usize] = true;
+    }
+    let mut new = Vec::with_capacity(is_used.len());
+    let mut count = 0u32;
+    for used in &is_used {
+        new.push(count);
+        count += u32::from(*used);
+    }
+    for corner in primitive.triangles.iter_mut().flatten() {
+        *corner = new[*corner as usize];
+    }
+    let n = primitive.influences;
+    retain(&mut primitive.positions, &is_used, 1);
+    retain(&mut primitive.normals, &is_used, 1);
+    retain(&mut primitive.texcoords, &is_used, 1);
+    retain(&mut primitive.colors, &is_used, 1);
+    retain(&mut primitive.joints, &is_used, n);
+    retain(&mut primitive.weights, &is_used, n);
+    for morph in &mut primitive.morphs {
+        retain(&mut morph.positions, &is_used, 1);
+        retain(&mut morph.normals, &is_used, 1);
+    }
+}
+
+/// Keeps the entries of used vertices, `each` of them a vertex.
+fn retain<T>(list: &mut Vec<T>, is_used: &[bool], each: usize) {
+    let mut i = 0;
+    list.retain(|_| {
+        i += 1;
+        is_used[(i - 1) / each]
+    });
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -216,5 +261,22 @@ mod tests {
         assert_eq!(assemble(6, &[7, 1, 2, 3]), [[1, 2, 7], [2, 3, 7]]);
         assert_eq!(assemble(4, &[0, 1, 2, 3]), [[0, 1, 2]]);
         assert!(assemble(5, &[0, 1]).is_empty());
+    }
+
+    #[test]
+    fn unused_vertices_go_with_all_they_have() {
+        let mut primitive = Primitive {
+            positions: (0..5).map(|i| Vec3::splat(i as f32)).collect(),
+            influences: 2,
+            joints: (0..10).collect(),
+            weights: vec![0.5; 10],
+            triangles: vec![[4, 1, 3]],
+            ..Primitive::default()
+        };
+        keep_used_vertices(&mut primitive);
+        assert_eq!(primitive.positions, [1.0, 3.0, 4.0].map(Vec3::splat));
+        assert_eq!(primitive.joints, [2, 3, 6, 7, 8, 9]);
+        assert_eq!(primitive.triangles, [[2, 0, 1]]);
+        assert!(primitive.normals.is_empty());
     }
 }

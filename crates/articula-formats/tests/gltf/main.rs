@@ -1,0 +1,16 @@
+//! Promises of the glTF reader and writer: every feature by a tiny file made in code, every
+//! real file, hostile and mutated ones.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "tests fail by panicking, read files and say what they skip"
+)]
+
+mod features;
+mod files;
+mod hostile;
+mod mutated;
+mod tiny;
+mod written;

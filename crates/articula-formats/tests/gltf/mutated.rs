@@ -1,0 +1,192 @@
+//! Seeded mutations of small files on the stable tool chain: whatever the bytes, reading ends
+//! with a value of bounded size or an error, and what was read can be written.
+
+use crate::tiny::Tiny;
+use articula_formats::Limits;
+use articula_formats::gltf::{self, Document};
+use serde_json::json;
+
+/// A 64-bit xorshift generator (Marsaglia 2003): the same numbers on every machine.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+}
+
+/// What is worth putting in the place of something else.
+const WORDS: &[&str] = &[
+    "-1",
+    "0",
+    "1e39",
+    "99999999999",
+    "null",
+    "[]",
+    "{}",
+    "\"\"",
+    "true",
+    "5121",
+    "5126",
+    "\"VEC3\"",
+    "\"SCALAR\"",
+    "\"MAT4\"",
+    "\"CUBICSPLINE\"",
+    "\"weights\"",
+];
+
+fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
+    for _ in 0..=random.below(3) {
+        let at = random.below(bytes.len());
+        let end = (at + random.below(32)).min(bytes.len());
+        match random.below(12) {
+            0 if !bytes.is_empty() => bytes[at] ^= 1 << random.below(8),
+            1 if !bytes.is_empty() => bytes[at] = random.next() as u8,
+            2 => bytes.truncate(at),
+            3 => {
+                let copy = bytes[at..end].to_vec();
+                bytes.splice(at..at, copy);
+            }
+            4 => drop(bytes.drain(at..end)),
+            5..8 => replace_number(bytes, at, WORDS[random.below(WORDS.len())]),
+            _ => replace_number(bytes, at, &random.below(12).to_string()),
+        }
+    }
+}
+
+/// Puts a word in the place of the next run of digits.
+fn replace_number(bytes: &mut Vec<u8>, at: usize, word: &str) {
+    let is_digit = |b: &u8| b.is_ascii_digit();
+    let Some(start) = bytes[at..].iter().position(is_digit).map(|i| at + i) else {
+        return;
+    };
+    let length = bytes[start..].iter().take_while(|b| is_digit(b)).count();
+    bytes.splice(start..start + length, word.bytes());
+}
+
+/// Gives the header the length of the file again, so that mutations reach what is inside.
+fn mend_header(bytes: &mut [u8], json_length: impl Fn(&[u8]) -> Option<usize>) {
+    if bytes.len() < 20 {
+        return;
+    }
+    let total = (bytes.len() as u32).to_le_bytes();
+    bytes[8..12].copy_from_slice(&total);
+    if let Some(length) = json_length(bytes) {
+        bytes[12..16].copy_from_slice(&(length as u32).to_le_bytes());
+    }
+}
+
+/// Where the JSON ends if the binary chunk can still be found.
+fn json_end(bytes: &[u8]) -> Option<usize> {
+    let binary = bytes.windows(4).rposition(|w| w == b"BIN\0")?;
+    binary.checked_sub(24)
+}
+
+fn fixtures() -> Vec<Vec<u8>> {
+    let mut moving = Tiny::skinned();
+    let turns = moving.floats("VEC4", &[0., 0., 0., 1., 0., 1., 0., 0.]);
+    moving.channel(
+        json!({"node": 1, "path": "rotation"}),
+        "LINEAR",
+        &[0., 1.],
+        turns,
+    );
+    moving.json["skins"][0]["extensions"] = json!({"ARTICULA_articulation": {"profile": "x",
+        "joints": [{"level": 0, "region": "pelvis"}, {"level": 1, "region": "torso"}]}});
+    let mut morphing = Tiny::triangle();
+    let at = morphing.view(&[0, 2]);
+    let to = morphing.view(&[0; 24]);
+    let offsets = morphing.accessor(json!({"componentType": 5126, "count": 3, "type": "VEC3",
+        "sparse": {"count": 2, "indices": {"bufferView": at, "componentType": 5121},
+            "values": {"bufferView": to}}}));
+    morphing.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": offsets}]);
+    let weights = morphing.floats("SCALAR", &[0., 1., 0., 0., 0., 0.]);
+    morphing.json["nodes"] = json!([{"mesh": 0, "children": [1]}, {"mesh": 0}]);
+    let target = json!({"node": 0, "path": "weights"});
+    morphing.channel(target, "CUBICSPLINE", &[0., 1.], weights);
+    let mut pictured = Tiny::skinned();
+    let view = pictured.view(b"\x89PNG");
+    pictured.json["images"] = json!([{"bufferView": view}, {"uri": "data:;base64,TWFu"}]);
+    pictured.json["textures"] = json!([{"source": 0}]);
+    pictured.json["materials"] =
+        json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
+    pictured.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    pictured.json["meshes"][0]["primitives"][0]["mode"] = json!(5);
+    vec![moving.glb(), morphing.glb(), pictured.glb()]
+}
+
+#[test]
+fn mutated_files_neither_panic_nor_grow() {
+    let limits = Limits {
+        bytes: 1 << 20,
+        elements: 1 << 16,
+        nodes: 1 << 10,
+        ..Limits::default()
+    };
+    let mut random = Random(20071);
+    let mut reads = 0;
+    for good in fixtures() {
+        for round in 0..4000 {
+            let mut bytes = good.clone();
+            mutate(&mut bytes, &mut random);
+            if round % 4 > 0 {
+                mend_header(&mut bytes, json_end);
+            }
+            reads += usize::from(survives(&bytes, &limits));
+        }
+    }
+    // One mutant in ten at least must be read, or the test would test little.
+    assert!(reads > 1200, "only {reads} mutants were read");
+}
+
+/// Whether the bytes were read; panics if what was read breaks a promise.
+fn survives(bytes: &[u8], limits: &Limits) -> bool {
+    let mut alone = |_: &str| Err("nothing".to_owned());
+    let Ok(file) = gltf::read(bytes, limits, &mut alone) else {
+        return false;
+    };
+    let character = &file.value.character;
+    let floats: usize = character
+        .meshes
+        .iter()
+        .flat_map(|m| &m.primitives)
+        .map(|p| p.positions.len() * 3 + p.weights.len() + p.triangles.len() * 3)
+        .chain(
+            character
+                .clips
+                .iter()
+                .flat_map(|c| &c.channels)
+                .map(|c| c.values.len()),
+        )
+        .sum();
+    assert!(floats as u64 <= limits.elements, "{floats} elements");
+    assert!(file.warnings.len() <= 1001);
+    // Whatever was read is consistent, so it can be written, and read again.
+    let written = Document::from_character(character)
+        .unwrap()
+        .write_glb()
+        .unwrap();
+    gltf::read(&written, &Limits::default(), &mut alone).unwrap();
+    let through = file.value.document.write_glb().unwrap();
+    let again = gltf::read(&through, &Limits::default(), &mut alone).unwrap();
+    assert_eq!(again.value.character, file.value.character);
+    let mut document = file.value.document;
+    let (joints, meshes) = (&file.value.node_of_joint, &file.value.node_of_mesh);
+    document
+        .replace_clips(&character.clips, joints, meshes)
+        .unwrap();
+    let again = gltf::read(
+        &document.write_glb().unwrap(),
+        &Limits::default(),
+        &mut alone,
+    );
+    assert_eq!(again.unwrap().value.character.meshes, character.meshes);
+    true
+}
