@@ -325,7 +325,10 @@ impl<'a> Scene<'a> {
         let n = &self.skinned.normals;
         let normal = n[a] * weights.x + n[b] * weights.y + n[c] * weights.z;
         let mut normal = normal.try_normalize().unwrap_or(Vec3::Y);
-        if self.shows_back(triangle) {
+        // Some files wind a part of their triangles the wrong way round; their normals are
+        // right, so a back is a back only if its normal turns away too.
+        let away = normal.dot(self.screen.ray(at).direction) > 0.0;
+        if away && self.shows_back(triangle) {
             normal = -normal;
         }
         let color = self.surface(triangle, weights, level);
