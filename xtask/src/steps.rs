@@ -3,9 +3,10 @@
 //! Everything that is only checked shares one build, everything that is run in tests another:
 //! on two cores compiling is most of the time.
 
-use crate::chores::{cargo, run, tidy};
+use crate::chores::{cargo, root, run, tidy};
 use crate::{node, wasm};
 use anyhow::{Context, Result};
+use std::path::PathBuf;
 use std::time::Instant;
 
 /// How a step ended, if it did not fail.
@@ -75,8 +76,17 @@ fn clippy() -> Result<Outcome> {
 }
 
 fn tests() -> Result<Outcome> {
+    // A passing test's own words are not shown, so what they skip is said here.
+    if !data_folder().is_dir() {
+        println!("skipped: no data (tests on real characters; set ARTICULA_DATA)");
+    }
     run(cargo().args(["test", "--workspace"]))?;
     Ok(Outcome::Done)
+}
+
+fn data_folder() -> PathBuf {
+    let given = std::env::var_os("ARTICULA_DATA").map(PathBuf::from);
+    given.unwrap_or_else(|| root().join("../shared/data"))
 }
 
 fn documentation() -> Result<Outcome> {
