@@ -21,7 +21,7 @@ pub(crate) struct CommandLine {
     /// Print the result as JSON, with units in the field names
     #[arg(long, global = true)]
     pub(crate) json: bool,
-    /// Keep progress bars and notes back
+    /// Show no progress bars (they show on a terminal only)
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
 }
@@ -58,6 +58,13 @@ pub(crate) struct CharacterArgs {
     pub(crate) only: Vec<String>,
     #[command(flatten)]
     pub(crate) names: NameArgs,
+}
+
+impl CharacterArgs {
+    /// Whether some of the meshes do not count.
+    pub(crate) fn leaves_out(&self) -> bool {
+        !self.hide.is_empty() || !self.only.is_empty()
+    }
 }
 
 /// How joint names are understood.

@@ -1,4 +1,4 @@
-//! What the user sees: results on standard output, notes and progress on standard error.
+//! What the user sees: results on standard output, progress and errors on standard error.
 
 use crate::fault;
 use anyhow::Context;
@@ -15,7 +15,7 @@ pub(crate) struct Console {
 }
 
 impl Console {
-    /// `json` prints results for programs; `quiet` keeps notes and progress back.
+    /// `json` prints results for programs; `quiet` keeps progress bars back.
     pub(crate) fn new(json: bool, quiet: bool) -> Self {
         Self { json, quiet }
     }
@@ -34,13 +34,6 @@ impl Console {
             text(value)
         };
         print(&out)
-    }
-
-    /// Says something beside the result, unless the user wants quiet.
-    pub(crate) fn note(&self, text: &str) {
-        if !self.quiet {
-            complain(&fault::clean(text));
-        }
     }
 
     /// Prints an error on one line.

@@ -13,9 +13,9 @@ mod console;
 mod fault;
 mod files;
 mod load;
+mod motion_tables;
 mod play;
 mod prepared;
-mod reduced;
 mod table;
 
 use clap::Parser;

@@ -1,8 +1,184 @@
-//! Placeholder
+//! `articula build IN OUT.glb`: what is prepared once goes into the file.
+
+use crate::arguments::NameArgs;
 use crate::console::Console;
-/// x
-#[derive(Debug, clap::Args)]
-pub(crate) struct BuildArgs {}
-pub(crate) fn run(_a: &BuildArgs, _c: &Console) -> anyhow::Result<()> {
-    Ok(())
+use crate::fault::clean;
+use crate::load::{self, Behind, Format, Loaded};
+use crate::motion_tables::{self, ClipTables, POSE_KEYS, SEGS};
+use crate::prepared::{Prepared, articulation_of};
+use crate::table::Table;
+use crate::{fault, files};
+use anyhow::Context;
+use articula_formats::gltf::{self, Document};
+use articula_formats::{Limits, Resolver};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Arguments of `build`.
+#[derive(Debug, Args)]
+pub(crate) struct BuildArgs {
+    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh)
+    input: PathBuf,
+    /// Asset to write (.glb)
+    out: PathBuf,
+    #[command(flatten)]
+    names: NameArgs,
+    /// Seed of the choice of vertices that whole-pose keys watch
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    #[serde(rename = "in")]
+    input: String,
+    out: String,
+    bytes_in: usize,
+    bytes_out: usize,
+    joints: usize,
+    mapped: usize,
+    profile: String,
+    clips: Vec<Clip>,
+    /// Mesh levels; none are made yet.
+    levels: Vec<usize>,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Clip {
+    name: String,
+    frames: usize,
+    segs_bytes: usize,
+    posekeys_bytes: usize,
+    /// Keys of all joints at each tolerance, from 0.5 mm, doubling.
+    keys: Vec<usize>,
+}
+
+/// Reads a character, works out its tables, writes the asset.
+pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
+    if Format::of_name(&args.out) != Some(Format::Glb) {
+        let what = "an asset is a GLB; name the file .glb";
+        return Err(fault::usage(format!("{}: {what}", files::shown(&args.out))));
+    }
+    let loaded = load::character(&args.input, &args.names.profile)?;
+    let (bytes, prepared, tables) = asset(loaded, args.seed, console)?;
+    files::write(&args.out, &bytes)?;
+    let report = Report::new(args, bytes.len(), &prepared, &tables);
+    console.result(&report, Report::text)
+}
+
+/// The bytes of the asset of a character, what it was made of, and its tables.
+pub(crate) fn asset(
+    loaded: Loaded,
+    seed: u64,
+    console: &Console,
+) -> anyhow::Result<(Vec<u8>, Prepared, Vec<ClipTables>)> {
+    let loaded = with_document(loaded)?;
+    let place = loaded.place();
+    let prepared = Prepared::from_loaded(loaded)?;
+    let tables = motion_tables::made(&prepared.asset, seed, console);
+    let bytes = written(&prepared, &tables).context(place)?;
+    Ok((bytes, prepared, tables))
+}
+
+/// A character of another format as the document that it will be.
+fn with_document(mut loaded: Loaded) -> anyhow::Result<Loaded> {
+    if loaded.behind.is_some() {
+        return Ok(loaded);
+    }
+    let place = loaded.place();
+    let glb = Document::from_character(&loaded.character).context(place.clone())?;
+    let glb = glb.write_glb().context(place.clone())?;
+    let nothing: &mut Resolver<'_> = &mut |_: &str| Err("a GLB has nothing beside it".into());
+    let file = gltf::read(&glb, &Limits::default(), nothing)
+        .context(place)?
+        .value;
+    loaded.character = file.character;
+    loaded.behind = Some(Behind {
+        document: file.document,
+        node_of_joint: file.node_of_joint,
+        node_of_mesh: file.node_of_mesh,
+    });
+    Ok(loaded)
+}
+
+fn written(prepared: &Prepared, tables: &[ClipTables]) -> anyhow::Result<Vec<u8>> {
+    let behind = prepared.loaded.behind.as_ref();
+    let behind = behind.context("the character has no document")?;
+    let mut document = behind.document.clone();
+    document.set_articulation(&articulation_of(&prepared.loaded), &behind.node_of_joint)?;
+    for (clip, tables) in tables.iter().enumerate() {
+        document.set_motion_table(clip, SEGS, &tables.segs)?;
+        document.set_motion_table(clip, POSE_KEYS, &tables.pose_keys)?;
+    }
+    Ok(document.write_glb()?)
+}
+
+impl Report {
+    fn new(args: &BuildArgs, bytes_out: usize, prepared: &Prepared, tables: &[ClipTables]) -> Self {
+        let asset = &prepared.asset;
+        let articulation = asset.rig.articulation();
+        let clip = |(clip, tables): (&articula_core::clip::Clip, &ClipTables)| Clip {
+            name: clip.name.clone(),
+            frames: clip.frames(),
+            segs_bytes: tables.segs.len(),
+            posekeys_bytes: tables.pose_keys.len(),
+            keys: tables.keys.clone(),
+        };
+        let warnings = prepared.loaded.warnings.iter();
+        Self {
+            input: prepared.loaded.place(),
+            out: files::shown(&args.out),
+            bytes_in: prepared.loaded.bytes,
+            bytes_out,
+            joints: asset.rig.skin_joints().len(),
+            mapped: articulation.mapped(),
+            profile: articulation.profile.clone(),
+            clips: asset.clips.iter().zip(tables).map(clip).collect(),
+            levels: Vec::new(),
+            warnings: warnings.map(|w| format!("{}: {}", w.at, w.what)).collect(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!(
+            "{} ({} bytes) -> {} ({} bytes)\n{} joints, {} mapped to H-Anim (profile {})\n",
+            clean(&self.input),
+            self.bytes_in,
+            clean(&self.out),
+            self.bytes_out,
+            self.joints,
+            self.mapped,
+            clean(&self.profile)
+        );
+        let mut table = Table::new(&[
+            "clip",
+            "frames",
+            "segs bytes",
+            "posekeys bytes",
+            "keys at 0.5 mm",
+            "8 mm",
+            "128 mm",
+        ]);
+        for clip in &self.clips {
+            let keys = |level: usize| clip.keys.get(level).map_or("-".into(), usize::to_string);
+            table.row([
+                clip.name.clone(),
+                clip.frames.to_string(),
+                clip.segs_bytes.to_string(),
+                clip.posekeys_bytes.to_string(),
+                keys(0),
+                keys(4),
+                keys(8),
+            ]);
+        }
+        if !table.is_empty() {
+            text.push_str(&table.text());
+        }
+        for warning in &self.warnings {
+            text.push_str(&format!("warning: {}\n", clean(warning)));
+        }
+        text
+    }
 }

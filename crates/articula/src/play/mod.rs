@@ -1,6 +1,7 @@
 //! A clip played under motion level of detail: what `lod` and `demo` have in common.
 //!
 //! - [`methods`]: which method, with which parameters
+//! - [`saved`]: what a level leaves of the stored animation
 //! - [`rows`]: gain and error over distance
 //! - [`costs`]: what each zone, depth and level of complexity costs
 //! - [`plots`]: the same as curves and bars
@@ -10,6 +11,7 @@ pub(crate) mod costs;
 pub(crate) mod methods;
 pub(crate) mod plots;
 pub(crate) mod rows;
+pub(crate) mod saved;
 pub(crate) mod sheet;
 
 use crate::prepared::Prepared;

@@ -13,8 +13,6 @@ use articula_flat::plot::{BarSeries, PlotOptions, Scale, Series, Values, bar_plo
 pub(crate) struct Plot {
     /// File name without folder.
     pub(crate) name: &'static str,
-    /// What it shows, for people.
-    pub(crate) title: String,
     pub(crate) svg: String,
 }
 
@@ -22,7 +20,7 @@ pub(crate) struct Plot {
 pub(crate) fn gain(tables: &[Table], heading: &str) -> Plot {
     let title = format!("Joint updates saved, {heading}");
     let options = PlotOptions {
-        title: title.clone(),
+        title,
         x_label: "distance (m)".into(),
         y_label: "joint updates saved".into(),
         x: Scale::Logarithmic,
@@ -31,7 +29,6 @@ pub(crate) fn gain(tables: &[Table], heading: &str) -> Plot {
     };
     Plot {
         name: "gain.svg",
-        title,
         svg: line_plot(&options, &series(tables, |r| r.joint_update_gain)),
     }
 }
@@ -40,7 +37,7 @@ pub(crate) fn gain(tables: &[Table], heading: &str) -> Plot {
 pub(crate) fn error(tables: &[Table], heading: &str, limit_px: Option<f32>) -> Plot {
     let title = format!("Error in pixels (p95), {heading}");
     let options = PlotOptions {
-        title: title.clone(),
+        title,
         x_label: "distance (m)".into(),
         y_label: "p95 error (px)".into(),
         x: Scale::Logarithmic,
@@ -49,7 +46,6 @@ pub(crate) fn error(tables: &[Table], heading: &str, limit_px: Option<f32>) -> P
     };
     Plot {
         name: "error.svg",
-        title,
         svg: line_plot(&options, &series(tables, |r| r.error_px.p95)),
     }
 }
@@ -73,7 +69,7 @@ pub(crate) fn costs(costs: &Costs, heading: &str) -> Vec<Plot> {
     let plot = |name, by: &str, x: &str, costs: &[Cost]| {
         let title = format!("Cost by {by}, {heading}");
         let options = PlotOptions {
-            title: title.clone(),
+            title,
             x_label: x.into(),
             y_label: "joints a frame".into(),
             ..PlotOptions::default()
@@ -90,7 +86,6 @@ pub(crate) fn costs(costs: &Costs, heading: &str) -> Vec<Plot> {
         ];
         Plot {
             name,
-            title,
             svg: bar_plot(&options, &names, &series),
         }
     };
@@ -149,14 +144,13 @@ pub(crate) fn over_the_clip(
     });
     let title = format!("Joints updated over the clip, {heading}");
     let options = PlotOptions {
-        title: title.clone(),
+        title,
         x_label: "time in the clip (s)".into(),
         y_label: "joints updated".into(),
         ..PlotOptions::default()
     };
     Plot {
         name: "over-the-clip.svg",
-        title,
         svg: line_plot(&options, &series),
     }
 }
@@ -188,13 +182,12 @@ mod tests {
 
     #[test]
     fn stacked_plots_stand_below_each_other() {
-        let plot = |title: &str| Plot {
+        let plot = || Plot {
             name: "p.svg",
-            title: title.into(),
             svg: line_plot(&PlotOptions::default(), &[]),
         };
-        let one = stacked(&[plot("a")]);
-        let two = stacked(&[plot("a"), plot("b")]);
+        let one = stacked(&[plot()]);
+        let two = stacked(&[plot(), plot()]);
         let height = |svg: &str| -> f64 {
             let rest = svg.split_once(" height=\"").unwrap().1;
             rest.split_once('"').unwrap().0.parse().unwrap()

@@ -5,10 +5,11 @@
 
 use super::Scene;
 use super::methods::Chosen;
-use super::rows::{Row, Table};
+use super::rows::Table;
 use crate::prepared::Prepared;
 use anyhow::Context;
 use articula_build::evaluate::{Method, Playback, Stage, play};
+use articula_core::articulation::Region;
 use articula_core::hierarchy::local_to_model;
 use articula_core::pose::{LocalPose, ModelPose};
 use articula_core::sample::{Wrap, sample_morphs};
@@ -23,8 +24,28 @@ use articula_flat::skeleton::{JointMark, SkeletonOptions, draw_skeleton};
 use articula_flat::{Ground, Picture};
 use glam::{Affine3A, Vec2, Vec3};
 
-/// Size of one tile, pixels.
-const TILE: (u32, u32) = (230, 300);
+/// How large and how many the pictures of a sheet are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Format {
+    /// Width and height of one tile, pixels.
+    pub(crate) tile: (u32, u32),
+    /// Moments of the clip.
+    pub(crate) frames: usize,
+}
+
+impl Format {
+    /// For a file of its own.
+    pub(crate) const LARGE: Self = Self {
+        tile: (200, 290),
+        frames: 4,
+    };
+    /// For a page, where it is shown pixel for pixel.
+    pub(crate) const SMALL: Self = Self {
+        tile: (144, 206),
+        frames: 3,
+    };
+}
+
 /// From where the figure is seen: a little from its left and from above.
 const AZIMUTH: f32 = 0.55;
 const ELEVATION: f32 = 0.12;
@@ -35,7 +56,8 @@ const INSET: f32 = 0.5;
 pub(crate) struct Line<'a> {
     pub(crate) label: String,
     pub(crate) chosen: &'a Chosen,
-    pub(crate) row: &'a Row,
+    pub(crate) parameter: f32,
+    pub(crate) distance_m: f32,
 }
 
 /// Frames to show of a clip: the middles of `count` equal parts.
@@ -54,7 +76,8 @@ pub(crate) fn lines_by_distance(table: &Table) -> Vec<Line<'_>> {
     rows.map(|row| Line {
         label: format!("{} m", row.distance_m),
         chosen: &table.chosen,
-        row,
+        parameter: row.parameter,
+        distance_m: row.distance_m,
     })
     .collect()
 }
@@ -62,10 +85,12 @@ pub(crate) fn lines_by_distance(table: &Table) -> Vec<Line<'_>> {
 /// One line for each method, all at one of the distances.
 pub(crate) fn lines_by_method<'a>(tables: &'a [Table], distance: usize) -> Vec<Line<'a>> {
     let at = |table: &'a Table| {
+        let row = table.rows.get(distance)?;
         Some(Line {
             label: table.chosen.label(),
             chosen: &table.chosen,
-            row: table.rows.get(distance)?,
+            parameter: row.parameter,
+            distance_m: row.distance_m,
         })
     };
     tables.iter().filter_map(at).collect()
@@ -75,12 +100,13 @@ pub(crate) fn lines_by_method<'a>(tables: &'a [Table], distance: usize) -> Vec<L
 pub(crate) fn played(
     scene: &Scene<'_>,
     lines: &[Line<'_>],
+    format: Format,
     title: &str,
     notes: Vec<String>,
 ) -> anyhow::Result<Picture> {
     let stage = scene.stage();
-    let frames = frames_of(stage.truth.len(), 4);
-    let mut artist = Artist::new(scene.prepared, TILE);
+    let frames = frames_of(stage.truth.len(), format.frames);
+    let mut artist = Artist::new(scene.prepared, format.tile);
     artist.frame_clip(&stage, &frames);
     let references: Vec<Picture> = frames
         .iter()
@@ -88,15 +114,15 @@ pub(crate) fn played(
         .collect::<anyhow::Result<_>>()?;
     let mut rows = Vec::new();
     for line in lines {
-        let playbacks = play(&stage, &line.chosen.method, line.row.parameter).1;
+        let playbacks = play(&stage, &line.chosen.method, line.parameter).1;
         let Some(playback) = playbacks.first() else {
             continue;
         };
-        let scale = scene.pixels_per_metre(line.row.distance_m);
+        let scale = scene.pixels_per_metre(line.distance_m);
         let mut cells = Vec::new();
         for (frame, reference) in frames.iter().zip(&references) {
             let shown = shown_pose(&stage, playback, *frame);
-            let marks = marks(&stage, line.chosen, playback, line.row.parameter, *frame);
+            let marks = marks(&stage, line.chosen, playback, line.parameter, *frame);
             let morphs = artist.morphs(&stage, *frame);
             let reduced = artist.articulated(&shown, morphs, &marks, scale)?;
             cells.push(cell(
@@ -119,7 +145,7 @@ pub(crate) fn played(
 pub(crate) fn at_rest(prepared: &Prepared, title: &str) -> anyhow::Result<Picture> {
     let rest = prepared.asset.rig.rest_pose();
     let marks = vec![JointMark::Passive; prepared.asset.rig.len()];
-    let mut artist = Artist::new(prepared, TILE);
+    let mut artist = Artist::new(prepared, Format::LARGE.tile);
     let morphs = prepared.asset.mesh.morph_weights.clone();
     let mut cells = Vec::new();
     for turn in 0..4 {
@@ -256,6 +282,21 @@ impl<'a> Artist<'a> {
     pub(crate) fn frame_pose(&mut self, pose: &LocalPose, morphs: &[f32]) {
         self.pose(pose, morphs);
         self.bounds = Bounds::around(self.corners()).unwrap_or(self.bounds);
+    }
+
+    /// Frames the camera on the face, or on the left hand.
+    pub(crate) fn frame_region(&mut self, pose: &LocalPose, region: Region) {
+        let morphs = self.prepared.asset.mesh.morph_weights.clone();
+        self.pose(pose, &morphs);
+        let rig = &self.prepared.asset.rig;
+        let of_region = |j: &usize| rig.articulation().joints[*j].region == region;
+        let places = rig.skin_joints().iter().filter(of_region);
+        let places = places.map(|j| self.model.position(j));
+        let is_face = region == Region::Face;
+        let left = places.filter(|p| is_face || p.x >= 0.0);
+        let around = Vec3::splat(if is_face { 0.1 } else { 0.03 });
+        let boxes = left.map(|p| (p - around, p + around));
+        self.bounds = Bounds::around(boxes).unwrap_or(self.bounds);
     }
 
     /// Morph weights at a frame of the stage's clip.

@@ -6,10 +6,11 @@ use crate::arguments::NameArgs;
 use crate::console::Console;
 use crate::fault::clean;
 use crate::load::{self, Format, Loaded};
-use crate::reduced::{self, Passive};
+use crate::play::saved;
 use crate::{fault, files};
 use anyhow::Context;
 use articula_build::clip::source_rate_hz;
+use articula_core::joint_state::PassivePolicy;
 use articula_formats::bvh;
 use articula_formats::gltf::Document;
 use clap::Args;
@@ -37,8 +38,8 @@ pub(crate) struct ConvertArgs {
     #[arg(long, value_name = "F.json", conflicts_with = "loa")]
     loa_profile: Option<PathBuf>,
     /// What held joints show: hold, rest, key-pose, blend-to-rest:SECS [default: key-pose]
-    #[arg(long, value_name = "POLICY", value_parser = reduced::passive)]
-    passive: Option<Passive>,
+    #[arg(long, value_name = "POLICY", value_parser = saved::passive)]
+    passive: Option<PassivePolicy>,
     #[command(flatten)]
     names: NameArgs,
 }

@@ -3,10 +3,11 @@
 use super::ConvertArgs;
 use crate::load::Loaded;
 use crate::play::methods::joints;
+use crate::play::saved::{self, Amount, Saving};
 use crate::prepared::articulation_of;
-use crate::reduced::{Amount, Passive, reduced};
 use crate::{fault, files};
 use anyhow::Context;
+use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::JointSet;
 use articula_core::rig::Rig;
 use articula_formats::{Limits, loa_profile};
@@ -35,23 +36,19 @@ pub(super) fn apply(args: &ConvertArgs, loaded: &mut Loaded) -> anyhow::Result<O
     }
     let rig = Rig::new(&loaded.character.skeleton, articulation_of(loaded))?;
     let (selection, active) = selected(args, &rig)?;
-    let policy = args.passive.unwrap_or(Passive::KeyPose);
-    let (mut before, mut after) = (Amount::default(), Amount::default());
-    for clip in &mut loaded.character.clips {
-        before += Amount::of(clip);
-        *clip = reduced(clip, &rig, &active, policy);
-        after += Amount::of(clip);
-    }
-    let bytes = |amount: Amount| amount.animation_bytes as f64;
-    Ok(Some(Reduction {
+    let policy = args.passive.unwrap_or(PassivePolicy::KeyPose);
+    let saving = Saving::new(&rig, &loaded.character.clips, &active, policy);
+    let reduction = Reduction {
         selection,
-        passive: policy.name(),
+        passive: saved::name(policy),
         joints: rig.skin_joints().len(),
         joints_active: active.intersection(rig.skin_joints()).len(),
-        before,
-        after,
-        saved: 1.0 - bytes(after) / bytes(before).max(1.0),
-    }))
+        before: saving.before,
+        after: saving.after,
+        saved: saving.share(),
+    };
+    loaded.character.clips = saving.clips;
+    Ok(Some(reduction))
 }
 
 fn selected(args: &ConvertArgs, rig: &Rig) -> anyhow::Result<(String, JointSet)> {

@@ -3,6 +3,7 @@
 use super::extent::{Extent, Measure};
 use super::skeletons;
 use crate::console::Console;
+use crate::motion_tables::Stored;
 use crate::prepared::Prepared;
 use articula_build::clip::source_rate_hz;
 use articula_core::articulation::{Articulation, MAX_LEVEL, Region};
@@ -90,6 +91,8 @@ pub(super) struct Clip {
     pub(super) morphs_animated: usize,
     pub(super) keys: usize,
     pub(super) bounds: Option<Extent>,
+    /// Bytes of the motion tables that the file has for it; null where meshes are left out.
+    pub(super) motion_tables: Option<Stored>,
 }
 
 /// One mesh.
@@ -121,11 +124,7 @@ pub(super) struct Warning {
 }
 
 /// Looks at a character; `clips` are the ones to measure.
-pub(super) fn of(
-    prepared: &Prepared,
-    clips: &[usize],
-    console: &Console,
-) -> anyhow::Result<Findings> {
+pub(super) fn of(prepared: &Prepared, clips: &[usize], console: &Console) -> Findings {
     let (loaded, asset) = (&prepared.loaded, &prepared.asset);
     let character = &loaded.character;
     let bar = console.progress("measuring clips", clips.len());
@@ -157,7 +156,7 @@ pub(super) fn of(
     };
     let odd = oddities(&findings);
     findings.warnings.extend(odd);
-    Ok(findings)
+    findings
 }
 
 fn skeletons_of(prepared: &Prepared) -> Vec<Skeleton> {
@@ -252,6 +251,7 @@ fn clip_of(
         morphs_animated: moving_targets(built.morphs()).count(),
         keys: source.channels.iter().map(|c| c.times_secs.len()).sum(),
         bounds,
+        motion_tables: None,
     }
 }
 

@@ -7,6 +7,7 @@ mod text;
 
 use crate::arguments::CharacterArgs;
 use crate::console::Console;
+use crate::motion_tables;
 use crate::prepared::Prepared;
 use clap::Args;
 
@@ -30,6 +31,12 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         Some(name) => prepared.clip(Some(name))?.into_iter().collect(),
         None => (0..prepared.asset.clips.len()).collect(),
     };
-    let findings = findings::of(&prepared, &clips, console)?;
+    let mut findings = findings::of(&prepared, &clips, console);
+    if !args.character.leaves_out() {
+        let tables = motion_tables::checked(&prepared)?;
+        for (clip, found) in clips.iter().zip(&mut findings.clips) {
+            found.motion_tables = tables.get(*clip).copied();
+        }
+    }
     console.result(&findings, |found| text::of(found, args.map))
 }

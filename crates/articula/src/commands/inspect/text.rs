@@ -1,7 +1,7 @@
 //! The findings as tables for people.
 
 use super::extent::Extent;
-use super::findings::{Findings, Skeleton};
+use super::findings::{Clip, Findings, Skeleton};
 use crate::fault::clean;
 use crate::table::Table;
 
@@ -29,7 +29,10 @@ pub(super) fn of(found: &Findings, map: bool) -> String {
         text.push_str(&joints(found).text());
     }
     if !found.warnings.is_empty() {
-        text.push_str(&format!("\n{} warnings\n", found.warnings.len()));
+        text.push_str(&format!(
+            "\n{}\n",
+            counted(found.warnings.len(), "warnings")
+        ));
         for w in &found.warnings {
             text.push_str(&format!("  {}: {}\n", clean(&w.at), clean(&w.what)));
         }
@@ -108,12 +111,17 @@ fn skeleton_text(skeleton: &Skeleton) -> String {
 }
 
 fn clips(found: &Findings) -> Table {
-    let mut table = Table::new(&[
+    let stored = |c: &Clip| c.motion_tables.filter(|t| t.any());
+    let any = found.clips.iter().any(|c| stored(c).is_some());
+    let headings = [
         "name", "length", "fps", "frames", "moving", "keyed", "morphs", "keys", "height",
-    ]);
+    ];
+    let tables = any.then_some("segs / posekeys");
+    let headings: Vec<&str> = headings.into_iter().chain(tables).collect();
+    let mut table = Table::new(&headings);
     for clip in found.clips.iter().take(MOST_ROWS) {
         let height = clip.bounds.map(|b| format!("{:.2} m", b.size().y));
-        table.row([
+        let mut cells = vec![
             clip.name.clone(),
             format!("{:.2} s", clip.duration_secs),
             trimmed(clip.fps),
@@ -123,7 +131,12 @@ fn clips(found: &Findings) -> Table {
             clip.morphs_animated.to_string(),
             clip.keys.to_string(),
             height.unwrap_or("-".into()),
-        ]);
+        ];
+        if any {
+            let bytes = stored(clip).map(|t| format!("{} / {} bytes", t.segs, t.posekeys));
+            cells.push(bytes.unwrap_or("-".into()));
+        }
+        table.row(cells);
     }
     table
 }
@@ -166,7 +179,7 @@ fn section(text: &mut String, what: &str, table: Table, count: usize) {
         text.push_str(&format!("\nno {what}\n"));
         return;
     }
-    text.push_str(&format!("\n{count} {what}\n"));
+    text.push_str(&format!("\n{}\n", counted(count, what)));
     text.push_str(&table.text());
     if count > MOST_ROWS {
         text.push_str(&format!(
@@ -176,8 +189,26 @@ fn section(text: &mut String, what: &str, table: Table, count: usize) {
     }
 }
 
+/// A count with its noun, given in the plural.
+fn counted(count: usize, what: &str) -> String {
+    let one = match what {
+        "meshes" => "mesh",
+        other => other.trim_end_matches('s'),
+    };
+    format!("{count} {}", if count == 1 { one } else { what })
+}
+
 fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
-    let mut names: Vec<String> = names.map(clean).collect();
+    let named = |n: &'a str| {
+        if n.is_empty() {
+            "(no name)".into()
+        } else {
+            clean(n)
+        }
+    };
+    let mut names: Vec<String> = names.map(named).collect();
+    // Rigs without any joint names would only repeat themselves.
+    names.dedup();
     let count = names.len();
     if count > MOST_NAMES {
         names.truncate(MOST_NAMES);

@@ -4,6 +4,7 @@ mod report;
 
 use crate::arguments::{CharacterArgs, ViewArgs, not_negative, positive};
 use crate::console::Console;
+use crate::motion_tables::{self, Stored};
 use crate::play::methods::MethodArgs;
 use crate::play::rows::{self, Table, Tuning};
 use crate::play::{Scene, costs, plots, sheet};
@@ -56,6 +57,7 @@ pub(crate) struct LodArgs {
 pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     args.check()?;
     let prepared = Prepared::new(&args.character)?;
+    let stored = args.stored_tables(&prepared)?;
     let Some(clip) = prepared.clip(args.clip.as_deref())? else {
         return at_rest(args, &prepared, console);
     };
@@ -69,6 +71,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     let methods = methods.with_context(|| prepared.loaded.place())?;
     let tables = rows::of(&scene, &methods, &args.distances, args.tuning(), console);
     let mut report = Report::new(&scene, args, &tables);
+    report.motion_tables = stored.get(clip).copied();
     if let Some(path) = &args.plot {
         report
             .written
@@ -93,6 +96,15 @@ impl LodArgs {
             return Err(fault::usage("--distances takes 1 to 100 distances"));
         }
         Ok(())
+    }
+
+    /// What the file brings along, checked; not where meshes are left out, since the tables are
+    /// those of the whole skin.
+    fn stored_tables(&self, prepared: &Prepared) -> anyhow::Result<Vec<Stored>> {
+        if self.character.leaves_out() {
+            return Ok(Vec::new());
+        }
+        motion_tables::checked(prepared)
     }
 
     fn tuning(&self) -> Tuning {
@@ -141,7 +153,7 @@ fn draw_sheet(
             sheet::lines_by_method(tables, middle)
         }
     };
-    sheet::played(scene, &lines, title, notes)
+    sheet::played(scene, &lines, sheet::Format::LARGE, title, notes)
 }
 
 fn write_plots(

@@ -2,6 +2,7 @@
 
 use super::LodArgs;
 use crate::fault::clean;
+use crate::motion_tables::Stored;
 use crate::play::Scene;
 use crate::play::rows::{Row, Table};
 use crate::prepared::Prepared;
@@ -28,6 +29,8 @@ pub(super) struct Report {
     pub(super) vertices_watched: usize,
     pub(super) seed: u64,
     pub(super) rows: Vec<Row>,
+    /// Bytes of the tables that the clip has in the file, checked; null where meshes are left out.
+    pub(super) motion_tables: Option<Stored>,
     /// Files that were written.
     pub(super) written: Vec<String>,
     pub(super) warnings: Vec<String>,
@@ -84,6 +87,7 @@ impl Report {
             vertices_watched: setup.points.min(asset.mesh.len()),
             seed: args.seed,
             rows: Vec::new(),
+            motion_tables: None,
             written: Vec::new(),
             warnings: vec!["the file has no clip: rest pose only".into()],
         }
@@ -125,6 +129,12 @@ impl Report {
                 self.viewport_px[0],
                 self.viewport_px[1],
                 self.fov_deg
+            ));
+        }
+        if let Some(tables) = self.motion_tables.filter(|t| t.any()) {
+            text.push_str(&format!(
+                "motion tables in the file fit: segs {} bytes, posekeys {} bytes\n",
+                tables.segs, tables.posekeys
             ));
         }
         let rows = self.rows();

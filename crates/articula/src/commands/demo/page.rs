@@ -1,0 +1,311 @@
+//! The page of the demo: plain HTML beside its files, readable in light, dark and on a phone.
+
+use super::report::{MethodRows, Report};
+use crate::play::rows::Row;
+use std::fmt::Write;
+
+const STYLE: &str = include_str!("page.css");
+
+/// The whole page. Every number in it is one of the report.
+pub(super) fn of(report: &Report) -> String {
+    let sections = [
+        header(report),
+        "<main>\n".into(),
+        character(report),
+        distances(report),
+        methods(report),
+        levels(report),
+        more(report),
+        "</main>\n".into(),
+    ];
+    format!(
+        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <meta name=\"color-scheme\" content=\"light dark\">\n\
+         <title>Articula: a virtual human at the detail you can see</title>\n\
+         <style>\n{STYLE}</style>\n</head>\n<body>\n{}{}</body>\n</html>\n",
+        sections.concat(),
+        footer(report)
+    )
+}
+
+fn header(report: &Report) -> String {
+    let row = |label: &str| report.middle(label);
+    let number =
+        |name: &str, value: String| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n");
+    let mut numbers = String::new();
+    if let Some(ours) = row("skin-px hold") {
+        let at = format!("at {} m", ours.distance_m);
+        numbers += &number(
+            &format!("joint updates saved {at}"),
+            percent(ours.joint_update_gain),
+        );
+        numbers += &number(
+            &format!("its error {at} (p95)"),
+            format!("{:.2} px", ours.error_px.p95),
+        );
+    }
+    if let Some(thesis) = row("thesis") {
+        numbers += &number(
+            "saved by the thesis metric there",
+            percent(thesis.joint_update_gain),
+        );
+    }
+    if let Some(level) = report.levels.iter().find(|l| l.name == "Low") {
+        numbers += &number(
+            "stored animation saved at level Low",
+            percent(level.saved as f32),
+        );
+    }
+    format!(
+        "<header>\n<h1>A virtual human at the detail you can see</h1>\n\
+         <p class=\"lead\">Far away, most joints of a moving figure need not be updated in every \
+         frame: nobody can see the difference. Articula decides which, by one number: how many \
+         pixels the skin is off. This page was just computed on your machine with the embedded \
+         reference human and its clip <em>{}</em>; every method was tuned to err by at most \
+         {} pixel.</p>\n<dl class=\"numbers\">\n{numbers}</dl>\n</header>\n",
+        escaped(&report.clip),
+        report.target_px
+    )
+}
+
+fn character(report: &Report) -> String {
+    let human = &report.human;
+    format!(
+        "<section>\n<h2>The reference human</h2>\n\
+         <p>{} joints of the H-Anim standard, {} triangles, {} clips, {:.0} kB, made from \
+         formulas alone: <a href=\"human.glb\">human.glb</a> opens in every glTF viewer, and so does \
+         <a href=\"asset.glb\">asset.glb</a>, the same with its levels of articulation and motion tables.</p>\n{}</section>\n",
+        human.joints,
+        human.triangles,
+        report.clips.len(),
+        human.bytes as f64 / 1e3,
+        picture(
+            "character.png",
+            "The reference human from the front, the side and the back, its face and a hand",
+            "The rest pose, its face and its left hand.",
+        )
+    )
+}
+
+fn distances(report: &Report) -> String {
+    let limit = report.target_px;
+    let clips: Vec<(&str, &[Row])> = report
+        .clips
+        .iter()
+        .map(|c| (c.clip.as_str(), c.rows.as_slice()))
+        .collect();
+    format!(
+        "<section>\n<h2>Motion under level of detail</h2>\n\
+         <p>Our metric holds a joint as long as the skin that hangs on it drifts by less than the \
+         tolerance from where it should be, and the tolerance grows with distance. \
+         <span class=\"dot active\"></span>green joints are updated in the frame shown, \
+         <span class=\"dot passive\"></span>red rings are held, \
+         <span class=\"dot between\"></span>amber ones are in transition.</p>\n{}{}</section>\n",
+        picture(
+            "distances.png",
+            "The walking human at five distances and four moments, as it is and with held joints marked",
+            "Left of each pair: the clip as it is. Right: what is shown. The small figure has its true size on a screen of 1280 x 720 pixels at 45 degrees.",
+        ),
+        table(
+            &format!(
+                "Joint updates saved by our metric (hold) on each clip, at most {limit} px of p95 error"
+            ),
+            "clip",
+            &clips,
+        )
+    )
+}
+
+fn methods(report: &Report) -> String {
+    let rows: Vec<(&str, &[Row])> = report
+        .methods
+        .iter()
+        .map(|m: &MethodRows| (m.label.as_str(), m.rows.as_slice()))
+        .collect();
+    let middle = report.middle("skin-px hold").map_or(0.0, |r| r.distance_m);
+    format!(
+        "<section>\n<h2>Every method at the same error</h2>\n\
+         <p>Calibrate, then compare: each method has one parameter; it is set as high as the error \
+         allows. Error is the distance on the screen between the shown and the true skin: the 95th \
+         percentile over frames of the 95th over the skin, from the worst of three sides.</p>\n\
+         <div class=\"plots\">\n{}{}</div>\n{}{}{}</section>\n",
+        plot(
+            "gain.svg",
+            "Joint updates saved over distance, one line for each method",
+            ""
+        ),
+        plot(
+            "error.svg",
+            "Error in pixels over distance, one line for each method",
+            ""
+        ),
+        table(
+            &format!(
+                "Joint updates saved on clip {}, of {} moving joints",
+                report.clip, report.joints_moving
+            ),
+            "method",
+            &rows,
+        ),
+        picture(
+            "methods.png",
+            "The walking human under every method, with held joints marked",
+            &format!("Every method at {middle} m."),
+        ),
+        plot(
+            "over-the-clip.svg",
+            "Number of joints updated in each frame of the clip, one line for each method",
+            "Savings are not spread evenly: where the body turns fast, more joints must follow.",
+        )
+    )
+}
+
+fn levels(report: &Report) -> String {
+    let mut rows = String::new();
+    for level in &report.levels {
+        let _ = writeln!(
+            rows,
+            "<tr><th scope=\"row\">{}</th><td>{}</td><td>{}</td><td>{}</td><td>{:.1} kB</td><td>{}</td></tr>",
+            level.name,
+            level.joints,
+            level.stored.channels,
+            level.stored.keys,
+            level.stored.animation_bytes as f64 / 1e3,
+            percent(level.saved as f32)
+        );
+    }
+    let plots = [
+        ("cost-by-zone.svg", "Joints a frame by zone of the body"),
+        (
+            "cost-by-depth.svg",
+            "Joints a frame by depth in the hierarchy",
+        ),
+        (
+            "cost-by-complexity.svg",
+            "Joints a frame by level of complexity",
+        ),
+    ];
+    let plots = plots.map(|(file, alt)| plot(file, alt, "")).concat();
+    format!(
+        "<section>\n<h2>Levels of articulation</h2>\n\
+         <p>A level says which joints may move at all, whatever the error. The same scale serves \
+         the run time, stored files and streams; zones, depths and single joints combine with it, \
+         as in <code>loa(Low) + zone(hands)</code>.</p>\n{}\
+         <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"Stored animation by level\">\n<table>\n\
+         <caption>The stored animation of all clips under each level; held joints keep their key pose</caption>\n\
+         <thead><tr><th scope=\"col\">level</th><th scope=\"col\">joints</th><th scope=\"col\">channels</th>\
+         <th scope=\"col\">keys</th><th scope=\"col\">size</th><th scope=\"col\">saved</th></tr></thead>\n\
+         <tbody>\n{rows}</tbody>\n</table>\n</div>\n<div class=\"plots\">\n{plots}</div>\n</section>\n",
+        picture(
+            "levels.png",
+            "The walking human at seven levels of articulation, moving joints marked",
+            "From every joint to none; held joints show the pose that is nearest to all frames.",
+        )
+    )
+}
+
+fn more(report: &Report) -> String {
+    let fastest = report
+        .costs
+        .complexities
+        .iter()
+        .map(|c| c.measured_ns_per_frame);
+    let full = report
+        .costs
+        .complexities
+        .last()
+        .map_or(0.0, |c| c.measured_ns_per_frame);
+    let none = fastest.fold(f64::INFINITY, f64::min);
+    format!(
+        "<section>\n<h2>On your own character</h2>\n<pre><code>articula inspect hero.glb\n\
+         articula lod hero.glb --calibrate 1 --method all --contact-sheet sheet.png --plot plots/\n\
+         articula convert hero.glb small.glb --loa \"loa(Low) + zone(hands)\"</code></pre>\n\
+         <p class=\"soft\">Counts on this page are exact and the same on every machine. Times are \
+         not: sampling and all matrices of one figure took {full:.0} ns a frame with every joint and \
+         {none:.0} ns with none, by the clock of this run and the plain code. So holding joints saves \
+         samples, but by itself little time: that is why levels are also merged and shared.</p>\n</section>\n"
+    )
+}
+
+fn footer(report: &Report) -> String {
+    format!(
+        "<footer>\n<p>Articula {}. All numbers: <a href=\"report.json\">report.json</a>.</p>\n</footer>\n",
+        escaped(report.version)
+    )
+}
+
+/// Gain by distance, one line for each name.
+fn table(caption: &str, what: &str, lines: &[(&str, &[Row])]) -> String {
+    let mut head = format!("<th scope=\"col\">{what}</th>");
+    for row in lines.first().map_or(&[][..], |l| l.1) {
+        let _ = write!(head, "<th scope=\"col\">{} m</th>", row.distance_m);
+    }
+    let mut body = String::new();
+    for (name, rows) in lines {
+        let _ = write!(body, "<tr><th scope=\"row\">{}</th>", escaped(name));
+        for row in *rows {
+            let missed = row.meets_target == Some(false);
+            let class = if missed { " class=\"missed\"" } else { "" };
+            let mark = if missed { " (misses)" } else { "" };
+            let _ = write!(
+                body,
+                "<td{class} title=\"p95 error {:.2} px\">{}{mark}</td>",
+                row.error_px.p95,
+                percent(row.joint_update_gain)
+            );
+        }
+        body.push_str("</tr>\n");
+    }
+    let label = escaped(caption);
+    format!(
+        "<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{label}\">\n<table>\n\
+         <caption>{label}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody>\n</table>\n</div>\n"
+    )
+}
+
+/// A large picture that scrolls sideways where the window is narrow.
+fn picture(file: &str, alt: &str, caption: &str) -> String {
+    let alt = escaped(alt);
+    format!(
+        "<figure>\n<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-label=\"{alt}\">\
+         <a href=\"{file}\"><img src=\"{file}\" alt=\"{alt}\" loading=\"lazy\"></a></div>\n\
+         <figcaption>{}</figcaption>\n</figure>\n",
+        escaped(caption)
+    )
+}
+
+/// A plot; its own title says what it shows, `caption` what to see in it.
+fn plot(file: &str, alt: &str, caption: &str) -> String {
+    let alt = escaped(alt);
+    let caption = if caption.is_empty() {
+        String::new()
+    } else {
+        format!("\n<figcaption>{}</figcaption>", escaped(caption))
+    };
+    format!(
+        "<figure>\n<div class=\"wide small\"><a href=\"{file}\"><img src=\"{file}\" alt=\"{alt}\"></a></div>{caption}\n</figure>\n"
+    )
+}
+
+fn percent(share: f32) -> String {
+    format!("{:.1} %", 100.0 * share)
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;")
+        .replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_from_files_cannot_become_markup() {
+        assert_eq!(escaped("<b a=\"1\">&"), "&lt;b a=&quot;1&quot;&gt;&amp;");
+        assert!(table("a<b", "x", &[]).contains("a&lt;b"));
+    }
+}
