@@ -74,6 +74,18 @@ pub struct GltfFile {
 ///   transform, as the format demands.
 /// - *Clips* are the animations in order: clip `i` is `animations[i]`.
 ///
+/// ```
+/// use articula_formats::{Limits, gltf};
+///
+/// let file = br#"{"asset": {"version": "2.0"}, "nodes": [{"name": "hips"}],
+///     "skins": [{"joints": [0]}]}"#;
+/// let mut nothing_beside = |uri: &str| Err(format!("{uri}: no such file"));
+/// let read = gltf::read(file, &Limits::default(), &mut nothing_beside)?;
+/// assert_eq!(read.value.character.skeleton.joints[0].name, "hips");
+/// assert!(read.warnings.is_empty());
+/// # Ok::<(), articula_formats::ReadError>(())
+/// ```
+///
 /// # Errors
 /// [`ReadError::Malformed`] with the path of the offending value, [`ReadError::Unsupported`]
 /// for a required extension that is not read, [`ReadError::Missing`] for a buffer that the
