@@ -8,9 +8,10 @@ use crate::motion_error::contacts::{Contact, contacts};
 use crate::motion_error::levers::levers;
 use crate::motion_error::thesis::error_matrix;
 use articula_core::clip::Clip;
+use articula_core::hierarchy::local_to_model;
 use articula_core::loa::JointSet;
 use articula_core::motion_error::JointLever;
-use articula_core::pose::LocalPose;
+use articula_core::pose::{LocalPose, ModelPose};
 use articula_core::sample::{Wrap, sample};
 use articula_core::thesis_metric::ErrorMatrix;
 use articula_core::view::Viewport;
@@ -106,6 +107,8 @@ pub struct Trial {
     pub fk_joints: f32,
     /// Displacement of the skin.
     pub error: ErrorMetres,
+    /// Mean way that feet slide during contacts because of what is held, metres.
+    pub foot_slide_metres: f32,
 }
 
 /// A [`Trial`] as seen from a distance.
@@ -221,7 +224,34 @@ impl<'a> Stage<'a> {
             joints_sampled: sampled,
             fk_joints: mean(&|p| p.updated.iter().map(|u| self.dirty(u)).sum()),
             error: self.error(playbacks),
+            foot_slide_metres: playbacks.iter().map(|p| self.foot_slide(p)).sum::<f32>() / count,
         }
+    }
+
+    /// During each contact: how far the shown joint has moved over the ground since the contact
+    /// began, less how far the true one has; the mean over all frames of all contacts.
+    fn foot_slide(&self, playback: &Playback) -> f32 {
+        let mut pose = self.truth[0].clone();
+        let mut model = ModelPose::new(self.asset.rig.len());
+        let mut place = |frame: usize, joint: usize, rotations: &[Quat]| {
+            pose.copy_from(&self.truth[frame]);
+            pose.rotations.copy_from_slice(rotations);
+            local_to_model(&self.asset.rig, &pose, &mut model);
+            model.position(joint) * Vec3::new(1.0, 0.0, 1.0)
+        };
+        let (mut sum, mut frames) = (0.0, 0);
+        for contact in &self.contacts {
+            let mut offset = |frame: usize| {
+                let shown = place(frame, contact.joint, &playback.shown[frame]);
+                shown - place(frame, contact.joint, &self.truth[frame].rotations)
+            };
+            let start = offset(contact.frames.start);
+            for frame in contact.frames.clone().skip(1) {
+                sum += (offset(frame) - start).length();
+                frames += 1;
+            }
+        }
+        if frames > 0 { sum / frames as f32 } else { 0.0 }
     }
 
     /// Joints at or below an updated one.
