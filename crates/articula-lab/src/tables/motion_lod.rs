@@ -9,7 +9,7 @@ use articula_build::character::Asset;
 use articula_build::evaluate::{
     Method, MethodOptions, Row, Setup, SkinPxVariant, Stage, calibrate, sweep,
 };
-use articula_build::motion_error::thesis::{Direction, ThesisOptions};
+use articula_build::motion_error::thesis::Direction;
 use articula_core::articulation::Complexity;
 use articula_core::loa::selection::complexity;
 use std::fmt::Write as _;
@@ -44,91 +44,80 @@ impl Measured {
 
 /// The rows, in the order of the published table.
 pub(crate) fn entries(asset: &Asset) -> Vec<Entry> {
-    let levels = Complexity::ALL
-        .iter()
-        .rev()
-        .map(|c| complexity(&asset.rig, *c))
-        .collect();
-    let path = MethodOptions {
-        thesis: ThesisOptions {
-            direction: Direction::Path,
-            ..ThesisOptions::default()
-        },
-        ..MethodOptions::default()
-    };
-    let plain = MethodOptions::default();
-    let careful = MethodOptions {
-        contact_care: true,
-        ..plain
-    };
-    let entry = |title, method, options, published| Entry {
+    let mut entries = baselines(asset);
+    entries.extend(ours());
+    entries
+}
+
+fn entry(title: &'static str, method: Method, published: Option<[f32; 5]>) -> Entry {
+    Entry {
         title,
         method,
-        options,
+        options: MethodOptions::default(),
         published,
-    };
-    let ours = |variant| Method::SkinPx(variant);
+    }
+}
+
+fn baselines(asset: &Asset) -> Vec<Entry> {
+    let levels = Complexity::ALL.iter().rev();
+    let levels = levels.map(|c| complexity(&asset.rig, *c)).collect();
+    let skipped = [0.0, 0.0, 12.0, 25.0, 45.0];
+    let by_path = [2.0, 2.0, 2.0, 3.0, 5.0];
+    let by_bone = [9.0, 10.0, 13.0, 13.0, 14.0];
+    let mut path = entry(
+        "thesis formula (path direction)",
+        Method::Thesis,
+        Some(by_path),
+    );
+    path.options.thesis.direction = Direction::Path;
     vec![
-        entry("fixed LoA", Method::Loa(levels), plain, Some([0.0; 5])),
-        entry("skip frames, hold", Method::SkipHold, plain, Some([0.0; 5])),
+        entry("fixed LoA", Method::Loa(levels), Some([0.0; 5])),
+        entry("skip frames, hold", Method::SkipHold, Some([0.0; 5])),
         entry(
             "skip frames, ideal interpolation",
             Method::SkipLerp,
-            plain,
-            Some([0.0, 0.0, 12.0, 25.0, 45.0]),
+            Some(skipped),
         ),
-        entry(
-            "thesis formula (path direction)",
-            Method::Thesis,
-            path,
-            Some([2.0, 2.0, 2.0, 3.0, 5.0]),
-        ),
+        path,
         entry(
             "thesis formula (bone direction)",
             Method::Thesis,
-            plain,
-            Some([9.0, 10.0, 13.0, 13.0, 14.0]),
+            Some(by_bone),
         ),
         entry(
             "Ahn-like clustering per joint",
             Method::Ahn,
-            plain,
             Some([20.0, 23.0, 30.0, 40.0, 50.0]),
         ),
-        entry(
+    ]
+}
+
+fn ours() -> Vec<Entry> {
+    use SkinPxVariant::{ClosedLoop, Hold, KeyPose, Linear, View};
+    let row = |title, variant, published| entry(title, Method::SkinPx(variant), published);
+    let mut careful = row("drift, hold last, contact care", Hold, None);
+    careful.options.contact_care = true;
+    vec![
+        row(
             "drift, hold last",
-            ours(SkinPxVariant::Hold),
-            plain,
+            Hold,
             Some([27.0, 32.0, 35.0, 45.0, 52.0]),
         ),
-        entry(
-            "drift, hold last, view dependent",
-            ours(SkinPxVariant::View),
-            plain,
-            None,
-        ),
-        entry(
-            "drift, hold last, contact care",
-            ours(SkinPxVariant::Hold),
-            careful,
-            None,
-        ),
-        entry(
+        row("drift, hold last, view dependent", View, None),
+        careful,
+        row(
             "drift, key pose of segment",
-            ours(SkinPxVariant::KeyPose),
-            plain,
+            KeyPose,
             Some([28.0, 33.0, 39.0, 50.0, 60.0]),
         ),
-        entry(
+        row(
             "closed loop",
-            ours(SkinPxVariant::ClosedLoop),
-            plain,
+            ClosedLoop,
             Some([29.0, 36.0, 40.0, 52.0, 60.0]),
         ),
-        entry(
+        row(
             "drift, linear keys",
-            ours(SkinPxVariant::Linear),
-            plain,
+            Linear,
             Some([57.0, 61.0, 66.0, 71.0, 79.0]),
         ),
     ]
