@@ -9,13 +9,15 @@ use articula_core::hierarchy::local_to_model;
 use articula_core::joint_state::{JointState, JointStates, TransitionOptions};
 use articula_core::loa::JointSet;
 use articula_core::math::{Transform, angle_between};
+use articula_core::mesh::Mesh;
 use articula_core::pose::{LocalPose, ModelPose};
 use articula_core::rig::Rig;
-use articula_core::sample::{Wrap, sample};
-use articula_core::source::{Joint, Skeleton};
+use articula_core::sample::{Wrap, sample, sample_morphs};
+use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::source::{self, Joint, MorphTarget, Primitive, Skeleton, Skin};
 use articula_core::thesis_metric::{ErrorMatrix, switch};
 use articula_core::view::Viewport;
-use glam::{Quat, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 
 const LEVER: f32 = 0.3;
 
@@ -313,13 +315,46 @@ fn a_frame_does_not_allocate() {
         pixels_per_metre: &[80.0; 4],
         attention: &[1.0; 4],
     };
+    let mesh = skinned_triangle();
+    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
+    let mut weights = mesh.morph_weights.clone();
+    let mut skinned = SkinnedMesh::new(&mesh);
     let counted = allocation_counter::measure(|| {
         for i in 0..120 {
             let secs = f64::from(i) / 60.0;
             let due = drift.due(secs, views);
             sample(&clip, secs, Wrap::Loop, &due, &mut pose);
+            sample_morphs(&clip, secs, Wrap::Loop, &mut weights);
             local_to_model(&rig, drift.step(secs, views, &due, &pose), &mut model);
+            palette(&mesh, &model, &mut matrices);
+            skin(&mesh, &matrices, &weights, &mut skinned);
         }
     });
     assert_eq!(counted.count_total, 0);
+}
+
+/// A triangle with one corner on each of the first three joints, and a morph target.
+fn skinned_triangle() -> Mesh {
+    let source = source::Mesh {
+        name: "triangle".into(),
+        skin: Skin {
+            joints: vec![0, 1, 2],
+            inverse_bind: vec![Affine3A::IDENTITY; 3],
+        },
+        primitives: vec![Primitive {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            influences: 1,
+            joints: vec![0, 1, 2],
+            weights: vec![1.0; 3],
+            triangles: vec![[0, 1, 2]],
+            morphs: vec![MorphTarget {
+                positions: vec![Vec3::Z; 3],
+                normals: vec![],
+            }],
+            ..Primitive::default()
+        }],
+        morph_names: vec!["bulge".into()],
+        morph_weights: vec![0.5],
+    };
+    Mesh::new(&[source], 4).unwrap()
 }
