@@ -11,7 +11,9 @@ use articula_core::source::{self, Channel, Interpolation, Property, evaluate};
 use glam::{Quat, Vec3};
 
 /// Rates that authors use; a key grid within half a percent of one is taken to be it.
-const USUAL_RATES_HZ: [f32; 10] = [10.0, 12.0, 15.0, 20.0, 24.0, 25.0, 30.0, 48.0, 50.0, 60.0];
+const USUAL_RATES_HZ: [f32; 14] = [
+    10.0, 12.0, 15.0, 20.0, 24.0, 25.0, 30.0, 48.0, 50.0, 60.0, 90.0, 100.0, 120.0, 240.0,
+];
 
 /// Highest rate that is chosen without being asked for.
 const MAX_RATE_HZ: f32 = 120.0;
