@@ -1,6 +1,7 @@
 //! The shape of the command line, and how its values are spelled.
 
 use crate::commands::{build, completions, convert, demo, human, inspect, lod};
+use crate::console::{Answer, Console, Progress};
 use articula_core::view::Viewport;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -24,6 +25,23 @@ pub(crate) struct CommandLine {
     /// Show no progress bars (they show on a terminal only)
     #[arg(long, short, global = true)]
     pub(crate) quiet: bool,
+}
+
+impl CommandLine {
+    /// How the user wants to be talked to.
+    pub(crate) fn console(&self) -> Console {
+        let answer = if self.json {
+            Answer::Json
+        } else {
+            Answer::Text
+        };
+        let progress = if self.quiet {
+            Progress::Hidden
+        } else {
+            Progress::Shown
+        };
+        Console::new(answer, progress)
+    }
 }
 
 /// The commands, in the order in which a newcomer meets them.

@@ -7,17 +7,35 @@ use serde::Serialize;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::time::Duration;
 
+/// How results are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Answer {
+    /// As text for people.
+    Text,
+    /// As JSON for programs.
+    Json,
+}
+
+/// Whether progress bars may show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Progress {
+    /// On a terminal.
+    Shown,
+    /// Nowhere.
+    Hidden,
+}
+
 /// How the user wants to be talked to.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Console {
-    json: bool,
-    quiet: bool,
+    answer: Answer,
+    progress: Progress,
 }
 
 impl Console {
-    /// `json` prints results for programs; `quiet` keeps progress bars back.
-    pub(crate) fn new(json: bool, quiet: bool) -> Self {
-        Self { json, quiet }
+    /// A console that answers and shows progress like this.
+    pub(crate) fn new(answer: Answer, progress: Progress) -> Self {
+        Self { answer, progress }
     }
 
     /// Prints a result, as JSON or as the text made from it.
@@ -26,7 +44,7 @@ impl Console {
         value: &T,
         text: impl FnOnce(&T) -> String,
     ) -> anyhow::Result<()> {
-        let out = if self.json {
+        let out = if self.answer == Answer::Json {
             let mut json = serde_json::to_string_pretty(value).context("standard output")?;
             json.push('\n');
             json
@@ -43,7 +61,8 @@ impl Console {
 
     /// A bar of `steps` steps on standard error; invisible if that is no terminal, or quiet.
     pub(crate) fn progress(&self, what: &str, steps: usize) -> ProgressBar {
-        let target = if self.quiet || !std::io::stderr().is_terminal() {
+        let hidden = self.progress == Progress::Hidden || !std::io::stderr().is_terminal();
+        let target = if hidden {
             ProgressDrawTarget::hidden()
         } else {
             ProgressDrawTarget::stderr()

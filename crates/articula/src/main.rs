@@ -23,7 +23,7 @@ use std::process::ExitCode;
 
 fn main() -> ExitCode {
     let line = arguments::CommandLine::parse();
-    let console = console::Console::new(line.json, line.quiet);
+    let console = line.console();
     match commands::run(&line.command, &console) {
         Ok(()) => ExitCode::SUCCESS,
         Err(fault) => {

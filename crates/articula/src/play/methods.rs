@@ -5,6 +5,7 @@ use anyhow::Context;
 use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
 use articula_build::motion_error::thesis::{Direction, Radius};
 use articula_core::articulation::Complexity;
+use articula_core::drift::DriftOptions;
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::{Expression, JointSet, selection};
 use articula_core::rig::Rig;
@@ -133,9 +134,10 @@ pub(crate) struct MethodArgs {
     /// Thesis: farthest view, metres
     #[arg(long, default_value_t = 16.0, value_parser = positive, value_name = "M")]
     d_max: f32,
-    /// Thesis: how a joint changes between active and passive, milliseconds
-    #[arg(long, default_value_t = 0.0, value_parser = not_negative, value_name = "MS")]
-    transition_ms: f32,
+    /// How long a joint takes between active and passive, milliseconds [default: thesis 0,
+    /// along a camera path 200]
+    #[arg(long, value_parser = not_negative, value_name = "MS")]
+    transition_ms: Option<f32>,
     /// Thesis: threshold over distance
     #[arg(long, value_enum, default_value = "literal")]
     curve: Curve,
@@ -287,7 +289,7 @@ impl MethodArgs {
             Curve::Literal => ThresholdCurve::Literal,
             Curve::Fixed => ThresholdCurve::Fixed,
         };
-        options.transition.secs = self.transition_ms / 1000.0;
+        options.transition.secs = self.transition_ms.unwrap_or(0.0) / 1000.0;
         options.transition.policy = match self.passive {
             Passive::Hold => PassivePolicy::HoldLast,
             Passive::Rest => PassivePolicy::Rest,
@@ -295,6 +297,26 @@ impl MethodArgs {
         };
         options.contact_care = self.contact_care;
         options
+    }
+}
+
+impl MethodArgs {
+    /// The controller that holds joints while a camera moves, at a tolerance in pixels.
+    pub(crate) fn drift(&self, epsilon_px: f32) -> anyhow::Result<DriftOptions> {
+        let ours = self.method == MethodName::SkinPx && self.variant == Variant::Hold;
+        if !ours {
+            let what =
+                "--camera-path plays the controller of skin-px; leave --method and --variant out";
+            return Err(fault::usage(what));
+        }
+        let mut options = DriftOptions {
+            epsilon_px,
+            ..DriftOptions::default()
+        };
+        if let Some(ms) = self.transition_ms {
+            options.transition.secs = ms / 1000.0;
+        }
+        Ok(options)
     }
 }
 

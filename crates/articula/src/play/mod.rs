@@ -1,12 +1,15 @@
 //! A clip played under motion level of detail: what `lod` and `demo` have in common.
 //!
+//! - [`camera_path`]: the same before a moving camera
 //! - [`methods`]: which method, with which parameters
 //! - [`saved`]: what a level leaves of the stored animation
 //! - [`rows`]: gain and error over distance
 //! - [`costs`]: what each zone, depth and level of complexity costs
 //! - [`plots`]: the same as curves and bars
-//! - [`sheet`]: the same as pictures
+//! - [`artist`], [`sheet`]: the same as pictures
 
+pub(crate) mod artist;
+pub(crate) mod camera_path;
 pub(crate) mod costs;
 pub(crate) mod methods;
 pub(crate) mod plots;

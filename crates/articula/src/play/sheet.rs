@@ -4,25 +4,18 @@
 //! shows, drawn large; the small figure in the corner has the true size on the screen.
 
 use super::Scene;
+use super::artist::Artist;
+use super::camera_path;
 use super::methods::Chosen;
 use super::rows::Table;
 use crate::prepared::Prepared;
 use anyhow::Context;
-use articula_build::evaluate::{Method, Playback, Stage, play};
-use articula_core::articulation::Region;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::view::{Camera, Viewport};
-use articula_flat::appearance::Appearance;
+use articula_build::evaluate::{Method, PathRun, Playback, Stage, play};
+use articula_core::pose::LocalPose;
+use articula_core::sample::{Wrap, sample};
+use articula_flat::Picture;
 use articula_flat::contact_sheet::{Cell, ContactSheet, Row as SheetRow, Tile};
-use articula_flat::frame::{Bounds, orbit_view};
-use articula_flat::projection::{Projection, Screen};
-use articula_flat::render::{RenderOptions, render};
-use articula_flat::skeleton::{JointMark, SkeletonOptions, draw_skeleton};
-use articula_flat::{Ground, Picture};
-use glam::{Affine3A, Vec2, Vec3};
+use articula_flat::skeleton::JointMark;
 
 /// How large and how many the pictures of a sheet are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -45,12 +38,6 @@ impl Format {
         frames: 3,
     };
 }
-
-/// From where the figure is seen: a little from its left and from above.
-const AZIMUTH: f32 = 0.55;
-const ELEVATION: f32 = 0.12;
-/// Figures higher than this share of a tile have no small copy at true size.
-const INSET: f32 = 0.5;
 
 /// One row of a sheet: a method with its parameter, at a distance.
 pub(crate) struct Line<'a> {
@@ -141,6 +128,45 @@ pub(crate) fn played(
     sheet(title, notes, columns.collect(), rows)
 }
 
+/// Draws moments of a run before a moving camera, each from where the camera stood.
+pub(crate) fn along_a_path(
+    scene: &Scene<'_>,
+    run: &PathRun,
+    title: &str,
+    notes: Vec<String>,
+) -> anyhow::Result<Picture> {
+    const IN_A_ROW: usize = 4;
+    let stage = scene.stage();
+    let mut artist = Artist::new(scene.prepared, Format::LARGE.tile);
+    let mut rows: Vec<SheetRow> = Vec::new();
+    for (i, at) in frames_of(run.frames.len(), 3 * IN_A_ROW)
+        .into_iter()
+        .enumerate()
+    {
+        let frame = &run.frames[at];
+        let mut truth = stage.asset.rig.rest_pose().clone();
+        let all = stage.asset.rig.all();
+        sample(stage.clip, frame.secs, Wrap::Loop, &all, &mut truth);
+        let morphs = stage.asset.mesh.morph_weights.clone();
+        artist.eye = Some(frame.camera.eye);
+        let reference = artist.figure(&truth, morphs.clone())?;
+        let marks = camera_path::marks(scene, frame);
+        let scale = scene.pixels_per_metre(frame.distance_m);
+        let shown = artist.articulated(&frame.shown, morphs, &marks, scale)?;
+        let caption = format!("{:.2} px", frame.error_px);
+        let mut cell = cell(reference, shown, caption);
+        cell.tiles[0].caption = format!("{:.2} s, {:.1} m", frame.secs, frame.distance_m);
+        if i % IN_A_ROW == 0 {
+            rows.push(SheetRow::default());
+        }
+        rows.last_mut()
+            .context("a row was just added")?
+            .cells
+            .push(cell);
+    }
+    sheet(title, notes, Vec::new(), rows)
+}
+
 /// Draws a character that has no clip: its rest pose, seen from four sides.
 pub(crate) fn at_rest(prepared: &Prepared, title: &str) -> anyhow::Result<Picture> {
     let rest = prepared.asset.rig.rest_pose();
@@ -226,206 +252,6 @@ fn marks(
     (0..rig.len()).map(mark).collect()
 }
 
-/// Poses and draws one character; keeps its buffers.
-pub(crate) struct Artist<'a> {
-    prepared: &'a Prepared,
-    look: Appearance,
-    skinned: SkinnedMesh,
-    model: ModelPose,
-    matrices: Vec<Affine3A>,
-    size: (u32, u32),
-    pub(crate) azimuth: f32,
-    bounds: Bounds,
-    floor_m: f32,
-}
-
-impl<'a> Artist<'a> {
-    /// An artist whose pictures have a size in pixels.
-    pub(crate) fn new(prepared: &'a Prepared, size: (u32, u32)) -> Self {
-        let character = &prepared.loaded.character;
-        let (look, _) = Appearance::new(&character.materials, &character.images);
-        let asset = &prepared.asset;
-        let person = Bounds {
-            low: Vec3::new(-0.5, 0.0, -0.5),
-            high: Vec3::new(0.5, 1.8, 0.5),
-        };
-        let mut artist = Self {
-            prepared,
-            look,
-            skinned: SkinnedMesh::new(&asset.mesh),
-            model: ModelPose::new(asset.rig.len()),
-            matrices: vec![Affine3A::IDENTITY; asset.mesh.bindings.len()],
-            size,
-            azimuth: AZIMUTH,
-            bounds: person,
-            floor_m: 0.0,
-        };
-        artist.frame_pose(asset.rig.rest_pose(), &asset.mesh.morph_weights);
-        artist.floor_m = floor(&artist.bounds);
-        artist
-    }
-
-    /// Frames the camera on some frames of a clip.
-    pub(crate) fn frame_clip(&mut self, stage: &Stage<'_>, frames: &[usize]) {
-        let boxes: Vec<_> = frames
-            .iter()
-            .filter_map(|f| {
-                let morphs = self.morphs(stage, *f);
-                self.pose(&stage.truth[*f], &morphs);
-                self.corners()
-            })
-            .collect();
-        self.bounds = Bounds::around(boxes).unwrap_or(self.bounds);
-    }
-
-    /// Frames the camera on one pose.
-    pub(crate) fn frame_pose(&mut self, pose: &LocalPose, morphs: &[f32]) {
-        self.pose(pose, morphs);
-        self.bounds = Bounds::around(self.corners()).unwrap_or(self.bounds);
-    }
-
-    /// Frames the camera on the face, or on the left hand.
-    pub(crate) fn frame_region(&mut self, pose: &LocalPose, region: Region) {
-        let morphs = self.prepared.asset.mesh.morph_weights.clone();
-        self.pose(pose, &morphs);
-        let rig = &self.prepared.asset.rig;
-        let of_region = |j: &usize| rig.articulation().joints[*j].region == region;
-        let places = rig.skin_joints().iter().filter(of_region);
-        let places = places.map(|j| self.model.position(j));
-        let is_face = region == Region::Face;
-        let left = places.filter(|p| is_face || p.x >= 0.0);
-        let around = Vec3::splat(if is_face { 0.1 } else { 0.03 });
-        let boxes = left.map(|p| (p - around, p + around));
-        self.bounds = Bounds::around(boxes).unwrap_or(self.bounds);
-    }
-
-    /// Morph weights at a frame of the stage's clip.
-    pub(crate) fn morphs(&self, stage: &Stage<'_>, frame: usize) -> Vec<f32> {
-        let mut weights = stage.asset.mesh.morph_weights.clone();
-        let secs = frame as f64 / f64::from(stage.clip.rate_hz());
-        sample_morphs(stage.clip, secs, Wrap::Clamp, &mut weights);
-        weights
-    }
-
-    /// The character as it is.
-    pub(crate) fn figure(&mut self, pose: &LocalPose, morphs: Vec<f32>) -> anyhow::Result<Picture> {
-        self.pose(pose, &morphs);
-        let options = RenderOptions {
-            ground: Some(self.ground()),
-            ..RenderOptions::default()
-        };
-        self.draw(&self.camera(), &options)
-    }
-
-    /// The character with its joints marked, and in a corner as large as on the screen, where a
-    /// metre spans `pixels_per_metre`.
-    pub(crate) fn articulated(
-        &mut self,
-        pose: &LocalPose,
-        morphs: Vec<f32>,
-        marks: &[JointMark],
-        pixels_per_metre: f32,
-    ) -> anyhow::Result<Picture> {
-        let mut picture = self.figure(pose, morphs)?;
-        let screen = Screen::new(&self.camera(), Projection::Perspective);
-        let rig = &self.prepared.asset.rig;
-        let options = SkeletonOptions::default();
-        draw_skeleton(&mut picture, rig, &self.model, &screen, marks, &options);
-        if let Some(small) = self.true_size(pixels_per_metre)? {
-            let x = picture.width() as i32 - small.width() as i32 - 4;
-            let y = picture.height() as i32 - small.height() as i32 - 4;
-            let frame = [150, 154, 164, 255];
-            picture.draw_box(x - 1, y - 1, small.width() + 2, small.height() + 2, frame);
-            picture.blit(&small, x, y);
-        }
-        Ok(picture)
-    }
-
-    /// The posed figure at its size on the screen; `None` if that is too large or too small.
-    fn true_size(&self, pixels_per_metre: f32) -> anyhow::Result<Option<Picture>> {
-        let size = self.bounds.high - self.bounds.low;
-        let across = Vec2::new(size.x.max(size.z), size.y) * pixels_per_metre;
-        let most = INSET * Vec2::new(self.size.0 as f32, self.size.1 as f32);
-        if across.cmpgt(most).any() || across.y < 2.0 || !across.is_finite() {
-            return Ok(None);
-        }
-        let (width, height) = (across.x.ceil() + 6.0, across.y.ceil() + 6.0);
-        let viewport = Viewport {
-            width_px: width,
-            height_px: height,
-            ..Viewport::default()
-        };
-        let camera = Camera {
-            viewport,
-            ..self.camera()
-        };
-        let options = RenderOptions {
-            projection: Projection::Parallel { pixels_per_metre },
-            ..RenderOptions::default()
-        };
-        self.draw(&camera, &options).map(Some)
-    }
-
-    fn draw(&self, camera: &Camera, options: &RenderOptions) -> anyhow::Result<Picture> {
-        let mesh = &self.prepared.asset.mesh;
-        render(mesh, &self.skinned, &self.look, camera, options).context("drawing the character")
-    }
-
-    fn camera(&self) -> Camera {
-        let viewport = Viewport {
-            width_px: self.size.0 as f32,
-            height_px: self.size.1 as f32,
-            // Narrow, so that the figure is not distorted.
-            fov_y_radians: 0.4,
-        };
-        orbit_view(&self.bounds, self.azimuth, ELEVATION, viewport)
-    }
-
-    fn ground(&self) -> Ground {
-        let middle = self.bounds.middle();
-        let size = self.bounds.high - self.bounds.low;
-        Ground {
-            height_m: self.floor_m,
-            middle: Vec2::new(middle.x, middle.z),
-            radius_m: 1.3 * size.max_element().max(0.1),
-        }
-    }
-
-    /// Skins a pose with its root above the origin: the camera follows.
-    fn pose(&mut self, pose: &LocalPose, morphs: &[f32]) {
-        let asset = &self.prepared.asset;
-        local_to_model(&asset.rig, pose, &mut self.model);
-        let root = self.model.position(asset.rig.root());
-        let back = Affine3A::from_translation(-Vec3::new(root.x, 0.0, root.z));
-        for matrix in &mut self.model.matrices {
-            *matrix = back * *matrix;
-        }
-        palette(&asset.mesh, &self.model, &mut self.matrices);
-        skin(&asset.mesh, &self.matrices, morphs, &mut self.skinned);
-    }
-
-    fn corners(&self) -> Option<(Vec3, Vec3)> {
-        let joints = || {
-            let joints = self.prepared.asset.rig.skin_joints().iter();
-            let places = joints.map(|j| self.model.position(j));
-            places
-                .map(|p| (p, p))
-                .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-        };
-        self.skinned.bounds().or_else(joints)
-    }
-}
-
-/// Height of the floor: that of the file's origin, unless the figure at rest stands elsewhere.
-fn floor(rest: &Bounds) -> f32 {
-    let height = (rest.high.y - rest.low.y).max(1e-3);
-    if rest.low.y.abs() < 0.05 * height {
-        0.0
-    } else {
-        rest.low.y
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -437,15 +263,5 @@ mod tests {
         assert_eq!(frames_of(2, 4), [0, 1]);
         let many = frames_of(721, 4);
         assert!(many.windows(2).all(|w| w[0] < w[1]) && many[3] < 721);
-    }
-
-    #[test]
-    fn the_floor_is_the_origin_if_the_feet_are_near_it() {
-        let bounds = |low: f32, high: f32| Bounds {
-            low: Vec3::new(0.0, low, 0.0),
-            high: Vec3::new(0.0, high, 0.0),
-        };
-        assert_eq!(floor(&bounds(-0.03, 1.8)), 0.0);
-        assert_eq!(floor(&bounds(-0.9, 0.9)), -0.9);
     }
 }

@@ -2,8 +2,9 @@
 
 use super::MIDDLE;
 use crate::play::Scene;
+use crate::play::artist::Artist;
 use crate::play::rows::Table;
-use crate::play::sheet::{self, Artist, Format, Line};
+use crate::play::sheet::{self, Format, Line};
 use anyhow::Context;
 use articula_build::evaluate::Method;
 use articula_core::articulation::Region;

@@ -1,5 +1,6 @@
 //! `articula lod FILE`: play a clip under motion level of detail; what it saves, what it costs.
 
+mod moving_camera;
 mod report;
 
 use crate::arguments::{CharacterArgs, ViewArgs, not_negative, positive};
@@ -37,9 +38,16 @@ pub(crate) struct LodArgs {
     /// Find the method's parameter with the greatest gain at so many pixels of p95 error
     #[arg(long, value_name = "PX", value_parser = positive, conflicts_with = "parameter")]
     calibrate: Option<f32>,
-    /// The method's own parameter (skin-px, ahn: metres; thesis: threshold; skip: every n-th)
+    /// The method's own parameter (skin-px, ahn: metres; thesis: threshold; skip: every n-th;
+    /// along a camera path: pixels)
     #[arg(long, value_name = "P", value_parser = not_negative)]
     parameter: Option<f32>,
+    /// Play before a moving camera: JSON list of {"t", "eye": [x,y,z], "target": [x,y,z]}
+    #[arg(long, value_name = "F.json")]
+    camera_path: Option<PathBuf>,
+    /// Frames a second of the display (with --camera-path)
+    #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive)]
+    display_hz: f32,
     /// Write plots: FILE.svg gets gain and error, a folder gets all of them
     #[arg(long, value_name = "FILE.svg|DIR")]
     plot: Option<PathBuf>,
@@ -67,6 +75,9 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
         options: args.method.options(),
         prepared: &prepared,
     };
+    if let Some(path) = &args.camera_path {
+        return moving_camera::run(args, &scene, path, console);
+    }
     let methods = args.method.chosen(&prepared.asset.rig);
     let methods = methods.with_context(|| prepared.loaded.place())?;
     let tables = rows::of(&scene, &methods, &args.distances, args.tuning(), console);

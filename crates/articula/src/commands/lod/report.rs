@@ -4,6 +4,7 @@ use super::LodArgs;
 use crate::fault::clean;
 use crate::motion_tables::Stored;
 use crate::play::Scene;
+use crate::play::camera_path::PathReport;
 use crate::play::rows::{Row, Table};
 use crate::prepared::Prepared;
 use crate::table::Table as Text;
@@ -29,6 +30,9 @@ pub(super) struct Report {
     pub(super) vertices_watched: usize,
     pub(super) seed: u64,
     pub(super) rows: Vec<Row>,
+    /// What belongs to a moving camera alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) camera_path: Option<PathReport>,
     /// Bytes of the tables that the clip has in the file, checked; null where meshes are left out.
     pub(super) motion_tables: Option<Stored>,
     /// Files that were written.
@@ -87,6 +91,7 @@ impl Report {
             vertices_watched: setup.points.min(asset.mesh.len()),
             seed: args.seed,
             rows: Vec::new(),
+            camera_path: None,
             motion_tables: None,
             written: Vec::new(),
             warnings: vec!["the file has no clip: rest pose only".into()],
@@ -141,6 +146,17 @@ impl Report {
         if !rows.is_empty() {
             text.push('\n');
             text.push_str(&rows.text());
+        }
+        if let Some(path) = &self.camera_path {
+            text.push_str(&format!(
+                "moving camera: {} frames at {} Hz, {:.1} to {:.1} m; greatest error of a joint {:.2} px, its bound {:.2} px\n",
+                path.frames,
+                path.display_hz,
+                path.distance_m_min,
+                path.distance_m_max,
+                path.joint_error_px_max,
+                path.bound_px
+            ));
         }
         for warning in &self.warnings {
             text.push_str(&format!("warning: {}\n", clean(warning)));

@@ -1,0 +1,299 @@
+//! One character posed and drawn: lit, with its joints marked, and at its true size.
+
+use crate::prepared::Prepared;
+use anyhow::Context;
+use articula_build::evaluate::Stage;
+use articula_core::articulation::Region;
+use articula_core::hierarchy::local_to_model;
+use articula_core::pose::{LocalPose, ModelPose};
+use articula_core::rig::Rig;
+use articula_core::sample::{Wrap, sample_morphs};
+use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::view::{Camera, Viewport};
+use articula_flat::appearance::Appearance;
+use articula_flat::frame::{Bounds, orbit_view};
+use articula_flat::projection::{Projection, Screen};
+use articula_flat::render::{RenderOptions, render};
+use articula_flat::skeleton::{JointMark, SkeletonOptions, draw_skeleton};
+use articula_flat::{Ground, Picture};
+use glam::{Affine3A, Vec2, Vec3};
+
+/// From where the figure is seen: a little from its left and from above.
+const AZIMUTH: f32 = 0.55;
+const ELEVATION: f32 = 0.12;
+/// Figures higher than this share of a tile have no small copy at true size.
+const INSET: f32 = 0.36;
+
+/// Poses and draws one character; keeps its buffers.
+pub(crate) struct Artist<'a> {
+    prepared: &'a Prepared,
+    look: Appearance,
+    skinned: SkinnedMesh,
+    model: ModelPose,
+    matrices: Vec<Affine3A>,
+    size: (u32, u32),
+    pub(crate) azimuth: f32,
+    /// Where a given camera stands; without one it goes round the figure.
+    pub(crate) eye: Option<Vec3>,
+    bounds: Bounds,
+    floor_m: f32,
+    /// Direction in which the figure looks at rest, radians from +Z.
+    facing: f32,
+}
+
+impl<'a> Artist<'a> {
+    /// An artist whose pictures have a size in pixels.
+    pub(crate) fn new(prepared: &'a Prepared, size: (u32, u32)) -> Self {
+        let character = &prepared.loaded.character;
+        let (look, _) = Appearance::new(&character.materials, &character.images);
+        let asset = &prepared.asset;
+        let person = Bounds {
+            low: Vec3::new(-0.5, 0.0, -0.5),
+            high: Vec3::new(0.5, 1.8, 0.5),
+        };
+        let mut artist = Self {
+            prepared,
+            look,
+            skinned: SkinnedMesh::new(&asset.mesh),
+            model: ModelPose::new(asset.rig.len()),
+            matrices: vec![Affine3A::IDENTITY; asset.mesh.bindings.len()],
+            size,
+            azimuth: AZIMUTH,
+            eye: None,
+            bounds: person,
+            floor_m: 0.0,
+            facing: 0.0,
+        };
+        artist.frame_pose(asset.rig.rest_pose(), &asset.mesh.morph_weights);
+        artist.floor_m = floor(&artist.bounds);
+        artist.facing = facing(&asset.rig, &artist.model);
+        artist
+    }
+
+    /// Frames the camera on some frames of a clip.
+    pub(crate) fn frame_clip(&mut self, stage: &Stage<'_>, frames: &[usize]) {
+        let boxes: Vec<_> = frames
+            .iter()
+            .filter_map(|f| {
+                let morphs = self.morphs(stage, *f);
+                self.pose(&stage.truth[*f], &morphs);
+                self.corners()
+            })
+            .collect();
+        self.bounds = Bounds::around(boxes).unwrap_or(self.bounds);
+    }
+
+    /// Frames the camera on one pose.
+    pub(crate) fn frame_pose(&mut self, pose: &LocalPose, morphs: &[f32]) {
+        self.pose(pose, morphs);
+        self.bounds = Bounds::around(self.corners()).unwrap_or(self.bounds);
+    }
+
+    /// Frames the camera on the face, or on the left hand.
+    pub(crate) fn frame_region(&mut self, pose: &LocalPose, region: Region) {
+        let morphs = self.prepared.asset.mesh.morph_weights.clone();
+        self.pose(pose, &morphs);
+        let rig = &self.prepared.asset.rig;
+        let of_region = |j: &usize| rig.articulation().joints[*j].region == region;
+        let places = rig.skin_joints().iter().filter(of_region);
+        let places = places.map(|j| self.model.position(j));
+        let is_face = region == Region::Face;
+        let left = places.filter(|p| is_face || p.x >= 0.0);
+        let around = Vec3::splat(if is_face { 0.1 } else { 0.03 });
+        let boxes = left.map(|p| (p - around, p + around));
+        self.bounds = Bounds::around(boxes).unwrap_or(self.bounds);
+    }
+
+    /// Morph weights at a frame of the stage's clip.
+    pub(crate) fn morphs(&self, stage: &Stage<'_>, frame: usize) -> Vec<f32> {
+        let mut weights = stage.asset.mesh.morph_weights.clone();
+        let secs = frame as f64 / f64::from(stage.clip.rate_hz());
+        sample_morphs(stage.clip, secs, Wrap::Clamp, &mut weights);
+        weights
+    }
+
+    /// The character as it is.
+    pub(crate) fn figure(&mut self, pose: &LocalPose, morphs: Vec<f32>) -> anyhow::Result<Picture> {
+        self.pose(pose, &morphs);
+        if self.eye.is_some() {
+            // Along a path every picture is framed for itself.
+            self.bounds = Bounds::around(self.corners()).unwrap_or(self.bounds);
+        }
+        let options = RenderOptions {
+            ground: Some(self.ground()),
+            ..RenderOptions::default()
+        };
+        self.draw(&self.camera(), &options)
+    }
+
+    /// The character with its joints marked, and in a corner as large as on the screen, where a
+    /// metre spans `pixels_per_metre`.
+    pub(crate) fn articulated(
+        &mut self,
+        pose: &LocalPose,
+        morphs: Vec<f32>,
+        marks: &[JointMark],
+        pixels_per_metre: f32,
+    ) -> anyhow::Result<Picture> {
+        let mut picture = self.figure(pose, morphs)?;
+        let screen = Screen::new(&self.camera(), Projection::Perspective);
+        let rig = &self.prepared.asset.rig;
+        let options = SkeletonOptions::default();
+        draw_skeleton(&mut picture, rig, &self.model, &screen, marks, &options);
+        if let Some(small) = self.true_size(pixels_per_metre)? {
+            let x = picture.width() as i32 - small.width() as i32 - 4;
+            let y = picture.height() as i32 - small.height() as i32 - 4;
+            let frame = [150, 154, 164, 255];
+            picture.draw_box(x - 1, y - 1, small.width() + 2, small.height() + 2, frame);
+            picture.blit(&small, x, y);
+        }
+        Ok(picture)
+    }
+
+    /// The posed figure at its size on the screen; `None` if that is too large or too small.
+    fn true_size(&self, pixels_per_metre: f32) -> anyhow::Result<Option<Picture>> {
+        let size = self.bounds.high - self.bounds.low;
+        let across = Vec2::new(size.x.max(size.z), size.y) * pixels_per_metre;
+        let most = INSET * Vec2::new(self.size.0 as f32, self.size.1 as f32);
+        if across.cmpgt(most).any() || across.y < 2.0 || !across.is_finite() {
+            return Ok(None);
+        }
+        let (width, height) = (across.x.ceil() + 6.0, across.y.ceil() + 6.0);
+        let viewport = Viewport {
+            width_px: width,
+            height_px: height,
+            ..Viewport::default()
+        };
+        let camera = Camera {
+            viewport,
+            ..self.camera()
+        };
+        let options = RenderOptions {
+            projection: Projection::Parallel { pixels_per_metre },
+            ..RenderOptions::default()
+        };
+        self.draw(&camera, &options).map(Some)
+    }
+
+    fn draw(&self, camera: &Camera, options: &RenderOptions) -> anyhow::Result<Picture> {
+        let mesh = &self.prepared.asset.mesh;
+        render(mesh, &self.skinned, &self.look, camera, options).context("drawing the character")
+    }
+
+    fn camera(&self) -> Camera {
+        let viewport = Viewport {
+            width_px: self.size.0 as f32,
+            height_px: self.size.1 as f32,
+            // Narrow, so that the figure is not distorted.
+            fov_y_radians: 0.4,
+        };
+        if let Some(eye) = self.eye {
+            return looking_from(eye, &self.bounds, viewport);
+        }
+        orbit_view(
+            &self.bounds,
+            self.facing + self.azimuth,
+            ELEVATION,
+            viewport,
+        )
+    }
+
+    fn ground(&self) -> Ground {
+        let middle = self.bounds.middle();
+        let size = self.bounds.high - self.bounds.low;
+        Ground {
+            height_m: self.floor_m,
+            middle: Vec2::new(middle.x, middle.z),
+            radius_m: 1.3 * size.max_element().max(0.1),
+        }
+    }
+
+    /// Skins a pose with its root above the origin: the camera follows.
+    fn pose(&mut self, pose: &LocalPose, morphs: &[f32]) {
+        let asset = &self.prepared.asset;
+        local_to_model(&asset.rig, pose, &mut self.model);
+        let root = self.model.position(asset.rig.root());
+        let follow = if self.eye.is_some() { 0.0 } else { -1.0 };
+        let back = Affine3A::from_translation(follow * Vec3::new(root.x, 0.0, root.z));
+        for matrix in &mut self.model.matrices {
+            *matrix = back * *matrix;
+        }
+        palette(&asset.mesh, &self.model, &mut self.matrices);
+        skin(&asset.mesh, &self.matrices, morphs, &mut self.skinned);
+    }
+
+    fn corners(&self) -> Option<(Vec3, Vec3)> {
+        let joints = || {
+            let joints = self.prepared.asset.rig.skin_joints().iter();
+            let places = joints.map(|j| self.model.position(j));
+            places
+                .map(|p| (p, p))
+                .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        };
+        self.skinned.bounds().or_else(joints)
+    }
+}
+
+/// Where a figure looks: square to the line from its right to its left side. Files of VRM 0
+/// look along -Z, some others sideways; without known sides +Z is the front.
+fn facing(rig: &Rig, rest: &ModelPose) -> f32 {
+    let joints = &rig.articulation().joints;
+    let place = |name: &str| {
+        let joint = joints
+            .iter()
+            .position(|j| j.hanim.as_deref() == Some(name))?;
+        Some(rest.position(joint))
+    };
+    let across = [("l_hip", "r_hip"), ("l_shoulder", "r_shoulder")]
+        .into_iter()
+        .filter_map(|(left, right)| Some(place(left)? - place(right)?))
+        .fold(Vec3::ZERO, |sum, across| sum + across);
+    let forward = across.cross(Vec3::Y);
+    if forward.length() < 1e-4 {
+        return 0.0;
+    }
+    forward.x.atan2(forward.z)
+}
+
+/// A camera at a place that opens just as far as the bounds ask for.
+fn looking_from(eye: Vec3, bounds: &Bounds, viewport: Viewport) -> Camera {
+    let aimed = Camera::looking_at(eye, bounds.middle(), viewport);
+    let aspect = viewport.width_px / viewport.height_px;
+    let slopes = bounds.corners().map(|corner| {
+        let p = aimed.view(corner);
+        (p.y.abs()).max(p.x.abs() / aspect) / p.z.max(0.1)
+    });
+    let slope = slopes.into_iter().fold(1e-3, f32::max);
+    Camera {
+        viewport: Viewport {
+            fov_y_radians: 2.0 * (1.12 * slope).atan().min(1.4),
+            ..viewport
+        },
+        ..aimed
+    }
+}
+
+/// Height of the floor: that of the file's origin, unless the figure at rest stands elsewhere.
+fn floor(rest: &Bounds) -> f32 {
+    let height = (rest.high.y - rest.low.y).max(1e-3);
+    if rest.low.y.abs() < 0.05 * height {
+        0.0
+    } else {
+        rest.low.y
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_floor_is_the_origin_if_the_feet_are_near_it() {
+        let bounds = |low: f32, high: f32| Bounds {
+            low: Vec3::new(0.0, low, 0.0),
+            high: Vec3::new(0.0, high, 0.0),
+        };
+        assert_eq!(floor(&bounds(-0.03, 1.8)), 0.0);
+        assert_eq!(floor(&bounds(-0.9, 0.9)), -0.9);
+    }
+}
