@@ -71,9 +71,14 @@ pub fn resample(
     } else {
         0.0
     };
+    let frames_per_key = if opts.rate_hz.is_some() {
+        1
+    } else {
+        oversampling(clip)
+    };
     let wanted = opts
         .rate_hz
-        .unwrap_or_else(|| source_rate_hz(clip) * oversampling(clip) as f32);
+        .unwrap_or_else(|| source_rate_hz(clip) * frames_per_key as f32);
     if !(wanted.is_finite() && wanted > 0.0) {
         return Err(Mismatch::new(
             "rate_hz",
@@ -128,7 +133,8 @@ pub fn resample(
         };
         joint_track(channel, joint, &times, &mut tracks);
     }
-    Clip::new(&clip.name, rate, times.len(), skeleton.joints.len(), tracks)
+    let built = Clip::new(&clip.name, rate, times.len(), skeleton.joints.len(), tracks)?;
+    Ok(built.with_frames_per_key(frames_per_key))
 }
 
 /// The rate whose `steps`-th frame is the end; the wanted one where rounding alone differs.

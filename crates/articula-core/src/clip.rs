@@ -27,6 +27,8 @@ pub struct Clip {
     frames: usize,
     /// Number of joints of the rig it was made for.
     joints: usize,
+    /// Frames for each key of the source, at least 1.
+    frames_per_key: usize,
     pub(crate) translations: Vec<Track<Vec3>>,
     pub(crate) rotations: Vec<Track<Quat>>,
     pub(crate) scales: Vec<Track<Vec3>>,
@@ -75,11 +77,40 @@ impl Clip {
             rate_hz,
             frames,
             joints,
+            frames_per_key: 1,
             translations: tracks.translations,
             rotations: tracks.rotations,
             scales: tracks.scales,
             morphs: tracks.morphs,
         })
+    }
+
+    /// The same clip, noting that its source had a key at every `frames`-th frame only.
+    #[must_use]
+    pub fn with_frames_per_key(mut self, frames: usize) -> Self {
+        self.frames_per_key = frames.max(1);
+        self
+    }
+
+    /// The clip at the rate of its source's keys, every frame in between left out. A last frame
+    /// that is no key is dropped.
+    #[must_use]
+    pub fn at_key_rate(&self) -> Self {
+        let every = self.frames_per_key;
+        if every == 1 {
+            return self.clone();
+        }
+        Self {
+            name: self.name.clone(),
+            rate_hz: self.rate_hz / every as f32,
+            frames: (self.frames - 1) / every + 1,
+            joints: self.joints,
+            frames_per_key: 1,
+            translations: thinned(&self.translations, every),
+            rotations: thinned(&self.rotations, every),
+            scales: thinned(&self.scales, every),
+            morphs: thinned(&self.morphs, every),
+        }
     }
 
     /// Frames per second.
@@ -121,6 +152,17 @@ impl Clip {
     pub fn morphs(&self) -> &[Track<f32>] {
         &self.morphs
     }
+}
+
+fn thinned<T: Copy>(tracks: &[Track<T>], every: usize) -> Vec<Track<T>> {
+    tracks
+        .iter()
+        .map(|track| Track {
+            target: track.target,
+            step: track.step,
+            values: track.values.iter().copied().step_by(every).collect(),
+        })
+        .collect()
 }
 
 fn check<T>(
@@ -171,5 +213,24 @@ mod tests {
         );
         let clip = Clip::new("c", 30.0, 31, 1, track(0, 1)).unwrap();
         assert!((clip.duration_secs() - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_key_rate_leaves_out_what_lies_between_keys() {
+        let tracks = Tracks {
+            morphs: vec![Track {
+                target: 0,
+                step: false,
+                values: (0..8).map(|i| i as f32).collect(),
+            }],
+            ..Tracks::default()
+        };
+        let clip = Clip::new("c", 60.0, 8, 1, tracks)
+            .unwrap()
+            .with_frames_per_key(3);
+        let thin = clip.at_key_rate();
+        assert_eq!((thin.rate_hz(), thin.frames()), (20.0, 3));
+        assert_eq!(thin.morphs()[0].values, [0.0, 3.0, 6.0]);
+        assert_eq!(thin.at_key_rate(), thin);
     }
 }

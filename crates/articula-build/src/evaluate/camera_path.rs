@@ -74,7 +74,7 @@ pub fn play_camera_path(
     opts: DriftOptions,
 ) -> Option<PathRun> {
     let (first, last) = (path.first()?, path.last()?);
-    let (asset, clip) = (stage.asset, stage.clip);
+    let (asset, clip) = (stage.asset, &stage.clip);
     let bounds = joint_bounds(
         asset,
         clip,

@@ -47,8 +47,9 @@ impl Default for Setup {
 pub struct Stage<'a> {
     /// The character.
     pub asset: &'a Asset,
-    /// The clip.
-    pub clip: &'a Clip,
+    /// The clip at the rate of its keys: frames that were added between them would count as
+    /// saved.
+    pub clip: Clip,
     /// The viewers.
     pub setup: Setup,
     /// Parameters of the methods.
@@ -124,20 +125,21 @@ pub struct Row {
 
 impl<'a> Stage<'a> {
     /// Works out the truth of a clip.
-    pub fn new(asset: &'a Asset, clip: &'a Clip, setup: Setup, options: MethodOptions) -> Self {
+    pub fn new(asset: &'a Asset, clip: &Clip, setup: Setup, options: MethodOptions) -> Self {
+        let clip = clip.at_key_rate();
         let mut pose = asset.rig.rest_pose().clone();
         let truth: Vec<LocalPose> = (0..clip.frames())
             .map(|i| {
                 let secs = i as f64 / f64::from(clip.rate_hz());
-                sample(clip, secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
+                sample(&clip, secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
                 pose.clone()
             })
             .collect();
         let points = Points::draw(asset, setup.points, setup.seed);
         Self {
-            moving: moving_joints(asset, clip),
+            moving: moving_joints(asset, &clip),
             levers: levers(&asset.rig, &asset.mesh),
-            contacts: contacts(asset, clip, false),
+            contacts: contacts(asset, &clip, false),
             true_models: truth.iter().map(|p| models(asset, &p.rotations)).collect(),
             true_points: truth.iter().map(|p| points.posed(asset, p)).collect(),
             truth,
@@ -191,8 +193,9 @@ impl<'a> Stage<'a> {
     }
 
     pub(super) fn thesis_matrix(&self) -> &ErrorMatrix {
-        self.matrix
-            .get_or_init(|| error_matrix(self.asset, self.clip, &self.moving, &self.options.thesis))
+        self.matrix.get_or_init(|| {
+            error_matrix(self.asset, &self.clip, &self.moving, &self.options.thesis)
+        })
     }
 
     /// Everything as the clip has it, nothing counted yet.

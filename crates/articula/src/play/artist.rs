@@ -99,7 +99,7 @@ impl<'a> Artist<'a> {
         let places = places.map(|j| self.model.position(j));
         let is_face = region == Region::Face;
         let left = places.filter(|p| is_face || p.x >= 0.0);
-        let around = Vec3::splat(if is_face { 0.1 } else { 0.03 });
+        let around = Vec3::splat(if is_face { 0.075 } else { 0.03 });
         let boxes = left.map(|p| (p - around, p + around));
         self.bounds = Bounds::around(boxes).unwrap_or(self.bounds);
     }
@@ -108,7 +108,7 @@ impl<'a> Artist<'a> {
     pub(crate) fn morphs(&self, stage: &Stage<'_>, frame: usize) -> Vec<f32> {
         let mut weights = stage.asset.mesh.morph_weights.clone();
         let secs = frame as f64 / f64::from(stage.clip.rate_hz());
-        sample_morphs(stage.clip, secs, Wrap::Clamp, &mut weights);
+        sample_morphs(&stage.clip, secs, Wrap::Clamp, &mut weights);
         weights
     }
 

@@ -76,7 +76,7 @@ fn cost(stage: &Stage<'_>, name: String, set: &JointSet) -> Cost {
 }
 
 fn measured(stage: &Stage<'_>, set: &JointSet) -> f64 {
-    let (rig, clip) = (&stage.asset.rig, stage.clip);
+    let (rig, clip) = (&stage.asset.rig, &stage.clip);
     let mut local = rig.rest_pose().clone();
     let mut model = ModelPose::new(rig.len());
     let frames = clip.frames().min(MOST_FRAMES);

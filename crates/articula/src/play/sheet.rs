@@ -146,7 +146,7 @@ pub(crate) fn along_a_path(
         let frame = &run.frames[at];
         let mut truth = stage.asset.rig.rest_pose().clone();
         let all = stage.asset.rig.all();
-        sample(stage.clip, frame.secs, Wrap::Loop, &all, &mut truth);
+        sample(&stage.clip, frame.secs, Wrap::Loop, &all, &mut truth);
         let morphs = stage.asset.mesh.morph_weights.clone();
         artist.eye = Some(frame.camera.eye);
         let reference = artist.figure(&truth, morphs.clone())?;
