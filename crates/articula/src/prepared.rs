@@ -25,6 +25,10 @@ impl Prepared {
 
     /// Builds a character as it was read.
     pub(crate) fn from_loaded(loaded: Loaded) -> anyhow::Result<Self> {
+        if loaded.character.skeleton.joints.is_empty() {
+            let what = "no joint and no mesh; give a file that shows a character";
+            anyhow::bail!("{}: nodes: {what}", loaded.place());
+        }
         let articulation = articulation_of(&loaded);
         let asset = character(
             &loaded.character,

@@ -193,7 +193,7 @@ impl Report {
             };
             table.row([
                 format!("{}{variant}", row.method),
-                format!("{} m", row.distance_m),
+                format!("{} m", (row.distance_m * 100.0).round() / 100.0),
                 format!("{:.1}%", 100.0 * row.joint_update_gain),
                 format!("{:.1}%", 100.0 * row.evaluations_saved),
                 parameter,

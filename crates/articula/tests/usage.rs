@@ -1,0 +1,84 @@
+//! The shape of the command line: statuses, help, and one line for every error.
+
+mod program;
+
+use program::{articula, fault, folder, human, word};
+
+#[test]
+fn help_is_no_error_and_wrong_words_are_usage() {
+    let here = folder("usage");
+    for words in [
+        &["--help"][..],
+        &["lod", "--help"],
+        &["--version"],
+        &["completions", "bash"],
+    ] {
+        let ran = articula(&here, words);
+        assert_eq!(ran.status, 0, "{words:?}");
+        assert!(!ran.out.is_empty() && ran.err.is_empty(), "{words:?}");
+    }
+    for words in [
+        &[][..],
+        &["dance"],
+        &["inspect"],
+        &["lod", "a.glb", "--viewport", "0x0"],
+        &["lod", "a.glb", "--fov-deg", "180"],
+        &["lod", "a.glb", "--distances", "3,-1"],
+        &["lod", "a.glb", "--method", "magic"],
+        &["lod", "a.glb", "--calibrate", "1", "--parameter", "1"],
+        &["lod", "a.glb", "--beta", "2"],
+        &["build", "a.glb", "b.glb", "--levels", "3"],
+        &["human", "--triangles", "many", "a.glb"],
+    ] {
+        assert_eq!(articula(&here, words).status, 2, "{words:?}");
+    }
+}
+
+#[test]
+fn every_shell_gets_completions_that_name_the_commands() {
+    let here = folder("completions");
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let ran = articula(&here, &["completions", shell]);
+        for command in ["inspect", "convert", "human", "build", "lod", "demo"] {
+            assert!(ran.out.contains(command), "{shell}: {command}");
+        }
+    }
+}
+
+#[test]
+fn wrong_usage_says_what_would_be_right() {
+    let here = folder("wrong");
+    let human = word(human());
+    let cases: &[(&[&str], &str)] = &[
+        (&["demo", "--serve"], "studio"),
+        (&["human", "--triangles", "7", "a.glb"], "2000 to 70000"),
+        (&["human", "a.obj"], ".glb"),
+        (&["build", human, "a.vrm"], ".glb"),
+        (
+            &["convert", human, "a.obj"],
+            "glb, gltf, vrm, vrma or bvh to glb",
+        ),
+        (&["convert", human, "a.vrm"], "glb to vrm is not converted"),
+        (&["convert", human, "a.glb", "--passive", "rest"], "--loa"),
+        (
+            &["convert", human, "a.glb", "--loa", "loa(Lots)"],
+            "VeryLow",
+        ),
+        (&["convert", human, "a.glb", "--clip", "swim"], "\"walk\""),
+        (&["inspect", human, "--hide", "hat"], "\"skin\""),
+        (&["lod", human, "--clip", "swim"], "\"idle\""),
+        (&["lod", human, "--loa", "loa(Low)"], "--method loa"),
+        (
+            &["lod", human, "--method", "all", "--parameter", "1"],
+            "--calibrate",
+        ),
+    ];
+    for (words, mend) in cases {
+        let line = fault(&here, 2, words);
+        assert!(line.contains(mend), "{words:?}: {line}");
+    }
+    assert!(
+        !here.join("a.glb").exists(),
+        "nothing is written on an error"
+    );
+}
