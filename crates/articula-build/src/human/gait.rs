@@ -44,9 +44,9 @@ fn pose(phase: f32) -> Pose {
     pose.root += Vec3::new(0.017 * sway, bob, 0.006 * (2.0 * TAU * phase).sin());
     // The hip of the leg in front goes ahead; the swinging side drops.
     pose.turn(0, [2.0, -5.5 * step, 2.6 * sway]);
-    pose.turn_spine("vl5", "vt1", [1.5, 11.0 * step, -3.8 * sway]);
-    pose.turn_spine("vc7", "vc1", [-2.5, -4.0 * step, 0.8 * sway]);
-    pose.turn(joint("skullbase"), [-1.0, -1.5 * step, 0.4 * sway]);
+    pose.turn_spine("vl5", "vt1", [4.5, 11.0 * step, -3.8 * sway]);
+    pose.turn_spine("vc7", "vc1", [-3.5, -4.0 * step, 0.8 * sway]);
+    pose.turn(joint("skullbase"), [-2.0, -1.5 * step, 0.4 * sway]);
     for side in Side::BOTH {
         let phase = (phase + if side == Side::Left { 0.0 } else { 0.5 }).fract();
         swing_arm(&mut pose, side, phase);
@@ -60,10 +60,10 @@ fn swing_arm(pose: &mut Pose, side: Side, phase: f32) {
     let back = (TAU * (phase - 0.02)).cos();
     let late = (TAU * (phase - 0.07)).cos();
     pose.turn_side(side, "sternoclavicular", [0.0, 2.5 * back, 0.0]);
-    pose.turn_side(side, "shoulder", [19.0 * back + 2.0, 4.0, 0.5]);
-    pose.turn_side(side, "elbow", [-21.0 + 11.0 * late, 0.0, 0.0]);
+    pose.turn_side(side, "shoulder", [13.0 * back + 3.0, 4.0, 0.5]);
+    pose.turn_side(side, "elbow", [-22.0 + 8.0 * late, 0.0, 0.0]);
     pose.turn_side(side, "wrist", [2.0 * late, 0.0, -3.0]);
-    pose.curl(side, 13.0 - 3.0 * late);
+    pose.curl(side, 9.0 - 2.0 * late);
 }
 
 /// Where a foot is at a phase of its own cycle, which begins with its heel strike.
@@ -104,7 +104,7 @@ fn in_air(side: Side, phase: f32) -> Foothold {
         (a.ankle - before.ankle) * scale,
         (after.ankle - b.ankle) * scale,
     );
-    let lift = Vec3::Y * (0.035 * (std::f32::consts::PI * along).sin().powi(2));
+    let lift = Vec3::Y * (0.027 * (std::f32::consts::PI * along).sin().powi(2));
     let pitch_speed = (a.pitch - before.pitch) * scale;
     Foothold {
         ankle: hermite([a.ankle, va, b.ankle, vb], along) + lift,

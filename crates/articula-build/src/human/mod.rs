@@ -84,11 +84,11 @@ pub fn human(options: &HumanOptions) -> Result<Character, HumanError> {
 
 /// Names and linear colours; primitives refer to them by place.
 const MATERIALS: [(&str, [f32; 3]); 6] = [
-    ("skin", [0.6, 0.4, 0.25]),
-    ("lips", [0.4, 0.19, 0.13]),
-    ("brows", [0.13, 0.07, 0.04]),
-    ("sclera", [0.8, 0.77, 0.72]),
-    ("iris", [0.11, 0.17, 0.2]),
+    ("skin", [0.74, 0.62, 0.47]),
+    ("lips", [0.6, 0.43, 0.32]),
+    ("brows", [0.3, 0.2, 0.12]),
+    ("sclera", [0.82, 0.79, 0.74]),
+    ("iris", [0.13, 0.1, 0.07]),
     ("pupil", [0.01, 0.01, 0.01]),
 ];
 

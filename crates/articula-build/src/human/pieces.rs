@@ -24,7 +24,7 @@ impl Pieces {
     /// Cuts the budget and makes each piece from its field.
     pub(super) fn new(body: &Body, triangles: usize) -> Self {
         let lips = mirrored(&piece(&head::lips(&body.head), triangles / 50));
-        let brow = piece(&head::brow(&body.head), triangles / 160);
+        let brow = piece(&head::brow(&body.head), triangles / 120);
         let brows = both_sides(&brow);
         let eyes = eyes(triangles);
         let spent = lips.triangles.len()
@@ -74,16 +74,18 @@ fn skin_step(axis: usize, at: f32) -> f32 {
 fn importance(p: Vec3) -> f32 {
     let hand = p.y < 0.87 && p.x > 0.2;
     let near_eye = p.distance(EYE + Vec3::Z * 0.01) < 0.02;
-    let face = p.y > 1.53 && p.z > 0.03;
+    let face = p.y > 1.51 && p.z > 0.01;
     let ear = p.y > 1.59 && p.y < 1.665 && p.x > 0.062;
     if near_eye {
         80.0
     } else if hand {
         30.0
     } else if face || ear {
-        20.0
+        24.0
     } else if p.y > 1.58 || p.y < 0.05 {
-        12.0
+        10.0
+    } else if p.y > 1.46 && p.x < 0.08 {
+        5.0
     } else {
         1.0
     }
@@ -153,8 +155,8 @@ fn eyes(triangles: usize) -> [Surface; 3] {
             .collect()
     };
     let detail = (around / 4).max(2);
-    let sclera = rings(0.46, std::f32::consts::PI, detail + 1);
-    [sclera, rings(0.2, 0.46, 1), rings(0.0, 0.2, 1)]
+    let sclera = rings(0.54, std::f32::consts::PI, detail + 1);
+    [sclera, rings(0.22, 0.54, 1), rings(0.0, 0.22, 1)]
         .map(|angles| both_sides(&band(&angles, around)))
 }
 

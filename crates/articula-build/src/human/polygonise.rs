@@ -1,10 +1,12 @@
 //! Triangles from a distance field: dual surface nets over the half space x >= 0.
 //!
 //! Source: S. Gibson, *Constrained elastic surface nets* (1998), with each vertex then moved
-//! onto the surface along the field's slope. Differs: only the half with x >= 0 is meshed, on
+//! onto the surface along the field's slope. Differs: a cell that two sheets cross has a vertex
+//! for each (after G. Nielson, *Dual marching cubes*, 2004); only the half with x >= 0 is meshed, on
 //! a grid whose first cells straddle the mirror plane, and the other half is its exact mirror.
 
 use glam::Vec3;
+use std::collections::HashMap;
 
 /// A closed surface, or half of one whose open rim lies in the plane x = 0.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -122,26 +124,82 @@ impl<'a> Samples<'a> {
         self.values[self.index(i)] < 0.0
     }
 
-    /// Mean of the points where the surface crosses the edges of a cell.
-    fn cell_vertex(&self, cell: [usize; 3]) -> Option<Vec3> {
+    /// Where the surface crosses an edge of a cell, if it does.
+    fn crossing(&self, cell: [usize; 3], edge: usize) -> Option<Vec3> {
+        let (low, high) = (edge % 8, (edge % 8) | (1 << (edge / 8)));
+        if low == high {
+            return None;
+        }
         let corner = |c: usize| std::array::from_fn(|a| cell[a] + ((c >> a) & 1));
-        let (mut sum, mut count) = (Vec3::ZERO, 0.0);
-        for c in 0..8_usize {
-            for axis in 0..3 {
-                let d = c | (1 << axis);
-                if d == c {
-                    continue;
+        let (i, j): ([usize; 3], [usize; 3]) = (corner(low), corner(high));
+        let (a, b) = (self.values[self.index(i)], self.values[self.index(j)]);
+        let crossed = (a < 0.0) != (b < 0.0);
+        crossed.then(|| self.grid.at(i).lerp(self.grid.at(j), a / (a - b)))
+    }
+
+    /// For each sheet of the surface in a cell, the edges it crosses and the mean of the points
+    /// where it does.
+    fn cell_sheets(&self, cell: [usize; 3]) -> Vec<(Vec<usize>, Vec3)> {
+        let inside: [bool; 8] =
+            std::array::from_fn(|c| self.inside(std::array::from_fn(|a| cell[a] + ((c >> a) & 1))));
+        if inside.iter().all(|i| *i == inside[0]) {
+            return Vec::new();
+        }
+        let labels = sheets(inside);
+        let mut found: Vec<(Vec<usize>, Vec3)> = Vec::new();
+        for edge in 0..EDGES {
+            let Some(point) = self.crossing(cell, edge) else {
+                continue;
+            };
+            match found.iter_mut().find(|(e, _)| labels[e[0]] == labels[edge]) {
+                Some((edges, sum)) => {
+                    edges.push(edge);
+                    *sum += point;
                 }
-                let (i, j): ([usize; 3], [usize; 3]) = (corner(c), corner(d));
-                let (a, b) = (self.values[self.index(i)], self.values[self.index(j)]);
-                if (a < 0.0) != (b < 0.0) {
-                    sum += self.grid.at(i).lerp(self.grid.at(j), a / (a - b));
-                    count += 1.0;
+                None => found.push((vec![edge], point)),
+            }
+        }
+        for (edges, sum) in &mut found {
+            *sum /= edges.len() as f32;
+        }
+        found
+    }
+}
+
+/// Edges of a cell are numbered by their axis times 8 plus their lower corner.
+const EDGES: usize = 24;
+
+/// Which sheet each crossed edge of a cell belongs to.
+///
+/// Two sheets pass where a face has inside corners across from each other; each such corner
+/// keeps its own sheet. The rule asks the face alone, so that neighbouring cells agree and the
+/// surface stays a manifold.
+fn sheets(inside: [bool; 8]) -> [usize; EDGES] {
+    let mut sheet: [usize; EDGES] = std::array::from_fn(|e| e);
+    for axis in 0..3 {
+        let (u, v) = (1_usize << ((axis + 1) % 3), 1_usize << ((axis + 2) % 3));
+        for side in [0, 1 << axis] {
+            let ring = [side, side | u, side | u | v, side | v];
+            let edge = |i: usize| {
+                let (c, d) = (ring[i % 4], ring[(i + 1) % 4]);
+                (c ^ d).ilog2() as usize * 8 + c.min(d)
+            };
+            let crossed: Vec<usize> = (0..4)
+                .filter(|i| inside[ring[*i]] != inside[ring[(*i + 1) % 4]])
+                .collect();
+            for pair in crossed.windows(2).chain([&[3, 0][..]]) {
+                let corner = ring[(pair[0] + 1) % 4];
+                let two = crossed.len() == 2 && pair == crossed;
+                if two || crossed.len() == 4 && inside[corner] {
+                    let (from, to) = (sheet[edge(pair[0])], sheet[edge(pair[1])]);
+                    for s in sheet.iter_mut().filter(|s| **s == from) {
+                        *s = to;
+                    }
                 }
             }
         }
-        (count > 0.0).then(|| sum / count)
     }
+    sheet
 }
 
 /// The surface where `field` is zero, over the grid. The grid must enclose it, but for the
@@ -150,20 +208,36 @@ pub(super) fn polygonise(grid: &Grid, field: &impl Fn(Vec3) -> f32) -> Surface {
     let samples = Samples::new(grid, field);
     let counts = grid.counts();
     let mut surface = Surface::default();
-    let mut vertices = std::collections::HashMap::<usize, u32>::new();
+    let mut vertices = HashMap::<usize, u32>::new();
+    // Cells with more than one sheet have a vertex for each, found by the crossed edge.
+    let mut split = HashMap::<(usize, usize), u32>::new();
     for k in 0..counts[2] - 1 {
         for j in 0..counts[1] - 1 {
             for i in 0..counts[0] - 1 {
                 let cell = [i, j, k];
-                if let Some(vertex) = samples.cell_vertex(cell) {
+                let sheets = samples.cell_sheets(cell);
+                let single = sheets.len() == 1;
+                for (edges, vertex) in sheets {
+                    let number = surface.positions.len() as u32;
+                    let at = samples.index(cell);
+                    if single {
+                        vertices.insert(at, number);
+                    } else {
+                        split.extend(edges.iter().map(|e| ((at, *e), number)));
+                    }
                     let mirrored = i == 0 && grid.axes[0][0] < 0.0;
-                    vertices.insert(samples.index(cell), surface.positions.len() as u32);
                     surface.positions.push(onto(field, vertex, mirrored, 2));
                 }
             }
         }
     }
-    let vertex = |cell: [usize; 3]| vertices[&samples.index(cell)];
+    let vertex = |cell: [usize; 3], edge: usize| {
+        let at = samples.index(cell);
+        vertices
+            .get(&at)
+            .copied()
+            .unwrap_or_else(|| split[&(at, edge)])
+    };
     for k in 1..counts[2] - 1 {
         for j in 1..counts[1] - 1 {
             for i in 1..counts[0] - 1 {
@@ -181,7 +255,7 @@ fn quad(
     samples: &Samples<'_>,
     from: [usize; 3],
     axis: usize,
-    vertex: &impl Fn([usize; 3]) -> u32,
+    vertex: &impl Fn([usize; 3], usize) -> u32,
     out: &mut Surface,
 ) {
     let mut to = from;
@@ -195,7 +269,7 @@ fn quad(
         let mut cell = from;
         cell[u] -= du;
         cell[v] -= dv;
-        vertex(cell)
+        vertex(cell, axis * 8 + (du << u) + (dv << v))
     });
     let [a, b, c, d] = if inside {
         around
@@ -240,7 +314,6 @@ fn forward_gradient(field: &impl Fn(Vec3) -> f32, p: Vec3, here: f32) -> Vec3 {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use std::collections::HashMap;
 
     /// How many triangles touch each edge.
     pub(crate) fn edge_uses(surface: &Surface) -> HashMap<(u32, u32), usize> {
