@@ -1,4 +1,5 @@
 //! What is converted comes back, and a reduced animation is smaller in the way it says.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod program;
 

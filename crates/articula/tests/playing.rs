@@ -1,4 +1,5 @@
 //! `inspect`, `build`, `lod` and `demo` keep what `docs/commands.md` promises.
+#![allow(clippy::unwrap_used, reason = "a test may panic")]
 
 mod program;
 

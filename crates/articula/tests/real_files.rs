@@ -1,4 +1,9 @@
 //! Real characters: what `inspect` counts is what their makers' files hold.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test may panic, and says what it skips"
+)]
 
 mod program;
 

@@ -14,7 +14,7 @@ use articula_flat::appearance::Appearance;
 use articula_flat::frame::{Bounds, orbit_view};
 use articula_flat::projection::{Projection, Screen};
 use articula_flat::render::{RenderOptions, render};
-use articula_flat::skeleton::{JointMark, SkeletonOptions, draw_skeleton};
+use articula_flat::skeleton::{JointMark, SkeletonOptions, draw_skeleton, followed};
 use articula_flat::{Ground, Picture};
 use glam::{Affine3A, Vec2, Vec3};
 
@@ -138,7 +138,10 @@ impl<'a> Artist<'a> {
         let mut picture = self.figure(pose, morphs)?;
         let screen = Screen::new(&self.camera(), Projection::Perspective);
         let rig = &self.prepared.asset.rig;
-        let options = SkeletonOptions::default();
+        let options = SkeletonOptions {
+            joints: Some(followed(rig, &self.prepared.asset.mesh)),
+            ..SkeletonOptions::default()
+        };
         draw_skeleton(&mut picture, rig, &self.model, &screen, marks, &options);
         if let Some(small) = self.true_size(pixels_per_metre)? {
             let x = picture.width() as i32 - small.width() as i32 - 4;

@@ -1,4 +1,9 @@
 //! Runs the program as a user would, in a folder of its own.
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    reason = "each test file uses a part of it, and a test may panic"
+)]
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -6,7 +11,7 @@ use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 /// A fresh folder for the files of one test.
-pub fn folder(name: &str) -> PathBuf {
+pub(crate) fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&folder);
     std::fs::create_dir_all(&folder).unwrap();
@@ -14,14 +19,14 @@ pub fn folder(name: &str) -> PathBuf {
 }
 
 /// What one run gave.
-pub struct Ran {
-    pub status: i32,
-    pub out: String,
-    pub err: String,
+pub(crate) struct Ran {
+    pub(crate) status: i32,
+    pub(crate) out: String,
+    pub(crate) err: String,
 }
 
 /// Runs the program with words, in a folder.
-pub fn articula(folder: &Path, words: &[&str]) -> Ran {
+pub(crate) fn articula(folder: &Path, words: &[&str]) -> Ran {
     let output: Output = Command::new(env!("CARGO_BIN_EXE_articula"))
         .args(words)
         .current_dir(folder)
@@ -35,7 +40,7 @@ pub fn articula(folder: &Path, words: &[&str]) -> Ran {
 }
 
 /// Runs it with `--json`, expects success, and reads the answer.
-pub fn json(folder: &Path, words: &[&str]) -> Value {
+pub(crate) fn json(folder: &Path, words: &[&str]) -> Value {
     let mut words = words.to_vec();
     words.push("--json");
     let ran = articula(folder, &words);
@@ -44,7 +49,7 @@ pub fn json(folder: &Path, words: &[&str]) -> Value {
 }
 
 /// Runs it, expects this status and one line on standard error; gives the line.
-pub fn fault(folder: &Path, status: i32, words: &[&str]) -> String {
+pub(crate) fn fault(folder: &Path, status: i32, words: &[&str]) -> String {
     let ran = articula(folder, words);
     assert_eq!(ran.status, status, "{words:?}: {} {}", ran.out, ran.err);
     assert_eq!(ran.err.lines().count(), 1, "{words:?}: {}", ran.err);
@@ -54,7 +59,7 @@ pub fn fault(folder: &Path, status: i32, words: &[&str]) -> String {
 }
 
 /// The reference human with few triangles, made once for all tests of one file.
-pub fn human() -> &'static Path {
+pub(crate) fn human() -> &'static Path {
     static HUMAN: OnceLock<PathBuf> = OnceLock::new();
     HUMAN.get_or_init(|| {
         let folder = folder(&format!("human-{}", std::process::id()));
@@ -65,12 +70,12 @@ pub fn human() -> &'static Path {
 }
 
 /// A path as a word of the command line.
-pub fn word(path: &Path) -> &str {
+pub(crate) fn word(path: &Path) -> &str {
     path.to_str().unwrap()
 }
 
 /// A figure of five joints that nods and lifts an arm, as BVH.
-pub const BVH: &str = "HIERARCHY
+pub(crate) const BVH: &str = "HIERARCHY
 ROOT Hips
 {
   OFFSET 0 90 0
