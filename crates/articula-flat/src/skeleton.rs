@@ -6,6 +6,8 @@
 
 use crate::picture::{Picture, Rgba};
 use crate::projection::Screen;
+use articula_core::loa::JointSet;
+use articula_core::mesh::Mesh;
 use articula_core::pose::ModelPose;
 use articula_core::rig::Rig;
 use glam::Vec2;
@@ -63,6 +65,30 @@ pub struct SkeletonOptions {
     pub joint_radius_m: f32,
     /// How far the picture below is faded towards white, 0 to 1.
     pub fade: f32,
+    /// The joints that are drawn; without a set, all that a skin names. Rigs for authoring name
+    /// control joints too that no vertex follows (see [`followed`]).
+    pub joints: Option<JointSet>,
+}
+
+/// The joints with a vertex on them or below, of those that a skin names; all of these if no
+/// vertex follows any.
+pub fn followed(rig: &Rig, mesh: &Mesh) -> JointSet {
+    let weighted = mesh.binding_indices.iter().zip(&mesh.weights);
+    let weighted = weighted.filter(|(_, weight)| **weight > 0.0);
+    let mut carrying: JointSet = weighted
+        .map(|(binding, _)| usize::from(mesh.bindings[usize::from(*binding)].joint))
+        .collect();
+    for joint in (0..rig.len()).rev().filter(|j| rig.parent(*j).is_some()) {
+        if carrying.contains(joint) {
+            carrying.extend(rig.parent(joint));
+        }
+    }
+    let followed = carrying.intersection(rig.skin_joints());
+    if followed.is_empty() {
+        *rig.skin_joints()
+    } else {
+        followed
+    }
 }
 
 impl Default for SkeletonOptions {
@@ -70,11 +96,12 @@ impl Default for SkeletonOptions {
         Self {
             joint_radius_m: 0.02,
             fade: 0.62,
+            joints: None,
         }
     }
 }
 
-/// Draws the skin joints of a rig over a picture that `screen` took.
+/// Draws the joints of a rig over a picture that `screen` took.
 ///
 /// `marks` has one entry for each joint of the rig; joints beyond its end are active. A bone
 /// has the colour of the joint that turns it. Plain nodes are left out, and so is what lies
@@ -119,12 +146,13 @@ struct Placed {
 /// The skin joints in view, the farthest first.
 fn placed(rig: &Rig, pose: &ModelPose, screen: &Screen, options: &SkeletonOptions) -> Vec<Placed> {
     let mut joints = Vec::new();
-    for joint in rig.skin_joints().iter() {
+    let drawn = options.joints.unwrap_or(*rig.skin_joints());
+    for joint in drawn.iter() {
         let position = pose.position(joint);
         let Some(at) = screen.place(position).filter(|p| p.is_finite()) else {
             continue;
         };
-        let parent = drawn_parent(rig, joint);
+        let parent = drawn_parent(rig, &drawn, joint);
         let scale = screen.pixels_per_metre_at(position);
         let radius = (options.joint_radius_m * scale).clamp(2.0, 7.0);
         // Fingers stand closer together than a full disc allows.
@@ -144,9 +172,9 @@ fn placed(rig: &Rig, pose: &ModelPose, screen: &Screen, options: &SkeletonOption
 }
 
 /// The nearest joint above that a skin names.
-fn drawn_parent(rig: &Rig, joint: usize) -> Option<usize> {
+fn drawn_parent(rig: &Rig, drawn: &JointSet, joint: usize) -> Option<usize> {
     let mut at = rig.parent(joint);
-    while let Some(j) = at.filter(|j| !rig.skin_joints().contains(*j)) {
+    while let Some(j) = at.filter(|j| !drawn.contains(*j)) {
         at = rig.parent(j);
     }
     at
@@ -207,9 +235,46 @@ mod tests {
         let options = SkeletonOptions {
             joint_radius_m: 0.05,
             fade: 1.0,
+            joints: None,
         };
         draw_skeleton(&mut picture, &rig, &pose, &screen, marks, &options);
         (picture, screen)
+    }
+
+    #[test]
+    fn only_what_a_vertex_follows_is_drawn() {
+        use articula_core::source;
+        let (rig, _) = tower();
+        let mesh = |joint: u16| {
+            let skin = source::Skin {
+                joints: (0..rig.len()).collect(),
+                inverse_bind: vec![glam::Affine3A::IDENTITY; rig.len()],
+            };
+            let primitive = source::Primitive {
+                positions: vec![glam::Vec3::ZERO],
+                influences: 1,
+                joints: vec![joint],
+                weights: vec![1.0],
+                ..source::Primitive::default()
+            };
+            let mesh = source::Mesh {
+                skin,
+                primitives: vec![primitive],
+                ..source::Mesh::default()
+            };
+            Mesh::new(&[mesh], rig.len()).unwrap()
+        };
+        let last = (0..rig.len())
+            .rev()
+            .find(|j| rig.skin_joints().contains(*j))
+            .unwrap();
+        let above = followed(&rig, &mesh(rig.root() as u16));
+        assert_eq!(above.iter().collect::<Vec<_>>(), [rig.root()]);
+        assert!(
+            followed(&rig, &mesh(last as u16)).contains(rig.root()),
+            "what leads there too"
+        );
+        assert_eq!(followed(&rig, &Mesh::default()), *rig.skin_joints());
     }
 
     #[test]

@@ -115,10 +115,16 @@ impl JointSet {
 impl FromIterator<usize> for JointSet {
     fn from_iter<I: IntoIterator<Item = usize>>(joints: I) -> Self {
         let mut set = Self::EMPTY;
-        for joint in joints {
-            set.insert(joint);
-        }
+        set.extend(joints);
         set
+    }
+}
+
+impl Extend<usize> for JointSet {
+    fn extend<I: IntoIterator<Item = usize>>(&mut self, joints: I) {
+        for joint in joints {
+            self.insert(joint);
+        }
     }
 }
 
