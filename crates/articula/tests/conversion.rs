@@ -1,5 +1,9 @@
 //! What is converted comes back, and a reduced animation is smaller in the way it says.
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    reason = "a test may panic, and writes the files it reads"
+)]
 
 mod program;
 

@@ -1,5 +1,9 @@
 //! Bad files: one line that names the file, the place and the mend; no panic, no long wait.
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    reason = "a test may panic, and writes the files it reads"
+)]
 
 mod program;
 

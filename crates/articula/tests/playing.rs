@@ -1,5 +1,9 @@
 //! `inspect`, `build`, `lod` and `demo` keep what `docs/commands.md` promises.
-#![allow(clippy::unwrap_used, reason = "a test may panic")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    reason = "a test may panic, and writes the files it reads"
+)]
 
 mod program;
 
