@@ -251,7 +251,7 @@ mod tests {
                 inverse_bind: vec![glam::Affine3A::IDENTITY; rig.len()],
             };
             let primitive = source::Primitive {
-                positions: vec![glam::Vec3::ZERO],
+                positions: vec![Vec3::ZERO],
                 influences: 1,
                 joints: vec![joint],
                 weights: vec![1.0],
