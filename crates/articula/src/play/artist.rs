@@ -11,7 +11,7 @@ use articula_core::sample::{Wrap, sample_morphs};
 use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::view::{Camera, Viewport};
 use articula_flat::appearance::Appearance;
-use articula_flat::frame::{Bounds, orbit_view};
+use articula_flat::frame::Bounds;
 use articula_flat::projection::{Projection, Screen};
 use articula_flat::render::{RenderOptions, render};
 use articula_flat::skeleton::{JointMark, SkeletonOptions, draw_skeleton, followed};
@@ -23,6 +23,8 @@ const AZIMUTH: f32 = 0.55;
 const ELEVATION: f32 = 0.12;
 /// Figures higher than this share of a tile have no small copy at true size.
 const INSET: f32 = 0.36;
+/// Free space around the figure, as a factor of its size.
+const FREE: f32 = 1.12;
 
 /// Poses and draws one character; keeps its buffers.
 pub(crate) struct Artist<'a> {
@@ -36,6 +38,8 @@ pub(crate) struct Artist<'a> {
     /// Where a given camera stands; without one it goes round the figure.
     pub(crate) eye: Option<Vec3>,
     bounds: Bounds,
+    /// Points that must be in the picture.
+    cloud: Vec<Vec3>,
     floor_m: f32,
     /// Direction in which the figure looks at rest, radians from +Z.
     facing: f32,
@@ -61,6 +65,7 @@ impl<'a> Artist<'a> {
             azimuth: AZIMUTH,
             eye: None,
             bounds: person,
+            cloud: person.corners().to_vec(),
             floor_m: 0.0,
             facing: 0.0,
         };
@@ -72,21 +77,29 @@ impl<'a> Artist<'a> {
 
     /// Frames the camera on some frames of a clip.
     pub(crate) fn frame_clip(&mut self, stage: &Stage<'_>, frames: &[usize]) {
-        let boxes: Vec<_> = frames
-            .iter()
-            .filter_map(|f| {
-                let morphs = self.morphs(stage, *f);
-                self.pose(&stage.truth[*f], &morphs);
-                self.corners()
-            })
-            .collect();
-        self.bounds = Bounds::around(boxes).unwrap_or(self.bounds);
+        let mut cloud = Vec::new();
+        for frame in frames {
+            let morphs = self.morphs(stage, *frame);
+            self.pose(&stage.truth[*frame], &morphs);
+            cloud.extend(self.points());
+        }
+        self.frame(cloud);
     }
 
     /// Frames the camera on one pose.
     pub(crate) fn frame_pose(&mut self, pose: &LocalPose, morphs: &[f32]) {
         self.pose(pose, morphs);
-        self.bounds = Bounds::around(self.corners()).unwrap_or(self.bounds);
+        let cloud = self.points();
+        self.frame(cloud);
+    }
+
+    /// Frames the camera on points; on what it had before if there is none.
+    fn frame(&mut self, mut cloud: Vec<Vec3>) {
+        cloud.retain(|p| p.is_finite());
+        if let Some(bounds) = Bounds::around(cloud.iter().map(|p| (*p, *p))) {
+            self.bounds = bounds;
+            self.cloud = cloud;
+        }
     }
 
     /// Frames the camera on the face, or on the left hand.
@@ -101,7 +114,9 @@ impl<'a> Artist<'a> {
         let left = places.filter(|p| is_face || p.x >= 0.0);
         let around = Vec3::splat(if is_face { 0.075 } else { 0.03 });
         let boxes = left.map(|p| (p - around, p + around));
-        self.bounds = Bounds::around(boxes).unwrap_or(self.bounds);
+        if let Some(bounds) = Bounds::around(boxes) {
+            self.frame(bounds.corners().to_vec());
+        }
     }
 
     /// Morph weights at a frame of the stage's clip.
@@ -117,13 +132,26 @@ impl<'a> Artist<'a> {
         self.pose(pose, &morphs);
         if self.eye.is_some() {
             // Along a path every picture is framed for itself.
-            self.bounds = Bounds::around(self.corners()).unwrap_or(self.bounds);
+            let cloud = self.points();
+            self.frame(cloud);
         }
         let options = RenderOptions {
             ground: Some(self.ground()),
             ..RenderOptions::default()
         };
         self.draw(&self.camera(), &options)
+    }
+
+    /// The character as it is; without a mesh its skeleton, every joint active.
+    pub(crate) fn reference(
+        &mut self,
+        pose: &LocalPose,
+        morphs: Vec<f32>,
+    ) -> anyhow::Result<Picture> {
+        if self.prepared.asset.mesh.is_empty() {
+            return self.articulated(pose, morphs, &[], 0.0);
+        }
+        self.figure(pose, morphs)
     }
 
     /// The character with its joints marked, and in a corner as large as on the screen, where a
@@ -158,7 +186,8 @@ impl<'a> Artist<'a> {
         let size = self.bounds.high - self.bounds.low;
         let across = Vec2::new(size.x.max(size.z), size.y) * pixels_per_metre;
         let most = INSET * Vec2::new(self.size.0 as f32, self.size.1 as f32);
-        if across.cmpgt(most).any() || across.y < 2.0 || !across.is_finite() {
+        let unseen = self.prepared.asset.mesh.is_empty();
+        if unseen || across.cmpgt(most).any() || across.y < 2.0 || !across.is_finite() {
             return Ok(None);
         }
         let (width, height) = (across.x.ceil() + 6.0, across.y.ceil() + 6.0);
@@ -193,12 +222,9 @@ impl<'a> Artist<'a> {
         if let Some(eye) = self.eye {
             return looking_from(eye, &self.bounds, viewport);
         }
-        orbit_view(
-            &self.bounds,
-            self.facing + self.azimuth,
-            ELEVATION,
-            viewport,
-        )
+        let toward = Vec2::from_angle(self.facing + self.azimuth);
+        let toward = Vec3::new(toward.y, ELEVATION.tan(), toward.x).normalize();
+        looking_along(-toward, &self.cloud, viewport)
     }
 
     fn ground(&self) -> Ground {
@@ -225,15 +251,33 @@ impl<'a> Artist<'a> {
         skin(&asset.mesh, &self.matrices, morphs, &mut self.skinned);
     }
 
-    fn corners(&self) -> Option<(Vec3, Vec3)> {
-        let joints = || {
-            let joints = self.prepared.asset.rig.skin_joints().iter();
-            let places = joints.map(|j| self.model.position(j));
-            places
-                .map(|p| (p, p))
-                .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
-        };
-        self.skinned.bounds().or_else(joints)
+    /// What is seen of the pose: its skin, or its joints where it has none.
+    fn points(&self) -> Vec<Vec3> {
+        if !self.skinned.positions.is_empty() {
+            return self.skinned.positions.clone();
+        }
+        let joints = self.prepared.asset.rig.skin_joints().iter();
+        joints.map(|j| self.model.position(j)).collect()
+    }
+}
+
+/// A camera that looks along a direction, as near as the points allow.
+fn looking_along(forward: Vec3, cloud: &[Vec3], viewport: Viewport) -> Camera {
+    let aimed = Camera::looking_at(-forward, Vec3::ZERO, viewport);
+    let in_view = |p: &Vec3| aimed.orientation.conjugate() * *p;
+    let low = cloud.iter().map(in_view).fold(Vec3::MAX, Vec3::min);
+    let high = cloud.iter().map(in_view).fold(Vec3::MIN, Vec3::max);
+    let middle = 0.5 * (low + high);
+    let tall = (0.5 * viewport.fov_y_radians).tan();
+    let wide = tall * viewport.width_px / viewport.height_px;
+    let needed = |p: Vec3| {
+        let from_axis = (p - middle).abs();
+        p.z - middle.z + FREE * (from_axis.x / wide).max(from_axis.y / tall)
+    };
+    let distance = cloud.iter().map(|p| needed(in_view(p))).fold(0.1, f32::max);
+    Camera {
+        eye: aimed.orientation * (middle + Vec3::Z * distance),
+        ..aimed
     }
 }
 
@@ -289,6 +333,29 @@ fn floor(rest: &Bounds) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_point_is_in_the_picture_and_one_is_near_its_edge() {
+        let cloud = [
+            Vec3::new(-0.4, 0.0, 0.1),
+            Vec3::new(0.9, 1.2, -0.3),
+            Vec3::new(0.1, 1.8, 0.0),
+        ];
+        for step in 0..20 {
+            let turn = Vec2::from_angle(step as f32 * 0.3);
+            let forward = -Vec3::new(turn.x, 0.2, turn.y).normalize();
+            let camera = looking_along(forward, &cloud, Viewport::default());
+            let mut most = 0.0f32;
+            for point in cloud {
+                let (at, depth) = camera.project(point);
+                assert!(depth > 0.0);
+                let off = (at.x / 640.0 - 1.0).abs().max((at.y / 360.0 - 1.0).abs());
+                most = most.max(off);
+            }
+            // The nearest point that decides fills 1 / 1.12 of the half picture.
+            assert!((most - 1.0 / FREE).abs() < 0.02, "{most} at step {step}");
+        }
+    }
 
     #[test]
     fn the_floor_is_the_origin_if_the_feet_are_near_it() {

@@ -97,7 +97,7 @@ pub(crate) fn played(
     artist.frame_clip(&stage, &frames);
     let references: Vec<Picture> = frames
         .iter()
-        .map(|f| artist.figure(&stage.truth[*f], artist.morphs(&stage, *f)))
+        .map(|f| artist.reference(&stage.truth[*f], artist.morphs(&stage, *f)))
         .collect::<anyhow::Result<_>>()?;
     let mut rows = Vec::new();
     for line in lines {
@@ -149,7 +149,7 @@ pub(crate) fn along_a_path(
         sample(&stage.clip, frame.secs, Wrap::Loop, &all, &mut truth);
         let morphs = stage.asset.mesh.morph_weights.clone();
         artist.eye = Some(frame.camera.eye);
-        let reference = artist.figure(&truth, morphs.clone())?;
+        let reference = artist.reference(&truth, morphs.clone())?;
         let marks = camera_path::marks(scene, frame);
         let scale = scene.pixels_per_metre(frame.distance_m);
         let shown = artist.articulated(&frame.shown, morphs, &marks, scale)?;
@@ -177,7 +177,7 @@ pub(crate) fn at_rest(prepared: &Prepared, title: &str) -> anyhow::Result<Pictur
     for turn in 0..4 {
         artist.azimuth = turn as f32 * std::f32::consts::FRAC_PI_2;
         artist.frame_pose(rest, &morphs);
-        let figure = artist.figure(rest, morphs.clone())?;
+        let figure = artist.reference(rest, morphs.clone())?;
         let joints = artist.articulated(rest, morphs.clone(), &marks, 0.0)?;
         cells.push(cell(figure, joints, "joints at rest".into()));
     }
