@@ -243,17 +243,22 @@ fn the_same_words_give_the_same_bytes() {
 #[test]
 fn all_plots_go_into_a_folder() {
     let here = folder("plots");
-    json(
-        &here,
-        &[
-            "lod",
-            word(human()),
-            "--distances",
-            "5,20",
-            "--plot",
-            "plots",
-        ],
-    );
+    let words = [
+        "lod",
+        word(human()),
+        "--distances",
+        "5,20",
+        "--plot",
+        "plots",
+    ];
+    let costs = json(&here, &words)["costs"].clone();
+    let levels = costs["complexities"].as_array().unwrap();
+    assert_eq!(levels.len(), 7);
+    let sampled: Vec<f64> = levels
+        .iter()
+        .map(|l| number(&l["joints_sampled"]))
+        .collect();
+    assert!(sampled.is_sorted() && sampled[0] == 0.0, "{sampled:?}");
     for name in [
         "gain",
         "error",

@@ -84,9 +84,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     let mut report = Report::new(&scene, args, &tables);
     report.motion_tables = stored.get(clip).copied();
     if let Some(path) = &args.plot {
-        report
-            .written
-            .extend(write_plots(&scene, args, &tables, path)?);
+        write_plots(&scene, &tables, path, &mut report)?;
     }
     if let Some(path) = &args.contact_sheet {
         let notes = report.notes();
@@ -167,37 +165,41 @@ fn draw_sheet(
     sheet::played(scene, &lines, sheet::Format::LARGE, title, notes)
 }
 
+/// A file gets gain and error over distance; a folder everything, costs too.
 fn write_plots(
     scene: &Scene<'_>,
-    args: &LodArgs,
     tables: &[Table],
     path: &Path,
-) -> anyhow::Result<Vec<String>> {
+    report: &mut Report,
+) -> anyhow::Result<()> {
     let clip = &scene.prepared.asset.clips[scene.clip].name;
     let heading = format!("clip {clip}");
-    let first = vec![
+    let mut all = vec![
         plots::gain(tables, &heading),
-        plots::error(tables, &heading, args.calibrate),
+        plots::error(tables, &heading, report.calibrate_px),
     ];
     if path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
     {
-        files::write(path, plots::stacked(&first).as_bytes())?;
-        return Ok(vec![files::shown(path)]);
+        files::write(path, plots::stacked(&all).as_bytes())?;
+        report.written.push(files::shown(path));
+        return Ok(());
     }
-    let middle = (args.distances.len() - 1) / 2;
-    let mut all = first;
-    let at = format!("{heading}, {} m", args.distances[middle]);
+    let rows = tables.first().map_or(&[][..], |t| &t.rows);
+    let middle = rows.len().saturating_sub(1) / 2;
+    let distance = rows.get(middle).map_or(0.0, |r| r.distance_m);
+    let at = format!("{heading}, {distance} m");
     all.push(plots::over_the_clip(scene, tables, middle, &at));
-    all.extend(plots::costs(&costs::of(scene), &heading));
-    let mut written = Vec::new();
+    let costs = costs::of(scene);
+    all.extend(plots::costs(&costs, &heading));
+    report.costs = Some(costs);
     for plot in all {
         let file = path.join(plot.name);
         files::write(&file, plot.svg.as_bytes())?;
-        written.push(files::shown(&file));
+        report.written.push(files::shown(&file));
     }
-    Ok(written)
+    Ok(())
 }
 
 fn write_png(picture: &Picture, path: &Path) -> anyhow::Result<String> {

@@ -5,6 +5,7 @@ use crate::fault::clean;
 use crate::motion_tables::Stored;
 use crate::play::Scene;
 use crate::play::camera_path::PathReport;
+use crate::play::costs::Costs;
 use crate::play::rows::{Row, Table};
 use crate::prepared::Prepared;
 use crate::table::Table as Text;
@@ -33,6 +34,9 @@ pub(super) struct Report {
     /// What belongs to a moving camera alone.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) camera_path: Option<PathReport>,
+    /// Costs by zone, depth and complexity, where they are plotted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) costs: Option<Costs>,
     /// Bytes of the tables that the clip has in the file, checked; null where meshes are left out.
     pub(super) motion_tables: Option<Stored>,
     /// Files that were written.
@@ -92,6 +96,7 @@ impl Report {
             seed: args.seed,
             rows: Vec::new(),
             camera_path: None,
+            costs: None,
             motion_tables: None,
             written: Vec::new(),
             warnings: vec!["the file has no clip: rest pose only".into()],
