@@ -119,8 +119,8 @@ impl Report {
         };
         vec![
             format!(
-                "{} frames at {:.4} Hz, {} joints, {} of them moving; {tuned}.",
-                self.frames, self.rate_hz, self.joints, self.joints_moving
+                "{} frames at {} Hz, {} joints, {} of them moving; {tuned}.",
+                self.frames, hundredths(self.rate_hz), self.joints, self.joints_moving
             ),
             "Left: the clip as it is. Right: what is shown; in the corner its true size on the screen.".into(),
         ]
@@ -133,7 +133,7 @@ impl Report {
             text.push_str(&format!(
                 "{} frames at {} Hz, {} joints, {} moving; {} x {} px, {} degrees\n",
                 self.frames,
-                self.rate_hz,
+                hundredths(self.rate_hz),
                 self.joints,
                 self.joints_moving,
                 self.viewport_px[0],
@@ -198,7 +198,7 @@ impl Report {
             };
             table.row([
                 format!("{}{variant}", row.method),
-                format!("{} m", (row.distance_m * 100.0).round() / 100.0),
+                format!("{} m", hundredths(row.distance_m)),
                 format!("{:.1}%", 100.0 * row.joint_update_gain),
                 format!("{:.1}%", 100.0 * row.evaluations_saved),
                 parameter,
@@ -211,6 +211,11 @@ impl Report {
         }
         table
     }
+}
+
+/// A value rounded to what people read.
+fn hundredths(value: f32) -> f32 {
+    (value * 100.0).round() / 100.0
 }
 
 /// Four significant digits.
