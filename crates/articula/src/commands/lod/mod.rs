@@ -42,7 +42,7 @@ pub(crate) struct LodArgs {
     /// along a camera path: pixels)
     #[arg(long, value_name = "P", value_parser = not_negative)]
     parameter: Option<f32>,
-    /// Play before a moving camera: JSON list of {"t", "eye": [x,y,z], "target": [x,y,z]}
+    /// Play before a moving camera: a JSON list of key frames with t, eye and target
     #[arg(long, value_name = "F.json")]
     camera_path: Option<PathBuf>,
     /// Frames a second of the display (with --camera-path)
