@@ -63,10 +63,10 @@ pub fn reduce(rig: &Rig, clip: &Clip, active: &JointSet, policy: PassivePolicy) 
                 return Some(c.clone());
             }
             match c.property {
-                _ if c.target != rig.root() => passive(rig, c, policy),
+                _ if c.target != rig.root() => passive(rig, c, policy, clip.duration_secs),
                 Property::Translation => Some(c.clone()),
                 Property::Rotation => Some(heading(rig, c, policy)),
-                _ => passive(rig, c, policy),
+                _ => passive(rig, c, policy, clip.duration_secs),
             }
         })
         .collect();
@@ -77,11 +77,19 @@ pub fn reduce(rig: &Rig, clip: &Clip, active: &JointSet, policy: PassivePolicy) 
 }
 
 /// One channel of a passive joint: a constant, a fade, or nothing where rest is shown anyway.
-fn passive(rig: &Rig, channel: &Channel, policy: PassivePolicy) -> Option<Channel> {
+fn passive(
+    rig: &Rig,
+    channel: &Channel,
+    policy: PassivePolicy,
+    duration_secs: f32,
+) -> Option<Channel> {
     let rest = floats(rig.rest_pose().get(channel.target), channel.property);
     let held = held(rig, channel, policy);
     let (times_secs, keys) = match policy {
-        PassivePolicy::BlendToRest { secs } if secs > 0.0 => (vec![0.0, secs], vec![held, rest]),
+        // A fade never makes a clip longer than it is.
+        PassivePolicy::BlendToRest { secs } if secs.min(duration_secs) > 0.0 => {
+            (vec![0.0, secs.min(duration_secs)], vec![held, rest])
+        }
         PassivePolicy::BlendToRest { .. } | PassivePolicy::Rest => return None,
         _ if held == rest => return None,
         _ => (vec![0.0], vec![held]),
@@ -249,6 +257,8 @@ mod tests {
         );
         let fade = arm(PassivePolicy::BlendToRest { secs: 0.5 }).unwrap();
         assert!(fade.times_secs == [0.0, 0.5] && angle(&fade, 1) < 1e-5);
+        let long = arm(PassivePolicy::BlendToRest { secs: 9.0 }).unwrap();
+        assert_eq!(long.times_secs, [0.0, 2.0], "the clip keeps its length");
         let before = motion_size(&clip());
         let after = motion_size(&reduce(&rig(), &clip(), &root, PassivePolicy::Rest));
         assert_eq!((before.channels, before.keys, before.joints), (3, 9, 2));

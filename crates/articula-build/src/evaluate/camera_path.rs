@@ -4,7 +4,7 @@
 //! in a frame, not a table: its bound holds while the view moves.
 
 use super::stage::{ErrorPx, Stage, percentile};
-use crate::motion_error::bounds::{ChainShare, LeverKind, joint_bounds};
+use crate::motion_error::bounds::{LeverKind, joint_bounds};
 use articula_core::drift::{Drift, DriftOptions, JointViews};
 use articula_core::hierarchy::local_to_model;
 use articula_core::joint_state::JointState;
@@ -80,7 +80,7 @@ pub fn play_camera_path(
         clip,
         &stage.levers,
         LeverKind::Rest,
-        ChainShare::Whole,
+        stage.options.chain,
     );
     let mut drift = Drift::new(asset.rig.rest_pose(), bounds, opts);
     let mut wanted = asset.rig.rest_pose().clone();

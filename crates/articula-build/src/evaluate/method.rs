@@ -3,6 +3,7 @@
 //! Source: `spec/motion-lod.md` 3 (thesis, Ahn), 4 (ours), 11 (baselines).
 
 use super::stage::Stage;
+use crate::motion_error::bounds::ChainShare;
 use crate::motion_error::contacts::attention;
 use crate::motion_error::keys::{Segment, central_rotation, linear_keys, pose_segments};
 use crate::motion_error::thesis::{ThesisOptions, radii};
@@ -69,6 +70,8 @@ pub struct MethodOptions {
     pub threshold: Threshold,
     /// Transitions of the thesis' joints, and what passive joints of a fixed level show.
     pub transition: TransitionOptions,
+    /// How the drift controller shares its tolerance along a chain of joints (4.4).
+    pub chain: ChainShare,
     /// Whether joints on the way to a standing foot get a quarter of the tolerance (4.6).
     pub contact_care: bool,
 }
@@ -83,6 +86,7 @@ impl Default for MethodOptions {
                 policy: PassivePolicy::KeyPose,
                 ..TransitionOptions::default()
             },
+            chain: ChainShare::Root,
             contact_care: false,
         }
     }

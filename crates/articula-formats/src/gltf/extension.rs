@@ -33,6 +33,12 @@ pub(super) fn check(root: &Place<'_>, notes: &mut Notes) -> Result<(), ReadError
 }
 
 fn check_version(root: &Place<'_>, notes: &mut Notes) -> Result<(), ReadError> {
+    if root.get("asset").is_some_and(|asset| !asset.is_object()) {
+        return Err(ReadError::malformed(
+            "asset",
+            "no object; {\"version\": \"2.0\"} is expected",
+        ));
+    }
     let version = root.get("asset").map_or("", |asset| asset.text("version"));
     let least = root
         .get("asset")

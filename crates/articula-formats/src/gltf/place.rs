@@ -102,6 +102,10 @@ impl<'a> Place<'a> {
         self.value.get(key).and_then(Value::as_str).unwrap_or("")
     }
 
+    pub(super) fn is_object(&self) -> bool {
+        self.value.is_object()
+    }
+
     pub(super) fn is_true(&self, key: &str) -> bool {
         self.value.get(key).and_then(Value::as_bool) == Some(true)
     }

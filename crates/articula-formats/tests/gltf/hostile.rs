@@ -10,6 +10,16 @@ type Case = (&'static str, fn(&mut Tiny), &'static str);
 
 const CASES: &[Case] = &[
     (
+        "asset no object",
+        |t| t.json["asset"] = json!(3),
+        "asset: no object",
+    ),
+    (
+        "glTF 1.0",
+        |t| t.json["asset"] = json!({ "version": "1.0" }),
+        "glTF version 1.0",
+    ),
+    (
         "node cycle",
         |t| t.json["nodes"][1]["children"] = json!([0]),
         "its own ancestor",

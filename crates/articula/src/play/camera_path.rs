@@ -163,6 +163,7 @@ pub(crate) fn report(
         },
         joints_sampled: mean(&|f| f.sampled.intersection(&stage.moving).len()),
         fk_joints: mean(&|f| at_or_below(rig, &f.updated)),
+        foot_slide_mm: None,
         meets_target: limit_px.map(|l| run.error_px.p95 <= l),
     };
     let joint_errors = run.frames.iter().map(|f| f.joint_error_px);

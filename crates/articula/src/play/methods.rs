@@ -3,6 +3,7 @@
 use crate::fault;
 use anyhow::Context;
 use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
+use articula_build::motion_error::bounds::ChainShare;
 use articula_build::motion_error::thesis::{Direction, Radius};
 use articula_core::articulation::Complexity;
 use articula_core::drift::DriftOptions;
@@ -89,6 +90,17 @@ pub(crate) enum Turning {
     Path,
 }
 
+/// How a tolerance is shared along a chain of joints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Chain {
+    /// Every joint has all of it; errors of a chain may add up
+    Whole,
+    /// Divided by the square root of the chain's length: right on average
+    Root,
+    /// Divided by the chain's length: right always
+    Split,
+}
+
 /// The lever arm of the thesis' position term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Lever {
@@ -102,8 +114,9 @@ pub(crate) enum Lever {
 #[derive(Debug, Clone, Args)]
 pub(crate) struct MethodArgs {
     /// How detail is reduced
-    #[arg(long, value_enum, value_name = "M", default_value = "skin-px")]
-    pub(crate) method: MethodName,
+    /// [default: skin-px, or loa where --loa is given]
+    #[arg(long, value_enum, value_name = "M")]
+    method: Option<MethodName>,
     /// Form of skin-px
     #[arg(long, value_enum, value_name = "V", default_value = "hold")]
     pub(crate) variant: Variant,
@@ -113,6 +126,9 @@ pub(crate) struct MethodArgs {
     /// What joints outside the level show (with --method loa)
     #[arg(long, value_enum, default_value = "key-pose")]
     passive: Passive,
+    /// How joints of a chain share the tolerance (with --camera-path)
+    #[arg(long, value_enum, default_value = "root")]
+    chain: Chain,
     /// Give the joints on the way to a standing foot a quarter of the tolerance (skin-px)
     #[arg(long)]
     contact_care: bool,
@@ -238,14 +254,23 @@ pub(crate) fn all(rig: &Rig) -> Vec<Chosen> {
 }
 
 impl MethodArgs {
+    /// The method asked for: a level of articulation asks for itself.
+    pub(crate) fn method(&self) -> MethodName {
+        let usual = match self.loa {
+            Some(_) => MethodName::Loa,
+            None => MethodName::SkinPx,
+        };
+        self.method.unwrap_or(usual)
+    }
+
     /// The methods to play.
     pub(crate) fn chosen(&self, rig: &Rig) -> anyhow::Result<Vec<Chosen>> {
-        if self.loa.is_some() && !matches!(self.method, MethodName::Loa | MethodName::All) {
+        if self.loa.is_some() && !matches!(self.method(), MethodName::Loa | MethodName::All) {
             return Err(fault::usage(
                 "--loa chooses fixed joints; add --method loa (or --method all)",
             ));
         }
-        Ok(vec![match self.method {
+        Ok(vec![match self.method() {
             MethodName::SkinPx => Chosen::skin_px(self.variant.of_metric()),
             MethodName::Thesis => Chosen::plain(Method::Thesis),
             MethodName::Ahn => Chosen::plain(Method::Ahn),
@@ -296,6 +321,11 @@ impl MethodArgs {
             Passive::KeyPose => PassivePolicy::KeyPose,
         };
         options.contact_care = self.contact_care;
+        options.chain = match self.chain {
+            Chain::Whole => ChainShare::Whole,
+            Chain::Root => ChainShare::Root,
+            Chain::Split => ChainShare::Split,
+        };
         options
     }
 }
@@ -303,7 +333,7 @@ impl MethodArgs {
 impl MethodArgs {
     /// The controller that holds joints while a camera moves, at a tolerance in pixels.
     pub(crate) fn drift(&self, epsilon_px: f32) -> anyhow::Result<DriftOptions> {
-        let ours = self.method == MethodName::SkinPx && self.variant == Variant::Hold;
+        let ours = self.method() == MethodName::SkinPx && self.variant == Variant::Hold;
         if !ours {
             let what =
                 "--camera-path plays the controller of skin-px; leave --method and --variant out";

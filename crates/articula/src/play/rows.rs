@@ -34,6 +34,8 @@ pub(crate) struct Row {
     pub(crate) error_px: ErrorPx,
     pub(crate) joints_sampled: f32,
     pub(crate) fk_joints: f32,
+    /// Mean way that standing feet slide because of what is held; null along a camera path.
+    pub(crate) foot_slide_mm: Option<f32>,
     /// Whether the error meets the target of a calibration.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) meets_target: Option<bool>,
@@ -113,6 +115,7 @@ fn at(stage: &Stage<'_>, chosen: &Chosen, swept: &[Trial], distance_m: f32, tuni
         },
         joints_sampled: trial.joints_sampled,
         fk_joints: trial.fk_joints,
+        foot_slide_mm: Some(1000.0 * trial.foot_slide_metres),
         meets_target: target,
     }
 }

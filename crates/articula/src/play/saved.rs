@@ -44,7 +44,7 @@ impl Saving {
         let (mut before, mut after) = (Amount::default(), Amount::default());
         let reduced = clips.iter().map(|clip| {
             before += motion_size(clip);
-            let out = reduce(rig, clip, &active, within(policy, clip.duration_secs));
+            let out = reduce(rig, clip, &active, policy);
             after += motion_size(&out);
             out
         });
@@ -60,16 +60,6 @@ impl Saving {
     pub(crate) fn share(&self) -> f64 {
         let bytes = |amount: Amount| amount.animation_bytes as f64;
         1.0 - bytes(self.after) / bytes(self.before).max(1.0)
-    }
-}
-
-/// A fade must not make a clip longer than it is.
-fn within(policy: PassivePolicy, duration_secs: f32) -> PassivePolicy {
-    match policy {
-        PassivePolicy::BlendToRest { secs } => PassivePolicy::BlendToRest {
-            secs: secs.min(duration_secs),
-        },
-        other => other,
     }
 }
 
@@ -121,12 +111,5 @@ mod tests {
         ] {
             assert!(passive(bad).is_err(), "{bad}");
         }
-    }
-
-    #[test]
-    fn a_fade_ends_with_its_clip() {
-        let fade = PassivePolicy::BlendToRest { secs: 2.0 };
-        assert_eq!(name(within(fade, 0.5)), "blend-to-rest:0.5");
-        assert_eq!(name(within(fade, 5.0)), "blend-to-rest:2");
     }
 }

@@ -48,11 +48,12 @@ pub(crate) struct LodArgs {
     /// Frames a second of the display (with --camera-path)
     #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive)]
     display_hz: f32,
-    /// Write plots: FILE.svg gets gain and error, a folder gets all of them
-    #[arg(long, value_name = "FILE.svg|DIR")]
+    /// Write plots: FILE.svg gets gain and error, a folder (lod-plots without a name) all of them
+    #[arg(long, value_name = "FILE.svg|DIR", num_args = 0..=1, default_missing_value = "lod-plots")]
     plot: Option<PathBuf>,
-    /// Write a page of pictures: each distance, some frames, joints marked
-    #[arg(long, value_name = "FILE.png")]
+    /// Write a page of pictures (lod-sheet.png without a name): each distance, some frames, joints
+    /// marked
+    #[arg(long, value_name = "FILE.png", num_args = 0..=1, default_missing_value = "lod-sheet.png")]
     contact_sheet: Option<PathBuf>,
     #[command(flatten)]
     view: ViewArgs,
@@ -97,7 +98,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
 impl LodArgs {
     fn check(&self) -> anyhow::Result<()> {
         use crate::play::methods::MethodName;
-        if self.parameter.is_some() && self.method.method == MethodName::All {
+        if self.parameter.is_some() && self.method.method() == MethodName::All {
             let what = "--parameter belongs to one method; compare methods with --calibrate PX";
             return Err(fault::usage(what));
         }

@@ -79,7 +79,7 @@ impl Report {
     pub(super) fn at_rest(prepared: &Prepared, args: &LodArgs) -> Self {
         let asset = &prepared.asset;
         let setup = args.setup();
-        let method = args.method.method.to_possible_value();
+        let method = args.method.method().to_possible_value();
         Self {
             file: prepared.loaded.place(),
             clip: None,
