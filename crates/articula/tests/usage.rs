@@ -67,7 +67,10 @@ fn wrong_usage_says_what_would_be_right() {
         (&["convert", human, "a.glb", "--clip", "swim"], "\"walk\""),
         (&["inspect", human, "--hide", "hat"], "\"skin\""),
         (&["lod", human, "--clip", "swim"], "\"idle\""),
-        (&["lod", human, "--method", "thesis", "--loa", "loa(Low)"], "--method loa"),
+        (
+            &["lod", human, "--method", "thesis", "--loa", "loa(Low)"],
+            "--method loa",
+        ),
         (
             &["lod", human, "--method", "all", "--parameter", "1"],
             "--calibrate",
