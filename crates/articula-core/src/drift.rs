@@ -6,9 +6,10 @@
 //!
 //! Differs from the spec's sketch: a joint that must be corrected sooner than the dwell shows
 //! the wanted rotation and stays passive, so that it neither chatters nor exceeds its bound;
-//! a transition that would show more than the bound is cut short.
+//! a transition that would show more than the bound is cut short. Whatever policy the options
+//! name, a joint holds what it shows: fading to rest would leave the bound unseen.
 
-use crate::joint_state::{JointState, JointStates, TransitionOptions};
+use crate::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
 use crate::loa::JointSet;
 use crate::math::angle_between;
 use crate::motion_error::tolerance_metres;
@@ -26,7 +27,7 @@ pub struct DriftOptions {
     pub dwell_secs: f32,
     /// A jump of at most this many pixels is shown at once, a larger one in a transition.
     pub pop_px: f32,
-    /// How joints change state.
+    /// How joints change state; its policy does not count.
     pub transition: TransitionOptions,
 }
 
@@ -74,7 +75,7 @@ pub struct JointViews<'a> {
 #[derive(Debug, Clone, Copy)]
 struct Judged {
     wake_secs: f64,
-    pixels_per_metre: f32,
+    tolerance_metres: f32,
     changed_secs: f64,
     last_sample_secs: f64,
 }
@@ -99,15 +100,19 @@ impl Drift {
         assert_eq!(bounds.len(), rest.len(), "one entry for each joint");
         let start = Judged {
             wake_secs: f64::NEG_INFINITY,
-            pixels_per_metre: 0.0,
+            tolerance_metres: f32::INFINITY,
             changed_secs: f64::NEG_INFINITY,
             last_sample_secs: f64::NEG_INFINITY,
+        };
+        let hold_last = TransitionOptions {
+            policy: PassivePolicy::HoldLast,
+            ..opts.transition
         };
         Self {
             opts,
             judged: vec![start; bounds.len()],
             bounds,
-            states: JointStates::new(rest, opts.transition),
+            states: JointStates::new(rest, hold_last),
             last: rest.clone(),
             updates: 0,
         }
@@ -131,14 +136,15 @@ impl Drift {
     }
 
     /// The joints whose wanted transform must be known now: those that move, those whose sleep
-    /// ends, and those that have come closer by more than the hysteresis allows.
+    /// ends, and those whose tolerance has shrunk by more than the hysteresis allows, because
+    /// they have come closer or need more care.
     pub fn due(&self, now_secs: f64, views: JointViews<'_>) -> JointSet {
         let growth = 1.0 + self.opts.hysteresis;
         let is_due = |j: &usize| {
             let judged = &self.judged[*j];
             self.states.state(*j) != JointState::Passive
                 || judged.wake_secs <= now_secs
-                || views.pixels_per_metre[*j] > judged.pixels_per_metre * growth
+                || self.tolerance(*j, views) * growth < judged.tolerance_metres
         };
         (0..self.bounds.len()).filter(is_due).collect()
     }
@@ -207,8 +213,7 @@ impl Drift {
             }
             _ => {}
         }
-        let judged = &mut self.judged[joint];
-        judged.pixels_per_metre = views.pixels_per_metre[joint];
+        self.judged[joint].tolerance_metres = tolerance;
     }
 
     /// How long the joint would stay within `low` metres at the speed it has now.

@@ -6,7 +6,7 @@ use articula_core::articulation::{Articulation, JointArticulation, Region};
 use articula_core::clip::{Clip, Track, Tracks};
 use articula_core::drift::{Drift, DriftOptions, JointBounds, JointViews};
 use articula_core::hierarchy::local_to_model;
-use articula_core::joint_state::{JointState, JointStates, TransitionOptions};
+use articula_core::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
 use articula_core::loa::JointSet;
 use articula_core::math::{Transform, angle_between};
 use articula_core::mesh::Mesh;
@@ -237,6 +237,61 @@ fn a_dolly_and_a_cut_never_show_more_than_the_bound() {
             s.error_px <= opts.bound_px() + ROUNDING_PX,
             "{} px after the cut",
             s.error_px
+        );
+    }
+}
+
+#[test]
+fn a_joint_that_suddenly_needs_care_wakes() {
+    let opts = DriftOptions::default();
+    let ppm = [100.0];
+    let clip = turning(8.0, 30.0, |t| 0.05 * t);
+    let bounds = JointBounds {
+        lever_metres: LEVER,
+        speed_metres_per_sec: speed_bound(&clip),
+        share: 1.0,
+    };
+    // As when a foot touches the ground: a quarter of the tolerance at once.
+    for touch in 60..120 {
+        let mut drift = Drift::new(&rest(), vec![bounds], opts);
+        let (mut wanted, mut truth) = (rest(), rest());
+        for i in 0..200 {
+            let secs = f64::from(i) / 60.0;
+            let attention = [if i < touch { 1.0 } else { 0.25 }];
+            let views = JointViews {
+                pixels_per_metre: &ppm,
+                attention: &attention,
+            };
+            let due = drift.due(secs, views);
+            sample(&clip, secs, Wrap::Clamp, &due, &mut wanted);
+            let shown = drift.step(secs, views, &due, &wanted).rotations[0];
+            sample(&clip, secs, Wrap::Clamp, &JointSet::first(1), &mut truth);
+            let error_px = LEVER * angle_between(shown, truth.rotations[0]) * ppm[0];
+            assert!(
+                error_px <= opts.bound_px() * attention[0] + ROUNDING_PX,
+                "{error_px} px, touched at {touch}, now {i}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_held_joint_does_not_fade_away() {
+    // Turns for a second, then stands: what is held must stay, whatever the policy says.
+    let clip = turning(9.0, 30.0, |t| t.min(1.0));
+    let opts = DriftOptions {
+        transition: TransitionOptions {
+            policy: PassivePolicy::BlendToRest { secs: 0.5 },
+            ..TransitionOptions::default()
+        },
+        ..DriftOptions::default()
+    };
+    for s in play(&clip, 60.0, opts, still_camera(5.0)) {
+        assert!(
+            s.error_px <= opts.bound_px() + ROUNDING_PX,
+            "{} px at {} s",
+            s.error_px,
+            s.secs
         );
     }
 }

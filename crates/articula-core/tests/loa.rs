@@ -103,6 +103,16 @@ fn depth_counts_joints_from_the_root() {
 }
 
 #[test]
+fn a_close_up_takes_every_ancestor_along() {
+    let rig = standard();
+    let wrist = joints("joint(l_wrist)");
+    let whole = selection::with_ancestors(&rig, &wrist);
+    let above = |joint: usize| rig.is_at_or_below(wrist.iter().next().unwrap(), joint);
+    assert_eq!(whole, (0..rig.len()).filter(|j| above(*j)).collect());
+    assert!(whole.contains(rig.root()) && whole.len() > 10);
+}
+
+#[test]
 fn an_unknown_joint_drops_one_level_before_its_parent() {
     let rig = standard();
     let bracelet = rig.find("bracelet").unwrap();
