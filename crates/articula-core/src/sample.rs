@@ -29,10 +29,14 @@ pub struct FramePosition {
     pub blend: f32,
 }
 
+/// Part by which a frame number may differ after a division and a product in f64.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Where a time falls among the frames of a clip.
 ///
 /// Negative times run backwards from the end of a looping clip. A time that is no number
-/// counts as 0. Times are kept in f64 so that a clock may run for days.
+/// counts as 0. Times are kept in f64 so that a clock may run for days; a time that is a frame's
+/// but for rounding is that frame, so `i / rate_hz` seconds always gives frame `i` itself.
 pub fn frame_position(clip: &Clip, time_secs: f64, wrap: Wrap) -> FramePosition {
     let last = clip.frames() - 1;
     let time = if time_secs.is_finite() {
@@ -41,6 +45,12 @@ pub fn frame_position(clip: &Clip, time_secs: f64, wrap: Wrap) -> FramePosition 
         0.0
     };
     let at = time * f64::from(clip.rate_hz());
+    let frame = at.round();
+    let at = if (at - frame).abs() <= ROUNDING * frame.abs() {
+        frame
+    } else {
+        at
+    };
     let at = match wrap {
         Wrap::Loop if last > 0 => at.rem_euclid(last as f64),
         _ => at.clamp(0.0, last as f64),
@@ -170,6 +180,16 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn the_time_of_a_frame_is_that_frame(rate in 0.5f32..500.0, frame in 0usize..100_000) {
+            let clip = Clip::new("c", rate, 100_001, 1, Tracks::default()).unwrap();
+            let secs = frame as f64 / f64::from(clip.rate_hz());
+            for wrap in [Wrap::Loop, Wrap::Clamp] {
+                let at = frame_position(&clip, secs, wrap);
+                prop_assert_eq!((at.before, at.blend), (frame, 0.0));
+            }
+        }
+
         #[test]
         fn looping_repeats_and_stays_unit(time in -50.0f64..50.0) {
             let a = pose_at(time, Wrap::Loop).rotations[0];
