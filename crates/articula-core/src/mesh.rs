@@ -77,8 +77,8 @@ impl Mesh {
     /// Joins the meshes of a character. `joints` is the number of joints of its rig.
     ///
     /// # Errors
-    /// A [`Mismatch`] if lengths of a primitive disagree, or an index of a joint, vertex or
-    /// morph target is out of range.
+    /// A [`Mismatch`] if lengths of a primitive disagree, an index of a joint, vertex or morph
+    /// target is out of range, or there are more than 65536 bindings or morph targets.
     pub fn new(meshes: &[source::Mesh], joints: usize) -> Result<Self, Mismatch> {
         let most = meshes
             .iter()
@@ -92,6 +92,10 @@ impl Mesh {
             let palette = mesh.bind(&source.skin, joints).map_err(|e| within(m, e))?;
             mesh.morph_slots.push(mesh.morph_weights.len());
             mesh.morph_weights.extend(&source.morph_weights);
+            if mesh.morph_weights.len() > usize::from(u16::MAX) + 1 {
+                let what = "more than 65536 morph targets in all meshes";
+                return Err(within(m, Mismatch::new("morph_weights", what)));
+            }
             for (p, primitive) in source.primitives.iter().enumerate() {
                 mesh.append(m, source, primitive, &palette).map_err(|e| {
                     within(
@@ -347,5 +351,11 @@ pub(crate) mod tests {
         let mut bad = triangle();
         bad.primitives[0].weights.pop();
         assert_eq!(at(bad, 2), "meshes[0].primitives[0].weights");
+        let bad = source::Mesh {
+            primitives: vec![],
+            morph_weights: vec![0.0; 65537],
+            ..triangle()
+        };
+        assert_eq!(at(bad, 2), "meshes[0].morph_weights");
     }
 }

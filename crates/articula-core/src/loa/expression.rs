@@ -15,6 +15,9 @@ use crate::rig::Rig;
 /// Deepest nesting of parentheses that is read.
 const MAX_NESTING: usize = 64;
 
+/// Most terms that are read; an operator's left side nests, so this bounds the tree's depth.
+const MAX_TERMS: usize = 1000;
+
 /// A parsed expression, not yet resolved against a rig.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Expression {
@@ -57,7 +60,11 @@ impl Expression {
     /// # Errors
     /// [`ExpressionError`] names the column, what stood there and what may stand there.
     pub fn parse(text: &str) -> Result<Self, ExpressionError> {
-        let mut parser = Parser { text, at: 0 };
+        let mut parser = Parser {
+            text,
+            at: 0,
+            terms: 0,
+        };
         let expression = parser.expression(0)?;
         match parser.peek() {
             None => Ok(expression),
@@ -85,6 +92,7 @@ impl Expression {
 struct Parser<'a> {
     text: &'a str,
     at: usize,
+    terms: usize,
 }
 
 impl Parser<'_> {
@@ -129,6 +137,10 @@ impl Parser<'_> {
     fn term(&mut self, nesting: usize) -> Result<Expression, ExpressionError> {
         if nesting > MAX_NESTING {
             return Err(self.error(format!("more than {MAX_NESTING} nested parentheses")));
+        }
+        self.terms += 1;
+        if self.terms > MAX_TERMS {
+            return Err(self.error(format!("more than {MAX_TERMS} terms")));
         }
         if self.peek() == Some('(') {
             self.at += 1;
@@ -226,5 +238,7 @@ mod tests {
         assert!(of("depth(1) +").what.contains("the end"));
         assert!(of("größe(1)").what.contains("expected depth"));
         assert!(of(&"(".repeat(100_000)).what.contains("nested"));
+        let endless = format!("loa(Low){}", " + depth(1)".repeat(100_000));
+        assert!(of(&endless).what.contains("1000 terms"));
     }
 }
