@@ -279,41 +279,33 @@ impl<'a> Stage<'a> {
             } else {
                 &views
             };
-            let offsets = self.offsets(playback);
-            for view in seen {
-                let mut frames: Vec<f32> = offsets
-                    .iter()
-                    .map(|frame| {
-                        let mut lengths: Vec<f32> = frame
-                            .iter()
-                            .map(|d| (*d - *view * d.dot(*view)).length())
-                            .collect();
-                        percentile(&mut lengths, 0.95)
-                    })
-                    .collect();
-                worst.max = worst.max.max(percentile(&mut frames, 1.0));
-                worst.p95 = worst.p95.max(percentile(&mut frames, 0.95));
-                worst.p50 = worst.p50.max(percentile(&mut frames, 0.5));
+            for frames in &mut self.displacements(playback, seen) {
+                worst.max = worst.max.max(percentile(frames, 1.0));
+                worst.p95 = worst.p95.max(percentile(frames, 0.95));
+                worst.p50 = worst.p50.max(percentile(frames, 0.5));
             }
         }
         worst
     }
 
-    /// Shown less true positions of the watched vertices at every frame after the first.
-    fn offsets(&self, playback: &Playback) -> Vec<Vec<Vec3>> {
+    /// For each view and frame, the 95th percentile over the watched vertices of the distance
+    /// between shown and true places as seen from there.
+    fn displacements(&self, playback: &Playback, views: &[Vec3]) -> Vec<Vec<f32>> {
         let mut pose = self.truth[0].clone();
-        (0..self.truth.len())
-            .map(|f| {
-                pose.copy_from(&self.truth[f]);
-                pose.rotations.copy_from_slice(&playback.shown[f]);
-                let shown = self.points.posed(self.asset, &pose);
-                shown
-                    .iter()
-                    .zip(&self.true_points[f])
-                    .map(|(s, t)| *s - *t)
-                    .collect()
-            })
-            .collect()
+        let mut out = vec![Vec::with_capacity(self.truth.len()); views.len()];
+        for (f, truth) in self.truth.iter().enumerate() {
+            pose.copy_from(truth);
+            pose.rotations.copy_from_slice(&playback.shown[f]);
+            let shown = self.points.posed(self.asset, &pose);
+            for (frames, view) in out.iter_mut().zip(views) {
+                let offsets = shown.iter().zip(&self.true_points[f]).map(|(s, t)| *s - *t);
+                let mut lengths: Vec<f32> = offsets
+                    .map(|d| (d - *view * d.dot(*view)).length())
+                    .collect();
+                frames.push(percentile(&mut lengths, 0.95));
+            }
+        }
+        out
     }
 }
 
@@ -324,16 +316,17 @@ pub fn play(stage: &Stage<'_>, method: &Method, parameter: f32) -> (Trial, Vec<P
 }
 
 /// The value below which a fraction of the values lies, interpolated between neighbours; 0 of
-/// nothing. Sorts the slice.
+/// nothing. Changes the order of the slice.
 pub(super) fn percentile(values: &mut [f32], fraction: f32) -> f32 {
     if values.is_empty() {
         return 0.0;
     }
-    values.sort_by(f32::total_cmp);
     let at = fraction * (values.len() - 1) as f32;
     let below = at as usize;
-    let above = (below + 1).min(values.len() - 1);
-    values[below] + (values[above] - values[below]) * (at - below as f32)
+    let (_, low, rest) = values.select_nth_unstable_by(below, f32::total_cmp);
+    let low = *low;
+    let high = rest.iter().copied().min_by(f32::total_cmp).unwrap_or(low);
+    low + (high - low) * (at - below as f32)
 }
 
 fn models(asset: &Asset, locals: &[Quat]) -> Vec<Quat> {
@@ -344,4 +337,18 @@ fn models(asset: &Asset, locals: &[Quat]) -> Vec<Quat> {
         }
     }
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn percentiles_by_hand() {
+        let of = |fraction| percentile(&mut [4.0, 0.0, 3.0, 1.0, 2.0], fraction);
+        assert_eq!([0.0, 0.5, 1.0].map(of), [0.0, 2.0, 4.0]);
+        assert!((of(0.95) - 3.8).abs() < 1e-6, "between the last two");
+        assert_eq!(percentile(&mut [7.0], 0.95), 7.0);
+        assert_eq!(percentile(&mut [], 0.5), 0.0);
+    }
 }

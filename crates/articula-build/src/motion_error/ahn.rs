@@ -4,24 +4,23 @@
 //! showing a key posture is `2 alpha ||log|| + r angle`, and since twice the norm of the
 //! quaternion logarithm is the angle, `(alpha + r) angle`.
 
-use super::keys::Segment;
-use articula_core::math::angle_between;
+use super::keys::{LONGEST_RUN, Reach, Segment};
 use glam::Quat;
 
 /// Cuts one joint's motion greedily into the longest runs whose error to their middle frame
-/// stays below `threshold`. `radius` is the joint's `r` in metres.
+/// (of at most [`LONGEST_RUN`] frames) stays below `threshold`. `radius` is the joint's `r` in metres.
 pub fn clusters(values: &[Quat], alpha: f32, radius: f32, threshold: f32) -> Vec<Segment> {
-    let radians = threshold / (alpha + radius).max(1e-9);
+    let reach = Reach::new(threshold / (alpha + radius).max(1e-9));
     let mut segments = Vec::new();
     let mut start = 0;
     while start < values.len() {
         let mut key = values[start];
         let mut end = start + 1;
-        while end < values.len() {
+        while end < values.len().min(start + LONGEST_RUN) {
             let middle = values[(start + end) / 2];
-            if values[start..=end]
+            if !values[start..=end]
                 .iter()
-                .any(|q| angle_between(middle, *q) >= radians)
+                .all(|q| reach.exceeds(middle, *q))
             {
                 break;
             }

@@ -1,10 +1,50 @@
 //! Keys of one joint at one tolerance.
 //!
 //! Source: `spec/motion-lod.md` 4.5 and 11. All three take the longest run that fits before
-//! they start the next one.
+//! they start the next one. A run of blends or of one rotation ends after [`LONGEST_RUN`] frames
+//! at the latest: trying ever longer runs costs the square of their length.
 
-use articula_core::math::{angle_between, nlerp};
+use articula_core::math::{angle_between, nlerp, same_hemisphere};
 use glam::Quat;
+use std::f32::consts::PI;
+
+/// Most frames of a run that is found by trial. The clips of the published numbers have fewer.
+pub const LONGEST_RUN: usize = 512;
+
+/// A greatest angle between rotations, tested on the chord between their quaternions: many
+/// times cheaper than the angle itself, and as exact where it is small.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Reach {
+    chord_squared: f32,
+}
+
+impl Reach {
+    pub(super) fn new(radians: f32) -> Self {
+        let half_chord = (0.25 * radians).sin();
+        Self {
+            chord_squared: if radians < PI {
+                4.0 * half_chord * half_chord
+            } else {
+                f32::INFINITY
+            },
+        }
+    }
+
+    /// Whether the angle between two unit quaternions is less, or exactly this.
+    pub(super) fn covers(self, a: Quat, b: Quat) -> bool {
+        chord_squared(a, b) <= self.chord_squared
+    }
+
+    /// Whether the angle between two unit quaternions is less.
+    pub(super) fn exceeds(self, a: Quat, b: Quat) -> bool {
+        chord_squared(a, b) < self.chord_squared
+    }
+}
+
+/// Rises with the angle between two unit quaternions: `4 sin^2(angle / 4)`.
+fn chord_squared(a: Quat, b: Quat) -> f32 {
+    (a - same_hemisphere(a, b)).length_squared()
+}
 
 /// A run of frames and the one rotation that it shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -42,16 +82,22 @@ pub fn hold_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32> 
 /// ends are keys. `candidates` as for [`hold_keys`].
 pub fn linear_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32> {
     let mut keys: Vec<u32> = candidates.first().copied().into_iter().collect();
+    let reach = Reach::new(radians);
+    // Twice that is the whole: what stays this close to the first key fits every blend.
+    let close = Reach::new(0.499 * radians);
     let mut at = 0;
     while at + 1 < candidates.len() {
-        let mut reached = at + 1;
-        for c in at + 2..candidates.len() {
-            if !blends_within(
-                values,
-                candidates[at] as usize,
-                candidates[c] as usize,
-                radians,
-            ) {
+        let from = candidates[at] as usize;
+        let (mut reached, mut all_close, mut seen) = (at + 1, true, from);
+        for (c, to) in candidates.iter().enumerate().skip(at + 1) {
+            let to = *to as usize;
+            all_close = all_close && (seen..=to).all(|f| close.covers(values[from], values[f]));
+            seen = to;
+            if c == at + 1 {
+                continue;
+            }
+            let short = to - from <= LONGEST_RUN;
+            if !short || !(all_close || blends_within(values, from, to, reach)) {
                 break;
             }
             reached = c;
@@ -65,22 +111,23 @@ pub fn linear_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32
 /// Runs of frames that one rotation stands for within `radians`: half-way between the two
 /// frames of the run that differ most.
 pub fn pose_segments(values: &[Quat], radians: f32) -> Vec<Segment> {
+    let (reach, twice) = (Reach::new(radians), Reach::new(2.0 * radians));
     let mut segments = Vec::new();
     let mut start = 0;
     while start < values.len() {
         let mut key = values[start];
         let mut widest = (0.0, values[start], values[start]);
         let mut end = start + 1;
-        while end < values.len() {
+        while end < values.len().min(start + LONGEST_RUN) {
             for q in &values[start..end] {
-                let angle = angle_between(*q, values[end]);
-                if angle > widest.0 {
-                    widest = (angle, *q, values[end]);
+                let chord = chord_squared(*q, values[end]);
+                if chord > widest.0 {
+                    widest = (chord, *q, values[end]);
                 }
             }
             let middle = nlerp(widest.1, widest.2, 0.5);
             let run = &values[start..=end];
-            if widest.0 > 2.0 * radians || run.iter().any(|q| angle_between(*q, middle) > radians) {
+            if !twice.covers(widest.1, widest.2) || !run.iter().all(|q| reach.covers(*q, middle)) {
                 break;
             }
             key = middle;
@@ -93,14 +140,15 @@ pub fn pose_segments(values: &[Quat], radians: f32) -> Vec<Segment> {
 }
 
 /// The rotation whose greatest angle to all values is least, nearly: half-way between the two
-/// values that differ most, or the best value where that fails.
+/// values that differ most, or the best value where that fails (of many values, the best of some
+/// [`LONGEST_RUN`] of them).
 pub fn central_rotation(values: &[Quat]) -> Option<Quat> {
     let first = *values.first()?;
     let farthest = |from: Quat| {
         values
             .iter()
             .copied()
-            .max_by(|a, b| angle_between(from, *a).total_cmp(&angle_between(from, *b)))
+            .max_by(|a, b| chord_squared(from, *a).total_cmp(&chord_squared(from, *b)))
     };
     let a = farthest(first)?;
     let b = farthest(a)?;
@@ -108,25 +156,26 @@ pub fn central_rotation(values: &[Quat]) -> Option<Quat> {
     let worst = |q: Quat| {
         values
             .iter()
-            .map(|v| angle_between(q, *v))
+            .map(|v| chord_squared(q, *v))
             .fold(0.0, f32::max)
     };
     let best = values
         .iter()
-        .copied()
-        .min_by(|p, q| worst(*p).total_cmp(&worst(*q)))?;
-    Some(if worst(middle) <= worst(best) {
+        .step_by(values.len().div_ceil(LONGEST_RUN))
+        .map(|q| (worst(*q), *q))
+        .min_by(|p, q| p.0.total_cmp(&q.0))?;
+    Some(if worst(middle) <= best.0 {
         middle
     } else {
-        best
+        best.1
     })
 }
 
-fn blends_within(values: &[Quat], from: usize, to: usize, radians: f32) -> bool {
+fn blends_within(values: &[Quat], from: usize, to: usize, reach: Reach) -> bool {
     let span = (to - from) as f32;
     (from + 1..to).all(|f| {
         let blend = nlerp(values[from], values[to], (f - from) as f32 / span);
-        angle_between(blend, values[f]) <= radians
+        reach.covers(blend, values[f])
     })
 }
 
@@ -162,6 +211,36 @@ mod tests {
         assert!(central_rotation(&[]).is_none());
     }
 
+    #[test]
+    fn chords_order_rotations_as_angles_do() {
+        let a = Quat::from_rotation_x(0.4);
+        for radians in [1e-4f32, 0.01, 0.5, 2.0, 3.1] {
+            let near = -(a * Quat::from_rotation_y(0.999 * radians));
+            let far = a * Quat::from_rotation_y(1.001 * radians);
+            let reach = Reach::new(radians);
+            assert!(reach.covers(a, near) && reach.exceeds(a, near), "{radians}");
+            assert!(!reach.covers(a, far) && !reach.exceeds(a, far), "{radians}");
+        }
+        assert!(Reach::new(PI).covers(a, a * Quat::from_rotation_y(PI)));
+    }
+
+    #[test]
+    fn a_long_stand_still_is_cut_into_runs_of_bounded_length() {
+        let frames = 20_000usize;
+        let values: Vec<Quat> = (0..frames)
+            .map(|i| Quat::from_rotation_z(1e-3 * (0.01 * i as f32).sin()))
+            .collect();
+        let cuts = frames.div_ceil(LONGEST_RUN);
+        let segments = pose_segments(&values, 0.5);
+        assert_eq!(segments.len(), cuts);
+        let keys = linear_keys(&values, 0.5, &all(&values));
+        assert_eq!(keys.len(), cuts + 1);
+        assert!(keys.windows(2).all(|w| w[1] - w[0] <= LONGEST_RUN as u32));
+        assert_eq!(hold_keys(&values, 0.5, &all(&values)), [0]);
+        let central = central_rotation(&values).unwrap();
+        assert!(angle_between(central, Quat::IDENTITY) < 1e-5);
+    }
+
     fn motion() -> impl Strategy<Value = Vec<Quat>> {
         prop::collection::vec((-0.2f32..0.2, -0.2f32..0.2), 2..60).prop_map(|steps| {
             let mut q = Quat::IDENTITY;
@@ -190,7 +269,7 @@ mod tests {
             for keys in [linear_keys(&values, tolerance, &all(&values))] {
                 prop_assert_eq!(*keys.last().unwrap() as usize, values.len() - 1);
                 for w in keys.windows(2) {
-                    prop_assert!(blends_within(&values, w[0] as usize, w[1] as usize, tolerance));
+                    prop_assert!(blends_within(&values, w[0] as usize, w[1] as usize, Reach::new(tolerance + 1e-5)));
                 }
             }
             let segments = pose_segments(&values, tolerance);
