@@ -1,6 +1,6 @@
 //! The recipe: a source character becomes the read-only nouns of the frame.
 
-use crate::clip::{ClipOptions, resample};
+use crate::clip::{ClipOptions, MOST_NUMBERS, resample};
 use articula_core::Mismatch;
 use articula_core::articulation::Articulation;
 use articula_core::clip::Clip;
@@ -24,7 +24,8 @@ pub struct Asset {
 ///
 /// # Errors
 /// A [`Mismatch`] that names the part of the character that does not fit, for example one
-/// without any joint, or without an articulation from either side.
+/// without any joint, without an articulation from either side, or with more motion than memory
+/// should hold.
 pub fn character(
     source: &Character,
     articulation: Option<Articulation>,
@@ -40,10 +41,28 @@ pub fn character(
         .iter()
         .map(|m| m.morph_weights.len())
         .collect();
-    let clips = source
-        .clips
-        .iter()
-        .map(|c| resample(c, &source.skeleton, &mesh.morph_slots, &counts, opts))
-        .collect::<Result<_, _>>()?;
+    let mut clips = Vec::with_capacity(source.clips.len());
+    let mut numbers = 0usize;
+    for c in &source.clips {
+        let clip = resample(c, &source.skeleton, &mesh.morph_slots, &counts, opts)?;
+        numbers += numbers_of(&clip);
+        if numbers > MOST_NUMBERS {
+            let what = format!("all clips together hold more than {MOST_NUMBERS} numbers");
+            return Err(Mismatch::new(format!("clip \"{}\"", c.name), what));
+        }
+        clips.push(clip);
+    }
     Ok(Asset { rig, mesh, clips })
+}
+
+/// Numbers that the tracks of a clip hold.
+fn numbers_of(clip: &Clip) -> usize {
+    let vectors = clip.translations().iter().chain(clip.scales());
+    3 * vectors.map(|t| t.values.len()).sum::<usize>()
+        + 4 * clip
+            .rotations()
+            .iter()
+            .map(|t| t.values.len())
+            .sum::<usize>()
+        + clip.morphs().iter().map(|t| t.values.len()).sum::<usize>()
 }

@@ -18,6 +18,10 @@ const USUAL_RATES_HZ: [f32; 14] = [
 /// Highest rate that is chosen without being asked for.
 const MAX_RATE_HZ: f32 = 120.0;
 
+/// Most numbers that the tracks of a clip, or of all clips of a character, may hold: half a
+/// gigabyte. Two keys of a small file can ask for any length.
+pub(crate) const MOST_NUMBERS: usize = 1 << 27;
+
 /// What a clip may differ from its source between frames, as seen on a limb of 0.4 m: about two
 /// millimetres. A joint that turns by 60 degrees in a frame stays below it under a normalised
 /// linear blend; splines with few keys do not.
@@ -57,8 +61,12 @@ pub fn source_rate_hz(clip: &source::Clip) -> f32 {
 /// mesh and `morph_counts` how many each has.
 ///
 /// # Errors
-/// A [`Mismatch`] if a channel names a joint or mesh that is not there, or the clip would have
-/// more than a million frames.
+/// A [`Mismatch`] if a channel names a joint or mesh that is not there, has no key or fewer
+/// values than its keys need, or the clip would have more than a million frames or more numbers
+/// than memory should hold.
+///
+/// # Panics
+/// If there is not one entry of `morph_counts` for each of `morph_slots`.
 pub fn resample(
     clip: &source::Clip,
     skeleton: &source::Skeleton,
@@ -66,31 +74,25 @@ pub fn resample(
     morph_counts: &[usize],
     opts: &ClipOptions,
 ) -> Result<Clip, Mismatch> {
+    for (c, channel) in clip.channels.iter().enumerate() {
+        check(channel, skeleton.joints.len(), morph_counts)
+            .map_err(|what| Mismatch::new(format!("clip \"{}\".channels[{c}]", clip.name), what))?;
+    }
     let duration = if clip.duration_secs.is_finite() {
         clip.duration_secs.max(0.0)
     } else {
         0.0
     };
-    let frames_per_key = if opts.rate_hz.is_some() {
-        1
-    } else {
-        oversampling(clip)
+    // What is too long at the rate of its keys is refused before it is looked at more closely.
+    let keyed = opts.rate_hz.unwrap_or_else(|| source_rate_hz(clip));
+    let numbers = clip.channels.iter().map(|c| width(c, morph_counts)).sum();
+    steps_at(clip, duration, keyed, numbers)?;
+    let frames_per_key = match opts.rate_hz {
+        Some(_) => 1,
+        None => oversampling(clip),
     };
-    let wanted = opts
-        .rate_hz
-        .unwrap_or_else(|| source_rate_hz(clip) * frames_per_key as f32);
-    if !(wanted.is_finite() && wanted > 0.0) {
-        return Err(Mismatch::new(
-            "rate_hz",
-            format!("{wanted} is not a positive rate"),
-        ));
-    }
-    let steps = (f64::from(duration) * f64::from(wanted)).round();
-    if steps > 1e6 {
-        let what = format!("{duration} s at {wanted} Hz would be {steps} frames, at most 1000000");
-        return Err(Mismatch::new(format!("clip \"{}\"", clip.name), what));
-    }
-    let steps = steps as usize;
+    let wanted = keyed * frames_per_key as f32;
+    let steps = steps_at(clip, duration, wanted, numbers)?;
     // Stretch the grid by less than half a frame so that it ends exactly with the clip.
     let rate = if steps == 0 || duration == 0.0 {
         wanted
@@ -107,34 +109,74 @@ pub fn resample(
         })
         .collect();
     let mut tracks = Tracks::default();
-    for (c, channel) in clip.channels.iter().enumerate() {
-        let at =
-            |what: String| Mismatch::new(format!("clip \"{}\".channels[{c}]", clip.name), what);
+    for channel in &clip.channels {
+        let target = channel.target;
         if channel.property == Property::Weights {
-            let mesh = channel.target;
-            if mesh >= morph_slots.len() {
-                return Err(at(format!("mesh {mesh} of {}", morph_slots.len())));
-            }
-            weight_tracks(
-                channel,
-                morph_slots[mesh],
-                morph_counts[mesh],
-                &times,
-                &mut tracks,
-            );
-            continue;
+            let (slot, count) = (morph_slots[target], morph_counts[target]);
+            weight_tracks(channel, slot, count, &times, &mut tracks);
+        } else {
+            joint_track(channel, &skeleton.joints[target], &times, &mut tracks);
         }
-        let Some(joint) = skeleton.joints.get(channel.target) else {
-            return Err(at(format!(
-                "joint {} of {}",
-                channel.target,
-                skeleton.joints.len()
-            )));
-        };
-        joint_track(channel, joint, &times, &mut tracks);
     }
     let built = Clip::new(&clip.name, rate, times.len(), skeleton.joints.len(), tracks)?;
     Ok(built.with_frames_per_key(frames_per_key))
+}
+
+/// Number of frame intervals at a rate, where each frame holds so many numbers.
+fn steps_at(
+    clip: &source::Clip,
+    duration: f32,
+    rate: f32,
+    numbers: usize,
+) -> Result<usize, Mismatch> {
+    if !(rate.is_finite() && rate > 0.0) {
+        let what = format!("{rate} is not a positive rate");
+        return Err(Mismatch::new("rate_hz", what));
+    }
+    let steps = (f64::from(duration) * f64::from(rate)).round();
+    let at = || format!("clip \"{}\"", clip.name);
+    if steps > 1e6 {
+        let what = format!("{duration} s at {rate} Hz would be {steps} frames, at most 1000000");
+        return Err(Mismatch::new(at(), what));
+    }
+    let numbers = (steps as usize).saturating_mul(numbers);
+    if numbers > MOST_NUMBERS {
+        let what =
+            format!("{duration} s at {rate} Hz would be {numbers} numbers, at most {MOST_NUMBERS}");
+        return Err(Mismatch::new(at(), what));
+    }
+    Ok(steps as usize)
+}
+
+/// Whether a channel's target is there, and it has keys and the values that they need.
+fn check(channel: &Channel, joints: usize, morph_counts: &[usize]) -> Result<(), String> {
+    let (kind, targets) = match channel.property {
+        Property::Weights => ("mesh", morph_counts.len()),
+        _ => ("joint", joints),
+    };
+    if channel.target >= targets {
+        return Err(format!("{kind} {} of {targets}", channel.target));
+    }
+    let width = width(channel, morph_counts);
+    let keys = channel.times_secs.len();
+    let floats = match channel.interpolation {
+        Interpolation::CubicSpline => 3 * width,
+        _ => width,
+    };
+    if keys == 0 || channel.values.len() < keys * floats {
+        let found = channel.values.len();
+        return Err(format!("{found} values for {keys} keys of {floats} floats"));
+    }
+    Ok(())
+}
+
+/// Floats of a channel's value.
+fn width(channel: &Channel, morph_counts: &[usize]) -> usize {
+    match channel.property {
+        Property::Rotation => 4,
+        Property::Translation | Property::Scale => 3,
+        Property::Weights => morph_counts[channel.target],
+    }
 }
 
 /// The rate whose `steps`-th frame is the end; the wanted one where rounding alone differs.
@@ -253,20 +295,17 @@ fn curves(clip: &source::Clip, rate: f32) -> bool {
 }
 
 fn leaves_chord(c: &Channel, from: f32, to: f32) -> bool {
+    let width = width(c, &[]);
+    let value = |t: f32| {
+        let mut v = [0.0; 4];
+        evaluate::channel(c, t, &mut v[..width]);
+        v
+    };
+    let (a, b) = (value(from), value(to));
     // Keys inside the interval are corners, which no chord follows; the quarter points
     // see the curvature of splines and of fast turns.
     [0.25, 0.5, 0.75].iter().any(|&u| {
-        let width = if c.property == Property::Rotation {
-            4
-        } else {
-            3
-        };
-        let value = |t: f32| {
-            let mut v = [0.0; 4];
-            evaluate::channel(c, t, &mut v[..width]);
-            v
-        };
-        let (a, m, b) = (value(from), value(from + (to - from) * u), value(to));
+        let m = value(from + (to - from) * u);
         if c.property == Property::Rotation {
             let chord = nlerp(Quat::from_array(a), Quat::from_array(b), u);
             return angle_between(chord, Quat::from_array(m)) > CHORD_RADIANS;
@@ -363,10 +402,20 @@ mod tests {
         clip.channels[0].target = 1;
         let e = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap_err();
         assert!(e.what.contains("joint 1 of 1"));
+        clip.channels[0].target = 0;
+        clip.channels[0].values.pop();
+        let e = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap_err();
+        assert!(e.what.contains("7 values for 2 keys of 4 floats"));
+        clip.channels[0].times_secs.clear();
+        assert!(resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).is_err());
         let endless = source::Clip {
             duration_secs: 1e9,
             ..source::Clip::default()
         };
+        clip = turning(vec![0.0, 20_000.0], Interpolation::Linear);
+        clip.channels = vec![clip.channels[0].clone(); 60];
+        let e = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap_err();
+        assert!(e.what.contains("numbers"), "{e}");
         assert!(resample(&endless, &skeleton(), &[], &[], &ClipOptions::default()).is_err());
         let empty = resample(
             &source::Clip::default(),

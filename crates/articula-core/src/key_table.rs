@@ -111,8 +111,8 @@ pub struct PoseKeys {
     pub ticks: u32,
     /// Tolerance of level 0, metres.
     pub base_metres: f32,
-    /// `levels[k]`: rising ticks from 0 to the last, or `None` where even neighbouring frames
-    /// are too far apart for a straight line: evaluate every frame.
+    /// `levels[k]`: rising ticks from 0 to the last, or `None` where straight lines would hardly
+    /// be longer than two display frames: evaluate every frame.
     pub levels: Vec<Option<Vec<u32>>>,
 }
 

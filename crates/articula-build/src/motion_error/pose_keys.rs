@@ -3,7 +3,10 @@
 //! Source: `spec/motion-lod.md` part 6. Skinning is linear in the palette, so blending two
 //! palettes moves every vertex on a straight line between the two skinned poses. Keys are
 //! chosen on a grid of at least 120 Hz and tested on all of it, between the clip's own frames
-//! too; a level that even neighbouring ticks break is marked to be evaluated.
+//! too; a level whose spans would hardly be longer than two display frames is marked to be
+//! evaluated. Differs: a span is found by doubling and halving, so that the work grows with the
+//! clip and not with its square, and none crosses the border of a block of some thousand ticks,
+//! so that only one block of poses is held at a time.
 
 use super::tables::hashes;
 use crate::character::Asset;
@@ -15,49 +18,67 @@ use glam::Vec3;
 /// Least rate at which straightness is tested.
 const LEAST_TICK_HZ: f32 = 120.0;
 
+/// Ticks of a block: half a minute.
+const BLOCK_TICKS: usize = 4096;
+
+/// Spans that are no longer than this on average are not worth their blending: two display
+/// frames at 60 Hz.
+const LEAST_SPAN_SECS: f32 = 2.0 / 60.0;
+
 /// Keys for every level of the usual ladder. `points` is the sample of the skin that is
 /// watched. Root motion is part of it: the palette moves on straight lines too.
 pub fn pose_keys(asset: &Asset, clip: &Clip, points: &Points) -> PoseKeys {
     let per_frame = (LEAST_TICK_HZ / clip.rate_hz()).ceil().max(1.0);
     let tick_hz = clip.rate_hz() * per_frame;
     let ticks = (clip.frames() - 1) * per_frame as usize;
-    let skins: Vec<Vec<Vec3>> = (0..=ticks)
-        .map(|t| points.at(asset, clip, t as f64 / f64::from(tick_hz)))
-        .collect();
-    let levels = (0..LADDER_LEVELS)
-        .map(|k| {
-            straight_runs(
-                &skins,
-                LADDER_BASE_METRES * (1u32 << k) as f32,
-                per_frame as usize,
-            )
-        })
-        .collect();
+    let mut levels = vec![vec![0u32]; LADDER_LEVELS];
+    for first in (0..ticks).step_by(BLOCK_TICKS) {
+        let skins: Vec<Vec<Vec3>> = (first..=ticks.min(first + BLOCK_TICKS))
+            .map(|t| points.at(asset, clip, t as f64 / f64::from(tick_hz)))
+            .collect();
+        for (k, keys) in levels.iter_mut().enumerate() {
+            let ends = straight_runs(&skins, LADDER_BASE_METRES * (1u32 << k) as f32);
+            keys.extend(ends.iter().map(|end| (first + end) as u32));
+        }
+    }
+    let pays = |keys: &Vec<u32>| {
+        let spans = (keys.len() - 1) as f32;
+        spans == 0.0 || ticks as f32 > LEAST_SPAN_SECS * tick_hz * spans
+    };
     PoseKeys {
         hashes: hashes(&asset.rig, clip, &asset.mesh),
         tick_hz,
         ticks: ticks as u32,
         base_metres: LADDER_BASE_METRES,
-        levels,
+        levels: levels
+            .into_iter()
+            .map(|keys| pays(&keys).then_some(keys))
+            .collect(),
     }
 }
 
-/// The longest straight runs, greedily. `None` if most runs are no longer than two display
-/// frames (at 60 Hz, two ticks of 120 Hz): evaluating is then as cheap and exact.
-fn straight_runs(skins: &[Vec<Vec3>], tolerance: f32, per_frame: usize) -> Option<Vec<u32>> {
+/// The ends of long straight runs that follow each other, the last the end of the poses.
+fn straight_runs(skins: &[Vec<Vec3>], tolerance: f32) -> Vec<usize> {
     let last = skins.len() - 1;
-    let mut keys = vec![0u32];
+    let mut ends = Vec::new();
     let mut at = 0;
     while at < last {
-        let mut reached = at + 1;
-        while reached < last && is_straight(skins, at, reached + 1, tolerance) {
-            reached += 1;
+        let fits = |to: usize| to <= last && is_straight(skins, at, to, tolerance);
+        let (mut reached, mut step) = (at + 1, 1);
+        while fits(reached + step) {
+            reached += step;
+            step *= 2;
         }
-        keys.push(reached as u32);
+        while step > 1 {
+            step /= 2;
+            if fits(reached + step) {
+                reached += step;
+            }
+        }
+        ends.push(reached);
         at = reached;
     }
-    let least = per_frame.max(2) * (keys.len() - 1);
-    (last == 0 || last > least).then_some(keys)
+    ends
 }
 
 fn is_straight(skins: &[Vec<Vec3>], from: usize, to: usize, tolerance: f32) -> bool {
@@ -82,9 +103,10 @@ mod tests {
             _ => vec![Vec3::new(8.0, (t - 8) as f32, 0.0)],
         });
         let skins: Vec<_> = path.collect();
-        assert_eq!(straight_runs(&skins, 1e-3, 4), Some(vec![0, 8, 16]));
-        // Nothing but corners: evaluate.
-        let zigzag: Vec<_> = (0..=16).map(|t| vec![Vec3::Y * (t % 2) as f32]).collect();
-        assert_eq!(straight_runs(&zigzag, 1e-3, 4), None);
+        assert_eq!(straight_runs(&skins, 1e-3), [8, 16]);
+        // Nothing but corners.
+        let zigzag: Vec<_> = (0..=3).map(|t| vec![Vec3::Y * (t % 2) as f32]).collect();
+        assert_eq!(straight_runs(&zigzag, 1e-3), [1, 2, 3]);
+        assert!(straight_runs(&zigzag[..1], 1e-3).is_empty());
     }
 }
