@@ -63,7 +63,10 @@ pub fn reduce(rig: &Rig, clip: &Clip, active: &JointSet, policy: PassivePolicy) 
                 return Some(c.clone());
             }
             match c.property {
-                _ if c.target != rig.root() => passive(rig, c, policy, clip.duration_secs),
+                // The nodes above the root carry the whole figure as it does.
+                _ if !rig.is_at_or_below(rig.root(), c.target) => {
+                    passive(rig, c, policy, clip.duration_secs)
+                }
                 Property::Translation => Some(c.clone()),
                 Property::Rotation => Some(heading(rig, c, policy)),
                 _ => passive(rig, c, policy, clip.duration_secs),
@@ -264,6 +267,28 @@ mod tests {
         assert_eq!((before.channels, before.keys, before.joints), (3, 9, 2));
         // Three times once; 12 + 9 + 12 values, then without the arm's 12.
         assert_eq!((before.bytes, after.bytes), (4 * (3 + 33), 4 * (3 + 21)));
+    }
+
+    #[test]
+    fn what_carries_the_root_travels_on() {
+        let mut skeleton = Skeleton::default();
+        for (name, in_skin) in [("armature", false), ("root", true), ("arm", true)] {
+            skeleton.joints.push(Joint {
+                name: name.into(),
+                parent: skeleton.joints.len().checked_sub(1),
+                rest: Transform::IDENTITY,
+                in_skin,
+            });
+        }
+        let articulation = Articulation {
+            profile: String::new(),
+            joints: vec![rig().articulation().joints[0].clone(); 3],
+        };
+        let rig = Rig::new(&skeleton, articulation).unwrap();
+        let mut clip = clip();
+        clip.channels[1].target = 0;
+        let reduced = reduce(&rig, &clip, &JointSet::EMPTY, PassivePolicy::Rest);
+        assert!(reduced.channels.contains(&clip.channels[1]));
     }
 
     #[test]

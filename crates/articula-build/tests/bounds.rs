@@ -177,27 +177,47 @@ proptest! {
 
     #[test]
     fn a_whole_body_under_split_stays_within_the_tolerance(rows in rows(), epsilon_px in 0.5f32..8.0) {
-        let asset = asset(&rows);
+        whole_body_under_split(&asset(&rows), epsilon_px)?;
+    }
+
+    #[test]
+    fn a_skeleton_without_skin_stays_within_the_tolerance_too(rows in rows(), epsilon_px in 0.5f32..8.0) {
+        let bare = Asset { mesh: articula_core::mesh::Mesh::default(), ..asset(&rows) };
+        whole_body_under_split(&bare, epsilon_px)?;
+    }
+}
+
+fn whole_body_under_split(asset: &Asset, epsilon_px: f32) -> Result<(), TestCaseError> {
+    {
         let clip = &asset.clips[0];
         let levers = levers(&asset.rig, &asset.mesh);
-        let bounds = joint_bounds(&asset, clip, &levers, LeverKind::Reach, ChainShare::Split);
-        let opts = DriftOptions { epsilon_px, pop_px: f32::INFINITY, ..DriftOptions::default() };
+        let bounds = joint_bounds(asset, clip, &levers, LeverKind::Reach, ChainShare::Split);
+        let opts = DriftOptions {
+            epsilon_px,
+            pop_px: f32::INFINITY,
+            ..DriftOptions::default()
+        };
         let mut drift = Drift::new(asset.rig.rest_pose(), bounds, opts);
-        let points = Points::draw(&asset, usize::MAX, 1);
+        let points = Points::draw(asset, usize::MAX, 1);
         let ppm = vec![100.0; asset.rig.len()];
         let attention = vec![1.0; asset.rig.len()];
-        let views = JointViews { pixels_per_metre: &ppm, attention: &attention };
-        let (mut wanted, mut truth) = (asset.rig.rest_pose().clone(), asset.rig.rest_pose().clone());
+        let views = JointViews {
+            pixels_per_metre: &ppm,
+            attention: &attention,
+        };
+        let (mut wanted, mut truth) =
+            (asset.rig.rest_pose().clone(), asset.rig.rest_pose().clone());
         for i in 0..2 * FRAMES - 1 {
             let secs = i as f64 / f64::from(2.0 * RATE);
             let due = drift.due(secs, views);
             sample(clip, secs, Wrap::Clamp, &due, &mut wanted);
-            let shown = points.posed(&asset, drift.step(secs, views, &due, &wanted));
+            let shown = points.posed(asset, drift.step(secs, views, &due, &wanted));
             sample(clip, secs, Wrap::Clamp, &asset.rig.all(), &mut truth);
-            for (s, t) in shown.iter().zip(points.posed(&asset, &truth)) {
+            for (s, t) in shown.iter().zip(points.posed(asset, &truth)) {
                 let px = s.distance(t) * 100.0;
                 prop_assert!(px <= opts.bound_px() + 100.0 * ROUNDING_METRES, "{px} px");
             }
         }
     }
+    Ok(())
 }

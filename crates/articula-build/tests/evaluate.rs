@@ -4,11 +4,14 @@
 
 use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
+use articula_build::evaluate::Points;
 use articula_build::evaluate::{
     CameraKey, Method, MethodOptions, Setup, SkinPxVariant, Stage, Trial, calibrate, play,
     play_camera_path, sweep,
 };
+use articula_build::motion_error::bounds::{ChainShare, LeverKind, joint_bounds};
 use articula_build::motion_error::levers::levers;
+use articula_build::motion_error::pose_keys::pose_keys;
 use articula_build::motion_error::tables::{hashes, key_table};
 use articula_core::articulation::{Articulation, JointArticulation, Region};
 use articula_core::drift::DriftOptions;
@@ -251,6 +254,181 @@ fn tables_are_nested_and_fit_only_their_own_clip() {
         .check(&hashes(&other.rig, &other.clips[0], &other.mesh))
         .unwrap_err();
     assert_eq!(e.at, "hashes.clip");
+}
+
+#[test]
+fn palettes_blended_between_pose_keys_stay_within_their_level() {
+    let asset = asset();
+    let clip = &asset.clips[0];
+    let points = Points::draw(&asset, 3, 1);
+    let keys = pose_keys(&asset, clip, &points);
+    assert_eq!((keys.tick_hz, keys.ticks), (120.0, 240));
+    let at = |tick: u32| points.at(&asset, clip, f64::from(tick) / 120.0)[0];
+    // An arc of 0.6 rad leaves its chord by 1 - cos(0.3): 45 mm, level 7 and coarser need no key
+    // between the ends. 0.5 mm allow 0.0632 rad, 25 ticks of 0.0025: ten spans at least.
+    let counts: Vec<usize> = keys.levels.iter().flatten().map(Vec::len).collect();
+    assert_eq!((counts.len(), counts[0], counts[7]), (10, 11, 2));
+    for (level, ticks) in keys.levels.iter().flatten().enumerate() {
+        assert_eq!((ticks[0], ticks[ticks.len() - 1]), (0, 240));
+        for span in ticks.windows(2) {
+            for tick in span[0]..=span[1] {
+                let u = (tick - span[0]) as f32 / (span[1] - span[0]) as f32;
+                let gap = at(span[0]).lerp(at(span[1]), u).distance(at(tick));
+                assert!(gap <= keys.base_metres * (1 << level) as f32 + 1e-6);
+            }
+        }
+    }
+}
+
+/// The arm's clip again, longer or otherwise keyed.
+fn with_motion(frames: usize, interpolation: Interpolation, angle: impl Fn(usize) -> f32) -> Asset {
+    let mut asset = asset();
+    let source = Clip {
+        name: "other".into(),
+        duration_secs: (frames - 1) as f32 / RATE,
+        channels: vec![Channel {
+            target: 1,
+            property: Property::Rotation,
+            interpolation,
+            times_secs: (0..frames).map(|i| i as f32 / RATE).collect(),
+            values: (0..frames)
+                .flat_map(|i| Quat::from_rotation_z(angle(i)).to_array())
+                .collect(),
+        }],
+    };
+    let skeleton = skeleton_of(&asset);
+    let opts = ClipOptions {
+        rate_hz: Some(RATE),
+    };
+    asset.clips =
+        vec![articula_build::clip::resample(&source, &skeleton, &[], &[], &opts).unwrap()];
+    asset
+}
+
+#[test]
+fn a_clip_of_ten_minutes_takes_seconds() {
+    // A tremor that coarse levels never see: the longest runs there are.
+    let asset = with_motion(18_000, Interpolation::Linear, |i| {
+        2e-3 * (0.3 * i as f32).sin()
+    });
+    let clip = &asset.clips[0];
+    let setup = Setup {
+        points: 3,
+        ..Setup::default()
+    };
+    let stage = Stage::new(&asset, clip, setup, MethodOptions::default());
+    use SkinPxVariant::{ClosedLoop, Hold, KeyPose, Linear, View};
+    let ours = [Hold, View, KeyPose, ClosedLoop, Linear].map(Method::SkinPx);
+    let levels = Method::Loa(vec![JointSet::EMPTY]);
+    let others = [Method::Thesis, Method::Ahn, Method::SkipLerp, levels];
+    for method in ours.iter().chain(&others) {
+        let harshest = *sweep_end(method);
+        let (trial, _) = play(&stage, method, harshest);
+        assert!(trial.joint_update_gain > 0.9, "{method:?}: {trial:?}");
+    }
+    let levers = levers(&asset.rig, &asset.mesh);
+    for mode in [KeyMode::Hold, KeyMode::Linear] {
+        let table = key_table(&asset, clip, &levers, mode);
+        assert!(table.keys[1][9].len() < 100);
+    }
+    let keys = pose_keys(&asset, clip, &Points::draw(&asset, 3, 1));
+    assert!(keys.levels[9].as_ref().unwrap().len() < 100);
+}
+
+fn sweep_end(method: &Method) -> &'static f32 {
+    match method {
+        Method::SkipLerp => &26.0,
+        Method::Loa(_) => &0.0,
+        Method::Thesis => &1.1,
+        _ => &0.4,
+    }
+}
+
+#[test]
+fn nothing_bounds_the_speed_of_a_jump() {
+    let asset = with_motion(9, Interpolation::Step, |i| if i < 4 { 0.0 } else { 1.0 });
+    let levers = levers(&asset.rig, &asset.mesh);
+    let (rest, whole) = (LeverKind::Rest, ChainShare::Whole);
+    let bounds = joint_bounds(&asset, &asset.clips[0], &levers, rest, whole);
+    assert_eq!(bounds[1].speed_metres_per_sec, f32::INFINITY);
+    assert_eq!(bounds[0].speed_metres_per_sec, 0.0);
+}
+
+#[test]
+fn an_open_loop_is_shown_at_once_from_afar_too() {
+    let asset = asset();
+    let clip = &asset.clips[0];
+    let stage = Stage::new(&asset, clip, Setup::default(), MethodOptions::default());
+    let key = |secs| CameraKey {
+        secs,
+        eye: Vec3::Z * 100.0,
+        target: Vec3::ZERO,
+    };
+    let opts = DriftOptions::default();
+    for hz in [24.0, 60.0, 143.0] {
+        let run = play_camera_path(&stage, &[key(0.0), key(9.0)], hz, opts).unwrap();
+        for f in &run.frames {
+            let px = f.joint_error_px;
+            assert!(px <= opts.bound_px() + 5e-3, "{px} px at {} s", f.secs);
+        }
+    }
+}
+
+/// Acceptance test 3: one joint turns by a degree a second for a minute, another quickly.
+#[test]
+fn the_thesis_never_updates_a_slow_joint_beside_a_quick_one() {
+    let slow = |i: usize| Quat::from_rotation_z((i as f32 / RATE).to_radians());
+    let quick = |i: usize| Quat::from_rotation_x((0.7 * i as f32).sin());
+    let joint = |name: &str, parent: Option<usize>| Joint {
+        name: name.into(),
+        parent,
+        rest: Transform::from_translation(Vec3::X),
+        in_skin: true,
+    };
+    let frames = 60 * 30 + 1;
+    let channel = |target: usize, turn: &dyn Fn(usize) -> Quat| Channel {
+        target,
+        property: Property::Rotation,
+        interpolation: Interpolation::Linear,
+        times_secs: (0..frames).map(|i| i as f32 / RATE).collect(),
+        values: (0..frames).flat_map(|i| turn(i).to_array()).collect(),
+    };
+    let source = Character {
+        skeleton: Skeleton {
+            joints: vec![
+                joint("root", None),
+                joint("slow", Some(0)),
+                joint("quick", Some(0)),
+            ],
+        },
+        clips: vec![Clip {
+            name: "minute".into(),
+            duration_secs: 60.0,
+            channels: vec![channel(1, &slow), channel(2, &quick)],
+        }],
+        ..Character::default()
+    };
+    let mut articulation = asset().rig.articulation().clone();
+    articulation.joints.push(articulation.joints[0].clone());
+    let opts = ClipOptions {
+        rate_hz: Some(RATE),
+    };
+    let asset = character(&source, Some(articulation), &opts).unwrap();
+    let stage = Stage::new(
+        &asset,
+        &asset.clips[0],
+        Setup::default(),
+        MethodOptions::default(),
+    );
+    let updates = |method: &Method, parameter| {
+        let (_, passes) = play(&stage, method, parameter);
+        passes[0].updated.iter().filter(|u| u.contains(1)).count()
+    };
+    // Frame to frame it turns by 6e-4 rad; the quick joint by up to 0.7.
+    assert_eq!(updates(&Method::Thesis, 1e-3), 0);
+    // A pixel at 5 m is 5.8 mm: on the floor of 10 mm, a correction every 33 degrees.
+    let pixel = stage.usual_parameter(&Method::SkinPx(SkinPxVariant::Hold), 5.0);
+    assert_eq!(updates(&Method::SkinPx(SkinPxVariant::Hold), pixel), 1);
 }
 
 fn skeleton_of(asset: &Asset) -> Skeleton {

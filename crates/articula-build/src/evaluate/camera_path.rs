@@ -5,13 +5,14 @@
 
 use super::stage::{ErrorPx, Stage, percentile};
 use crate::motion_error::bounds::{LeverKind, joint_bounds};
+use crate::motion_error::contacts::attention;
 use articula_core::drift::{Drift, DriftOptions, JointViews};
 use articula_core::hierarchy::local_to_model;
 use articula_core::joint_state::JointState;
 use articula_core::loa::JointSet;
 use articula_core::math::angle_between;
 use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample};
+use articula_core::sample::{Wrap, frame_position, sample};
 use articula_core::view::{Camera, Viewport};
 use glam::Vec3;
 
@@ -86,11 +87,22 @@ pub fn play_camera_path(
     let mut wanted = asset.rig.rest_pose().clone();
     let mut truth = wanted.clone();
     let mut model = ModelPose::new(asset.rig.len());
-    let attention = vec![1.0; asset.rig.len()];
+    let mut care = vec![1.0; asset.rig.len()];
+    let mut before = f64::INFINITY;
     let count = ((last.secs - first.secs).max(0.0) * display_hz).floor() as usize;
     let mut frames: Vec<PathFrame> = Vec::with_capacity(count + 1);
     for i in 0..=count {
         let secs = i as f64 / display_hz;
+        let at = frame_position(clip, secs, Wrap::Loop);
+        if stage.options.contact_care {
+            attention(asset, &stage.contacts, at.before, &mut care);
+        }
+        // Where the clip starts again it may jump, which no bound on its speed foresees.
+        let now = at.before as f64 + f64::from(at.blend);
+        if now <= before || f64::from(clip.duration_secs()) * display_hz <= 1.0 {
+            drift.wake_all();
+        }
+        before = now;
         let camera = camera_at(path, first.secs + secs, stage.setup.viewport);
         sample(clip, secs, Wrap::Loop, &asset.rig.all(), &mut truth);
         local_to_model(&asset.rig, &truth, &mut model);
@@ -103,7 +115,7 @@ pub fn play_camera_path(
             .collect();
         let views = JointViews {
             pixels_per_metre: &ppm,
-            attention: &attention,
+            attention: &care,
         };
         let due = drift.due(secs, views);
         sample(clip, secs, Wrap::Loop, &due, &mut wanted);

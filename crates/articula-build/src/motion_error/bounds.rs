@@ -52,7 +52,8 @@ pub fn moving_joints(asset: &Asset, clip: &Clip) -> JointSet {
     moving
 }
 
-/// Bounds of all joints for one clip.
+/// Bounds of all joints for one clip, within one pass of it: where an open clip loops, everyone
+/// is to be woken.
 pub fn joint_bounds(
     asset: &Asset,
     clip: &Clip,
@@ -93,13 +94,24 @@ pub fn joint_bounds(
             .windows(2)
             .map(|w| 4.0 * (0.25 * angle_between(w[0], w[1])).tan())
             .fold(0.0, f32::max);
+        let fastest = jumps(track.step, fastest);
         let joint = &mut bounds[usize::from(track.target)];
         joint.speed_metres_per_sec += joint.lever_metres * fastest * clip.rate_hz();
     }
     for track in clip.translations() {
         let steps = track.values.windows(2).map(|w| w[0].distance(w[1]));
-        let fastest = steps.fold(0.0, f32::max);
+        let fastest = jumps(track.step, steps.fold(0.0, f32::max));
         bounds[usize::from(track.target)].speed_metres_per_sec += fastest * clip.rate_hz();
     }
     bounds
+}
+
+/// The speed a frame of a track whose frames differ by at most `fastest`: no bound where values
+/// jump.
+fn jumps(step: bool, fastest: f32) -> f32 {
+    if step && fastest > 0.0 {
+        f32::INFINITY
+    } else {
+        fastest
+    }
 }

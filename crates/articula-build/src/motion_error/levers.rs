@@ -35,14 +35,14 @@ pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
     let bones = if mesh.is_empty() {
         bone_levers(rig, &rest)
     } else {
-        vec![0.0; rig.len()]
+        vec![BoneLever::default(); rig.len()]
     };
     gathered
         .iter()
         .enumerate()
         .map(|(j, g)| JointLever {
-            rest_metres: g.rest.max(bones[j]).max(LEVER_FLOOR_METRES),
-            reach_metres: g.reach.max(bones[j]).max(LEVER_FLOOR_METRES),
+            rest_metres: g.rest.max(bones[j].rest).max(LEVER_FLOOR_METRES),
+            reach_metres: g.reach.max(bones[j].reach).max(LEVER_FLOOR_METRES),
             second_moment: SecondMoment::of(g.vertices.iter().map(|v| {
                 let offset = rest.skin[*v as usize] - rest.joints[j];
                 (rest.rotations[j].conjugate() * offset, 1.0)
@@ -53,12 +53,13 @@ pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
 }
 
 /// For each joint, the most moving joints on the ways from the root to any vertex below it:
-/// what a tolerance must be divided by so that errors along a chain stay within it.
+/// what a tolerance must be divided by so that errors along a chain stay within it. Without a
+/// mesh, the ways to the joints themselves.
 pub fn chain_counts(rig: &Rig, mesh: &Mesh, moving: &articula_core::loa::JointSet) -> Vec<usize> {
     let mut counts = vec![1; rig.len()];
-    for v in 0..mesh.len() {
+    let mut count = |ends: &mut dyn Iterator<Item = usize>| {
         let mut chain = articula_core::loa::JointSet::EMPTY;
-        for (joint, _) in mesh.influences_of(v) {
+        for joint in ends {
             let mut at = Some(joint);
             while let Some(j) = at {
                 chain.insert(j);
@@ -69,6 +70,12 @@ pub fn chain_counts(rig: &Rig, mesh: &Mesh, moving: &articula_core::loa::JointSe
         for j in links.iter() {
             counts[j] = counts[j].max(links.len());
         }
+    };
+    if mesh.is_empty() {
+        (0..rig.len()).for_each(|joint| count(&mut std::iter::once(joint)));
+    }
+    for v in 0..mesh.len() {
+        count(&mut mesh.influences_of(v).map(|(joint, _)| joint));
     }
     counts
 }
@@ -155,18 +162,29 @@ impl Below {
     }
 }
 
-/// Farthest descendant plus half of the last bone on the way to it.
-fn bone_levers(rig: &Rig, rest: &Rest) -> Vec<f32> {
-    let mut levers = vec![0.0f32; rig.len()];
+#[derive(Clone, Copy, Default)]
+struct BoneLever {
+    rest: f32,
+    reach: f32,
+}
+
+/// Farthest descendant plus half of the last bone on the way to it: straight at rest, and along
+/// the bones.
+fn bone_levers(rig: &Rig, rest: &Rest) -> Vec<BoneLever> {
+    let mut levers = vec![BoneLever::default(); rig.len()];
     for joint in 0..rig.len() {
         let Some(parent) = rig.parent(joint) else {
             continue;
         };
         let last = rest.joints[joint].distance(rest.joints[parent]);
+        let mut way = 1.5 * last;
         let mut at = Some(parent);
         while let Some(j) = at {
-            levers[j] = levers[j].max(rest.joints[joint].distance(rest.joints[j]) + 0.5 * last);
+            let straight = rest.joints[joint].distance(rest.joints[j]) + 0.5 * last;
+            levers[j].rest = levers[j].rest.max(straight);
+            levers[j].reach = levers[j].reach.max(way);
             at = rig.parent(j);
+            way += at.map_or(0.0, |p| rest.joints[j].distance(rest.joints[p]));
         }
     }
     levers
