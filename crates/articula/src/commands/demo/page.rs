@@ -37,23 +37,23 @@ fn header(report: &Report) -> String {
     if let Some(ours) = row("skin-px hold") {
         let at = format!("at {} m", ours.distance_m);
         numbers += &number(
-            &format!("joint updates saved {at}"),
+            &format!("of the joint updates saved {at}"),
             percent(ours.joint_update_gain),
         );
         numbers += &number(
-            &format!("its error {at} (p95)"),
+            &format!("how far the skin is then off, {at} (p95)"),
             format!("{:.2} px", ours.error_px.p95),
         );
     }
     if let Some(thesis) = row("thesis") {
         numbers += &number(
-            "saved by the thesis metric there",
+            "saved there by the thesis metric, which Articula grew from",
             percent(thesis.joint_update_gain),
         );
     }
     if let Some(level) = report.levels.iter().find(|l| l.name == "Low") {
         numbers += &number(
-            "stored animation saved at level Low",
+            "of the stored animation saved at level Low",
             percent(level.saved as f32),
         );
     }
@@ -129,7 +129,9 @@ fn methods(report: &Report) -> String {
          <p>Calibrate, then compare: each method has one parameter; it is set as high as the error \
          allows. Error is the distance on the screen between the shown and the true skin: the 95th \
          percentile over frames of the 95th over the skin, from the worst of three sides.</p>\n\
-         <div class=\"plots\">\n{}{}</div>\n{}{}{}</section>\n",
+         <dl class=\"methods\">\n{}</dl>\n<div class=\"plots\">\n{}{}</div>\n{}<p class=\"soft\">0 % means: the method meets the \
+         error only by updating every joint.</p>\n{}{}</section>\n",
+        legend(),
         plot(
             "gain.svg",
             "Joint updates saved over distance, one line for each method",
@@ -159,6 +161,31 @@ fn methods(report: &Report) -> String {
             "Savings are not spread evenly: where the body turns fast, more joints must follow.",
         )
     )
+}
+
+/// What each method does, in one line.
+fn legend() -> String {
+    let methods = [
+        (
+            "skin-px",
+            "ours: a joint waits until its skin drifts too far; four forms of it",
+        ),
+        (
+            "thesis",
+            "the metric that Articula grew from: a threshold on how much a joint turns and moves",
+        ),
+        ("ahn", "similar poses of a joint are shown as one"),
+        (
+            "skip-hold, skip-lerp",
+            "every n-th frame alone; held, or blended between",
+        ),
+        (
+            "loa",
+            "a fixed set of joints moves, the others show one pose",
+        ),
+    ];
+    let line = |(name, what)| format!("<div><dt>{name}</dt><dd>{what}</dd></div>\n");
+    methods.map(line).concat()
 }
 
 fn levels(report: &Report) -> String {
