@@ -35,11 +35,18 @@ pub(crate) fn line(fault: &anyhow::Error) -> String {
     format!("error: {}", clean(&format!("{fault:#}")))
 }
 
+/// Longest text of a file that is shown; a longer one is cut.
+const LONGEST: usize = 2000;
+
 /// Text from a file, fit for a terminal: control characters are spelled out, so that a name
-/// can neither break a line nor steer the terminal.
+/// can neither break a line nor steer the terminal, and a very long one is cut.
 pub(crate) fn clean(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
+    let mut out = String::with_capacity(text.len().min(LONGEST));
     for c in text.chars() {
+        if out.len() >= LONGEST {
+            out.push('…');
+            break;
+        }
         // Beside the controls: marks that turn the direction of writing.
         let steers = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
         if c.is_control() || steers {
@@ -55,6 +62,12 @@ pub(crate) fn clean(text: &str) -> String {
 mod tests {
     use super::*;
     use anyhow::Context;
+
+    #[test]
+    fn a_very_long_name_is_cut() {
+        assert_eq!(clean(&"x".repeat(1999)).len(), 1999);
+        assert_eq!(clean(&"é".repeat(100_000)).chars().count(), 1001);
+    }
 
     #[test]
     fn one_line_names_the_file_first_and_keeps_the_status() {

@@ -1,9 +1,9 @@
 //! Files on disk: bounded reading, what lies beside a file, and writing that never leaves half
 //! a file behind.
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
 /// Reads a whole file of at most `limit` bytes; a pipe or device is cut off there too.
@@ -12,11 +12,14 @@ pub(crate) fn read(path: &Path, limit: u64) -> anyhow::Result<Vec<u8>> {
     if path.is_dir() {
         bail!("{}: this is a folder; name a file in it", place());
     }
-    let file = File::open(path).with_context(place)?;
     let mut bytes = Vec::new();
-    file.take(limit + 1)
-        .read_to_end(&mut bytes)
+    File::open(path)
+        .and_then(|file| file.take(limit + 1).read_to_end(&mut bytes))
+        .map_err(unread)
         .with_context(place)?;
+    if bytes.is_empty() {
+        bail!("{}: the file is empty; save it again", place());
+    }
     if bytes.len() as u64 > limit {
         bail!("{}: more than {limit} bytes, which is the limit", place());
     }
@@ -31,11 +34,15 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     };
     let folder = path.parent().unwrap_or(Path::new(""));
     if !folder.as_os_str().is_empty() {
-        std::fs::create_dir_all(folder).with_context(|| shown(folder))?;
+        std::fs::create_dir_all(folder)
+            .map_err(unwritten)
+            .with_context(|| shown(folder))?;
     }
     // A device or pipe is written as it is; a plain file appears only when it is complete.
     if path.exists() && !path.is_file() {
-        return std::fs::write(path, bytes).with_context(place);
+        return std::fs::write(path, bytes)
+            .map_err(unwritten)
+            .with_context(place);
     }
     let mut part = name.to_owned();
     part.push(format!(".{}.part", std::process::id()));
@@ -44,7 +51,31 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     if written.is_err() {
         let _ = std::fs::remove_file(&part);
     }
-    written.with_context(place)
+    written.map_err(unwritten).with_context(place)
+}
+
+/// Why a file could not be read, and the mend.
+fn unread(error: io::Error) -> anyhow::Error {
+    match error.kind() {
+        ErrorKind::NotFound => anyhow!("there is no such file; check its name and folder"),
+        ErrorKind::PermissionDenied => anyhow!("it may not be read; change its permissions"),
+        _ => error.into(),
+    }
+}
+
+/// Why a file or folder could not be written, and the mend.
+fn unwritten(error: io::Error) -> anyhow::Error {
+    match error.kind() {
+        ErrorKind::IsADirectory => anyhow!("this is a folder; name a file in it"),
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
+            anyhow!("a file stands where a folder is needed; name another folder")
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem | ErrorKind::NotFound => {
+            anyhow!("nothing may be written here; name a folder of your own")
+        }
+        ErrorKind::StorageFull => anyhow!("the disk is full; make room or name another"),
+        _ => error.into(),
+    }
 }
 
 /// Fetches what lies beside a file, and nothing else: no absolute path, no URL, no way out of
