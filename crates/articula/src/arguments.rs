@@ -3,7 +3,7 @@
 use crate::commands::{build, completions, convert, demo, human, inspect, lod};
 use crate::console::{Answer, Console, Progress};
 use articula_core::view::Viewport;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Author a virtual human once; animate it at the detail that the viewer can see.
@@ -20,10 +20,10 @@ pub(crate) struct CommandLine {
     #[command(subcommand)]
     pub(crate) command: Command,
     /// Print the result as JSON, with units in the field names
-    #[arg(long, global = true)]
+    #[arg(long, global = true, display_order = 900)]
     pub(crate) json: bool,
     /// Show no progress bars (they show on a terminal only)
-    #[arg(long, short, global = true)]
+    #[arg(long, short, global = true, display_order = 901)]
     pub(crate) quiet: bool,
 }
 
@@ -75,7 +75,7 @@ pub(crate) struct CharacterArgs {
     #[arg(long, value_name = "NAME")]
     pub(crate) only: Vec<String>,
     #[command(flatten)]
-    pub(crate) names: NameArgs,
+    pub(crate) names: ReadArgs,
 }
 
 impl CharacterArgs {
@@ -85,12 +85,27 @@ impl CharacterArgs {
     }
 }
 
-/// How joint names are understood.
-#[derive(Debug, Clone, Args)]
-pub(crate) struct NameArgs {
+/// The axis that points up in a BVH file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum UpAxis {
+    /// As most files have it
+    Y,
+    /// As some capture systems write it
+    Z,
+}
+
+/// How a file is understood: its joint names and, where it does not say, its unit and up axis.
+#[derive(Debug, Clone, Default, Args)]
+pub(crate) struct ReadArgs {
     /// Joint-name profile of your own, asked before the built-in ones (repeatable)
     #[arg(long, value_name = "F.json")]
     pub(crate) profile: Vec<PathBuf>,
+    /// BVH: metres of one unit [default: told from the figure's height]
+    #[arg(long, value_name = "M", value_parser = positive)]
+    pub(crate) unit_metres: Option<f32>,
+    /// BVH: the axis that points up [default: told from where the head is]
+    #[arg(long, value_enum, value_name = "AXIS")]
+    pub(crate) up: Option<UpAxis>,
 }
 
 /// The picture that pixels are counted in.

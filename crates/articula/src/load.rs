@@ -1,5 +1,6 @@
 //! From a file's name to a character: the format is told by the bytes, then by the name.
 
+use crate::arguments::{ReadArgs, UpAxis};
 use crate::{fault, files};
 use anyhow::{Context, bail};
 use articula_core::source::Character;
@@ -95,16 +96,22 @@ pub(crate) struct Loaded {
 }
 
 impl Loaded {
+    /// What the reader found odd, each with its place.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let warnings = self.warnings.iter();
+        warnings.map(|w| format!("{}: {}", w.at, w.what)).collect()
+    }
+
     /// Puts the file's name in front of an error about its content.
     pub(crate) fn place(&self) -> String {
         files::shown(&self.path)
     }
 }
 
-/// Reads a character. `own` are joint-name profiles of the user, asked before the built-in.
-pub(crate) fn character(path: &Path, own: &[PathBuf]) -> anyhow::Result<Loaded> {
+/// Reads a character; profiles of the user are asked before the built-in ones.
+pub(crate) fn character(path: &Path, args: &ReadArgs) -> anyhow::Result<Loaded> {
     let limits = Limits::default();
-    let profiles = profiles(own, &limits)?;
+    let profiles = profiles(&args.profile, &limits)?;
     let bytes = files::read(path, limits.bytes)?;
     let place = || files::shown(path);
     let Some(format) = Format::of_bytes(&bytes, path) else {
@@ -114,7 +121,7 @@ pub(crate) fn character(path: &Path, own: &[PathBuf]) -> anyhow::Result<Loaded> 
         );
     };
     let mut loaded = if format == Format::Bvh {
-        motion(&bytes, &limits).with_context(place)?
+        motion(&bytes, args, &limits).with_context(place)?
     } else {
         document(path, &bytes, &limits, &profiles).with_context(place)?
     };
@@ -127,8 +134,16 @@ pub(crate) fn character(path: &Path, own: &[PathBuf]) -> anyhow::Result<Loaded> 
     Ok(loaded)
 }
 
-fn motion(bytes: &[u8], limits: &Limits) -> Result<Loaded, ReadError> {
-    let read = bvh::read(bytes, &bvh::ReadOptions::default(), limits)?;
+fn motion(bytes: &[u8], args: &ReadArgs, limits: &Limits) -> Result<Loaded, ReadError> {
+    let options = bvh::ReadOptions {
+        scale_to_metres: args.unit_metres,
+        up: match args.up {
+            None => bvh::Up::Auto,
+            Some(UpAxis::Y) => bvh::Up::Y,
+            Some(UpAxis::Z) => bvh::Up::Z,
+        },
+    };
+    let read = bvh::read(bytes, &options, limits)?;
     Ok(Loaded {
         path: PathBuf::new(),
         format: Format::Bvh,

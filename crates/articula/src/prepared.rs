@@ -17,7 +17,7 @@ pub(crate) struct Prepared {
 impl Prepared {
     /// Reads the file, leaves out the meshes that are not wanted, builds the rest.
     pub(crate) fn new(args: &CharacterArgs) -> anyhow::Result<Self> {
-        let mut loaded = load::character(&args.file, &args.names.profile)?;
+        let mut loaded = load::character(&args.file, &args.names)?;
         let place = loaded.place();
         choose_meshes(&mut loaded.character, &args.only, &args.hide).context(place.clone())?;
         Self::from_loaded(loaded)

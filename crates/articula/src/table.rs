@@ -62,6 +62,11 @@ impl Table {
     }
 }
 
+/// A count with its noun.
+pub(crate) fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
+}
+
 fn length(text: &str) -> usize {
     text.chars().count()
 }

@@ -159,3 +159,30 @@ fn one_clip_can_be_kept_alone() {
     let ran = articula(&here, &["convert", "o.glb", "o.bvh"]);
     assert!(ran.out.contains("left out: 4 meshes"), "{}", ran.out);
 }
+
+#[test]
+fn the_unit_of_a_bvh_file_can_be_given() {
+    let here = folder("unit");
+    std::fs::write(here.join("a.bvh"), BVH).unwrap();
+    let height = |unit: &str| {
+        let found = json(&here, &["inspect", "a.bvh", "--unit-metres", unit]);
+        found["height_m"].as_f64().unwrap()
+    };
+    assert!((height("0.02") / height("0.01") - 2.0).abs() < 1e-5);
+    let told = json(&here, &["inspect", "a.bvh", "--unit-metres", "0.01"]);
+    let warnings = told["warnings"].to_string();
+    assert!(!warnings.contains("give the scale"), "{warnings}");
+}
+
+#[test]
+fn a_joint_counts_once_however_many_clips_move_it() {
+    let here = folder("counted");
+    let made = json(
+        &here,
+        &["convert", word(human()), "a.glb", "--loa", "loa(VeryHigh)"],
+    );
+    let reduction = &made["reduction"];
+    let animated = reduction["before"]["joints_animated"].as_u64().unwrap();
+    assert!(animated <= reduction["joints"].as_u64().unwrap() + 1);
+    assert_eq!(reduction["before"], reduction["after"]);
+}

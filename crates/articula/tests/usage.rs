@@ -1,8 +1,13 @@
 //! The shape of the command line: statuses, help, and one line for every error.
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    reason = "a test may panic, and writes the files it reads"
+)]
 
 mod program;
 
-use program::{articula, fault, folder, human, word};
+use program::{articula, fault, folder, human, json, word};
 
 #[test]
 fn help_is_no_error_and_wrong_words_are_usage() {
@@ -27,6 +32,10 @@ fn help_is_no_error_and_wrong_words_are_usage() {
         &["lod", "a.glb", "--method", "magic"],
         &["lod", "a.glb", "--calibrate", "1", "--parameter", "1"],
         &["lod", "a.glb", "--beta", "2"],
+        &["lod", "a.glb", "--distances", "1e30"],
+        &["lod", "a.glb", "--display-hz", "30"],
+        &["lod", "a.glb", "--chain", "split"],
+        &["inspect", "a.bvh", "--unit-metres", "0"],
         &["build", "a.glb", "b.glb", "--levels", "3"],
         &["human", "--triangles", "many", "a.glb"],
     ] {
@@ -75,6 +84,19 @@ fn wrong_usage_says_what_would_be_right() {
             &["lod", human, "--method", "all", "--parameter", "1"],
             "--calibrate",
         ),
+        (
+            &["lod", human, "--method", "thesis", "--variant", "view"],
+            "skin-px",
+        ),
+        (&["lod", human, "--passive", "rest"], "--loa"),
+        (
+            &["lod", human, "--method", "skip-hold", "--parameter", "2.5"],
+            "whole number",
+        ),
+        (
+            &["lod", human, "--method", "loa", "--parameter", "7"],
+            "to 6",
+        ),
     ];
     for (words, mend) in cases {
         let line = fault(&here, 2, words);
@@ -84,4 +106,31 @@ fn wrong_usage_says_what_would_be_right() {
         !here.join("a.glb").exists(),
         "nothing is written on an error"
     );
+}
+
+#[test]
+fn the_world_in_the_way_is_answered_with_a_mend() {
+    let here = folder("world");
+    std::fs::write(here.join("empty.glb"), b"").unwrap();
+    std::fs::create_dir_all(here.join("folder.glb")).unwrap();
+    let human = word(human());
+    let cases: &[(&[&str], &str)] = &[
+        (&["inspect", "gone.glb"], "check its name"),
+        (&["inspect", "empty.glb"], "empty"),
+        (&["inspect", "folder.glb"], "name a file"),
+        (&["convert", human, "folder.glb"], "name a file"),
+        (&["human", "empty.glb/a.glb"], "a file stands"),
+    ];
+    for (words, mend) in cases {
+        let line = fault(&here, 1, words);
+        assert!(line.contains(mend), "{words:?}: {line}");
+    }
+}
+
+#[test]
+fn completions_come_as_json_too() {
+    let here = folder("completions-json");
+    let found = json(&here, &["completions", "bash"]);
+    assert_eq!(found["shell"], "bash");
+    assert!(found["script"].as_str().unwrap().contains("_articula"));
 }

@@ -1,12 +1,12 @@
 //! `articula build IN OUT.glb`: what is prepared once goes into the file.
 
-use crate::arguments::NameArgs;
+use crate::arguments::ReadArgs;
 use crate::console::Console;
 use crate::fault::clean;
 use crate::load::{self, Behind, Format, Loaded};
 use crate::motion_tables::{self, ClipTables, POSE_KEYS, SEGS};
 use crate::prepared::{Prepared, articulation_of};
-use crate::table::Table;
+use crate::table::{Table, counted};
 use crate::{fault, files};
 use anyhow::Context;
 use articula_formats::gltf::{self, Document};
@@ -23,7 +23,7 @@ pub(crate) struct BuildArgs {
     /// Asset to write (.glb)
     out: PathBuf,
     #[command(flatten)]
-    names: NameArgs,
+    names: ReadArgs,
     /// Seed of the choice of vertices that whole-pose keys watch
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -61,7 +61,7 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         let what = "an asset is a GLB; name the file .glb";
         return Err(fault::usage(format!("{}: {what}", files::shown(&args.out))));
     }
-    let loaded = load::character(&args.input, &args.names.profile)?;
+    let loaded = load::character(&args.input, &args.names)?;
     let (bytes, prepared, tables) = asset(loaded, args.seed, console)?;
     files::write(&args.out, &bytes)?;
     let report = Report::new(args, bytes.len(), &prepared, &tables);
@@ -126,7 +126,6 @@ impl Report {
             posekeys_bytes: tables.pose_keys.len(),
             keys: tables.keys.clone(),
         };
-        let warnings = prepared.loaded.warnings.iter();
         Self {
             input: prepared.loaded.place(),
             out: files::shown(&args.out),
@@ -137,20 +136,24 @@ impl Report {
             profile: articulation.profile.clone(),
             clips: asset.clips.iter().zip(tables).map(clip).collect(),
             levels: Vec::new(),
-            warnings: warnings.map(|w| format!("{}: {}", w.at, w.what)).collect(),
+            warnings: prepared.loaded.warnings(),
         }
     }
 
     fn text(&self) -> String {
+        let profile = match self.profile.as_str() {
+            "" => "no profile fits".to_owned(),
+            name => format!("profile {}", clean(name)),
+        };
         let mut text = format!(
-            "{} ({} bytes) -> {} ({} bytes)\n{} joints, {} mapped to H-Anim (profile {})\n",
+            "{} ({} bytes) -> {} ({} bytes)\n{}, {} mapped to H-Anim ({})\n",
             clean(&self.input),
             self.bytes_in,
             clean(&self.out),
             self.bytes_out,
-            self.joints,
+            counted(self.joints, "joint", "joints"),
             self.mapped,
-            clean(&self.profile)
+            profile
         );
         let mut table = Table::new(&[
             "clip",
@@ -173,7 +176,9 @@ impl Report {
                 keys(8),
             ]);
         }
-        if !table.is_empty() {
+        if table.is_empty() {
+            text.push_str("no clip: levels and regions only\n");
+        } else {
             text.push_str(&table.text());
         }
         for warning in &self.warnings {

@@ -1,10 +1,11 @@
 //! `articula completions SHELL`: what the shell needs to complete commands and flags.
 
 use crate::arguments::CommandLine;
-use crate::console;
+use crate::console::Console;
 use anyhow::Context;
 use clap::{Args, CommandFactory};
 use clap_complete::Shell;
+use serde::Serialize;
 
 /// Arguments of `completions`.
 #[derive(Debug, Args)]
@@ -13,8 +14,14 @@ pub(crate) struct CompletionsArgs {
     shell: Shell,
 }
 
+#[derive(Debug, Serialize)]
+struct Report {
+    shell: String,
+    script: String,
+}
+
 /// Prints the script.
-pub(crate) fn run(args: &CompletionsArgs) -> anyhow::Result<()> {
+pub(crate) fn run(args: &CompletionsArgs, console: &Console) -> anyhow::Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(
         args.shell,
@@ -22,5 +29,9 @@ pub(crate) fn run(args: &CompletionsArgs) -> anyhow::Result<()> {
         "articula",
         &mut script,
     );
-    console::print(&String::from_utf8(script).context("the completions are no text")?)
+    let report = Report {
+        shell: args.shell.to_string(),
+        script: String::from_utf8(script).context("the completions are no text")?,
+    };
+    console.result(&report, |report| report.script.clone())
 }

@@ -20,6 +20,6 @@ pub(crate) fn run(command: &Command, console: &Console) -> anyhow::Result<()> {
         Command::Human(args) => human::run(args, console),
         Command::Build(args) => build::run(args, console),
         Command::Lod(args) => lod::run(args, console),
-        Command::Completions(args) => completions::run(args),
+        Command::Completions(args) => completions::run(args, console),
     }
 }

@@ -68,7 +68,14 @@ fn check(keys: &[Key], display_hz: f64) -> anyhow::Result<()> {
     };
     for (i, key) in keys.iter().enumerate() {
         let finite = key.t.is_finite() && key.eye.iter().chain(&key.target).all(|v| v.is_finite());
-        ensure!(finite, "[{i}]: a number is not finite");
+        ensure!(
+            finite,
+            "[{i}]: a number is not finite; give seconds and metres"
+        );
+        ensure!(
+            key.eye != key.target,
+            "[{i}]: eye and target are one point; move the target to what is looked at"
+        );
         let before = keys
             .get(i.wrapping_sub(1))
             .map_or(f64::NEG_INFINITY, |k| k.t);

@@ -15,6 +15,9 @@ use clap::{Args, ValueEnum};
 
 use crate::arguments::{not_negative, positive};
 
+/// Heading of the thesis' own parameters in the help.
+const THESIS: &str = "Parameters of the method thesis";
+
 /// A method, or all of them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodName {
@@ -118,50 +121,52 @@ pub(crate) struct MethodArgs {
     #[arg(long, value_enum, value_name = "M")]
     method: Option<MethodName>,
     /// Form of skin-px
-    #[arg(long, value_enum, value_name = "V", default_value = "hold")]
-    pub(crate) variant: Variant,
+    /// [default: hold]
+    #[arg(long, value_enum, value_name = "V")]
+    variant: Option<Variant>,
     /// Joints that may move, such as "loa(Low) + zone(hands)" (with --method loa)
     #[arg(long, value_name = "EXPR")]
     pub(crate) loa: Option<String>,
     /// What joints outside the level show (with --method loa)
-    #[arg(long, value_enum, default_value = "key-pose")]
-    passive: Passive,
+    /// [default: key-pose]
+    #[arg(long, value_enum, value_name = "POLICY")]
+    passive: Option<Passive>,
     /// How joints of a chain share the tolerance (with --camera-path)
-    #[arg(long, value_enum, default_value = "root")]
+    #[arg(long, value_enum, default_value = "root", requires = "camera_path")]
     chain: Chain,
     /// Give the joints on the way to a standing foot a quarter of the tolerance (skin-px)
     #[arg(long)]
     contact_care: bool,
-    /// Thesis: weight of the angle terms against the position term, metres a radian
-    #[arg(long, default_value_t = 1.0, value_parser = not_negative, value_name = "A")]
+    /// Weight of the angle terms against the position term, metres a radian
+    #[arg(long, help_heading = THESIS, default_value_t = 1.0, value_parser = not_negative, value_name = "A")]
     alpha: f32,
-    /// Thesis: 1 judges orientation only, 0 angular velocity only
-    #[arg(long, default_value_t = 0.5, value_parser = share, value_name = "B")]
+    /// 1 judges orientation only, 0 angular velocity only
+    #[arg(long, help_heading = THESIS, default_value_t = 0.5, value_parser = share, value_name = "B")]
     beta: f32,
-    /// Thesis: threshold at the closest view
-    #[arg(long, default_value_t = 1e-4, value_parser = not_negative, value_name = "E")]
+    /// Threshold at the closest view
+    #[arg(long, help_heading = THESIS, default_value_t = 1e-4, value_parser = not_negative, value_name = "E")]
     thr_init: f32,
-    /// Thesis: threshold at the farthest view [default: 10 times --thr-init]
-    #[arg(long, value_parser = not_negative, value_name = "E")]
+    /// Threshold at the farthest view [default: 10 times --thr-init]
+    #[arg(long, help_heading = THESIS, value_parser = not_negative, value_name = "E")]
     thr_max: Option<f32>,
-    /// Thesis: closest view, metres
-    #[arg(long, default_value_t = 3.5, value_parser = not_negative, value_name = "M")]
+    /// Closest view, metres
+    #[arg(long, help_heading = THESIS, default_value_t = 3.5, value_parser = not_negative, value_name = "M")]
     d_min: f32,
-    /// Thesis: farthest view, metres
-    #[arg(long, default_value_t = 16.0, value_parser = positive, value_name = "M")]
+    /// Farthest view, metres
+    #[arg(long, help_heading = THESIS, default_value_t = 16.0, value_parser = positive, value_name = "M")]
     d_max: f32,
     /// How long a joint takes between active and passive, milliseconds [default: thesis 0,
     /// along a camera path 200]
     #[arg(long, value_parser = not_negative, value_name = "MS")]
     transition_ms: Option<f32>,
-    /// Thesis: threshold over distance
-    #[arg(long, value_enum, default_value = "literal")]
+    /// Threshold over distance
+    #[arg(long, help_heading = THESIS, value_enum, default_value = "literal")]
     curve: Curve,
-    /// Thesis: which direction turns
-    #[arg(long, value_enum, default_value = "bone")]
+    /// Which direction turns
+    #[arg(long, help_heading = THESIS, value_enum, default_value = "bone")]
     direction: Turning,
-    /// Thesis: lever arm of the position term
-    #[arg(long, value_enum, default_value = "mean")]
+    /// Lever arm of the position term
+    #[arg(long, help_heading = THESIS, value_enum, default_value = "mean")]
     radius: Lever,
 }
 
@@ -263,6 +268,32 @@ impl MethodArgs {
         self.method.unwrap_or(usual)
     }
 
+    fn variant(&self) -> Variant {
+        self.variant.unwrap_or(Variant::Hold)
+    }
+
+    /// Flags that the method would not heed are wrong usage.
+    pub(crate) fn check(&self) -> anyhow::Result<()> {
+        let method = self.method();
+        let what = match method {
+            MethodName::SkinPx if self.passive.is_some() => {
+                "--passive says what a fixed level shows; add --loa EXPR or --method loa"
+            }
+            MethodName::SkinPx => return Ok(()),
+            MethodName::All if self.variant.is_some() => {
+                "--method all plays the forms of skin-px anyway; leave --variant out"
+            }
+            _ if self.variant.is_some() => {
+                "--variant is a form of skin-px; leave it out, or play --method skin-px"
+            }
+            _ if self.contact_care && method != MethodName::All => {
+                "--contact-care belongs to skin-px; leave it out, or play --method skin-px"
+            }
+            _ => return Ok(()),
+        };
+        Err(fault::usage(what))
+    }
+
     /// The methods to play.
     pub(crate) fn chosen(&self, rig: &Rig) -> anyhow::Result<Vec<Chosen>> {
         if self.loa.is_some() && !matches!(self.method(), MethodName::Loa | MethodName::All) {
@@ -271,7 +302,7 @@ impl MethodArgs {
             ));
         }
         Ok(vec![match self.method() {
-            MethodName::SkinPx => Chosen::skin_px(self.variant.of_metric()),
+            MethodName::SkinPx => Chosen::skin_px(self.variant().of_metric()),
             MethodName::Thesis => Chosen::plain(Method::Thesis),
             MethodName::Ahn => Chosen::plain(Method::Ahn),
             MethodName::SkipHold => Chosen::plain(Method::SkipHold),
@@ -315,7 +346,7 @@ impl MethodArgs {
             Curve::Fixed => ThresholdCurve::Fixed,
         };
         options.transition.secs = self.transition_ms.unwrap_or(0.0) / 1000.0;
-        options.transition.policy = match self.passive {
+        options.transition.policy = match self.passive.unwrap_or(Passive::KeyPose) {
             Passive::Hold => PassivePolicy::HoldLast,
             Passive::Rest => PassivePolicy::Rest,
             Passive::KeyPose => PassivePolicy::KeyPose,
@@ -333,7 +364,7 @@ impl MethodArgs {
 impl MethodArgs {
     /// The controller that holds joints while a camera moves, at a tolerance in pixels.
     pub(crate) fn drift(&self, epsilon_px: f32) -> anyhow::Result<DriftOptions> {
-        let ours = self.method() == MethodName::SkinPx && self.variant == Variant::Hold;
+        let ours = self.method() == MethodName::SkinPx && self.variant() == Variant::Hold;
         if !ours {
             let what =
                 "--camera-path plays the controller of skin-px; leave --method and --variant out";

@@ -4,14 +4,14 @@ use articula_build::reduce::{MotionSize, motion_size, reduce};
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::JointSet;
 use articula_core::rig::Rig;
-use articula_core::source::Clip;
+use articula_core::source::{Clip, Property};
 use serde::Serialize;
 use std::ops::AddAssign;
 
 /// How much animation there is, morph weights left out.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub(crate) struct Amount {
-    /// Joints with a channel of more than one key, over all clips.
+    /// Joints with a channel of more than one key in any clip.
     pub(crate) joints_animated: usize,
     pub(crate) channels: usize,
     pub(crate) keys: usize,
@@ -21,7 +21,6 @@ pub(crate) struct Amount {
 
 impl AddAssign<MotionSize> for Amount {
     fn add_assign(&mut self, size: MotionSize) {
-        self.joints_animated += size.joints;
         self.channels += size.channels;
         self.keys += size.keys;
         self.animation_bytes += size.bytes;
@@ -48,9 +47,11 @@ impl Saving {
             after += motion_size(&out);
             out
         });
-        let clips = reduced.collect();
+        let reduced: Vec<Clip> = reduced.collect();
+        before.joints_animated = animated(clips);
+        after.joints_animated = animated(&reduced);
         Self {
-            clips,
+            clips: reduced,
             before,
             after,
         }
@@ -61,6 +62,12 @@ impl Saving {
         let bytes = |amount: Amount| amount.animation_bytes as f64;
         1.0 - bytes(self.after) / bytes(self.before).max(1.0)
     }
+}
+
+fn animated(clips: &[Clip]) -> usize {
+    let channels = clips.iter().flat_map(|c| &c.channels);
+    let moving = channels.filter(|c| c.property != Property::Weights && c.times_secs.len() > 1);
+    moving.map(|c| c.target).collect::<JointSet>().len()
 }
 
 /// Reads `hold`, `rest`, `key-pose` or `blend-to-rest:SECS`.

@@ -2,11 +2,12 @@
 
 mod reduction;
 
-use crate::arguments::NameArgs;
+use crate::arguments::ReadArgs;
 use crate::console::Console;
 use crate::fault::clean;
 use crate::load::{self, Format, Loaded};
 use crate::play::saved;
+use crate::table::counted;
 use crate::{fault, files};
 use anyhow::Context;
 use articula_build::clip::source_rate_hz;
@@ -28,7 +29,7 @@ pub(crate) struct ConvertArgs {
     input: PathBuf,
     /// File to write; its extension names the format (.glb, .vrm, .vrma, .bvh)
     out: PathBuf,
-    /// Keep this clip alone [default: all clips; for .bvh the first]
+    /// Keep this clip alone [default: all; .bvh the first]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
     /// Joints that may move, such as "loa(Low) + zone(hands)"; the others are held
@@ -41,7 +42,7 @@ pub(crate) struct ConvertArgs {
     #[arg(long, value_name = "POLICY", value_parser = saved::passive)]
     passive: Option<PassivePolicy>,
     #[command(flatten)]
-    names: NameArgs,
+    names: ReadArgs,
 }
 
 #[derive(Debug, Serialize)]
@@ -63,17 +64,18 @@ struct Report {
 /// Reads, reduces if asked to, and writes.
 pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let out = args.format_out()?;
-    let mut loaded = load::character(&args.input, &args.names.profile)?;
+    let mut loaded = load::character(&args.input, &args.names)?;
     check_pair(loaded.format, out)?;
     let place = loaded.place();
     let chosen = choose_clips(args, &mut loaded, out).context(place.clone())?;
-    let reduction = reduction::apply(args, &mut loaded).context(place.clone())?;
+    let reduction = reduction::apply(args, &mut loaded)?;
     let changed = chosen || reduction.is_some();
     let bytes = match out {
         Format::Bvh => motion(&loaded).context(place)?,
         _ => container(&mut loaded, changed).context(place)?,
     };
     files::write(&args.out, &bytes)?;
+    let reduced = reduction.is_some();
     let report = Report {
         input: loaded.place(),
         out: files::shown(&args.out),
@@ -89,11 +91,7 @@ pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             .collect(),
         reduction,
         left_out: left_out(&loaded, out),
-        warnings: loaded
-            .warnings
-            .iter()
-            .map(|w| format!("{}: {}", w.at, w.what))
-            .collect(),
+        warnings: warnings(&loaded, out, reduced),
     };
     console.result(&report, text)
 }
@@ -170,32 +168,48 @@ fn container(loaded: &mut Loaded, clips_changed: bool) -> anyhow::Result<Vec<u8>
 
 fn left_out(loaded: &Loaded, out: Format) -> Vec<String> {
     let mut list = Vec::new();
-    let mut say = |count: usize, what: &str| {
+    let mut say = |count: usize, one: &str, many: &str, why: &str| {
         if count > 0 {
-            list.push(format!("{count} {what}"));
+            list.push(format!("{} ({why})", counted(count, one, many)));
         }
     };
     if out == Format::Bvh {
         say(
             loaded.character.meshes.len(),
-            "meshes (BVH holds joints and one clip)",
+            "mesh",
+            "meshes",
+            "BVH holds joints and one clip",
         );
     } else if loaded.behind.is_none() {
-        say(loaded.end_sites.len(), "end sites (GLB has no such thing)");
+        say(
+            loaded.end_sites.len(),
+            "end site",
+            "end sites",
+            "GLB has no such thing",
+        );
+    }
+    list
+}
+
+fn warnings(loaded: &Loaded, out: Format, reduced: bool) -> Vec<String> {
+    let mut list = loaded.warnings();
+    if reduced && out == Format::Bvh {
+        let what = "a BVH file stores every joint in every frame, so it gets no smaller; write .glb to save bytes";
+        list.push(what.into());
     }
     list
 }
 
 fn text(report: &Report) -> String {
     let mut text = format!(
-        "{} ({}, {} bytes) -> {} ({}, {} bytes), {} clips\n",
+        "{} ({}, {} bytes) -> {} ({}, {} bytes), {}\n",
         clean(&report.input),
         report.format_in,
         report.bytes_in,
         clean(&report.out),
         report.format_out,
         report.bytes_out,
-        report.clips.len()
+        counted(report.clips.len(), "clip", "clips")
     );
     if let Some(reduction) = &report.reduction {
         text.push_str(&reduction.text());

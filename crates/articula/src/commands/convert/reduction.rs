@@ -31,10 +31,11 @@ pub(super) fn apply(args: &ConvertArgs, loaded: &mut Loaded) -> anyhow::Result<O
     if args.loa.is_none() && args.loa_profile.is_none() {
         return Ok(None);
     }
+    let place = loaded.place();
     if loaded.character.clips.is_empty() {
-        anyhow::bail!("clips: there is none to reduce; leave --loa out");
+        anyhow::bail!("{place}: clips: there is none to reduce; leave --loa out");
     }
-    let rig = Rig::new(&loaded.character.skeleton, articulation_of(loaded))?;
+    let rig = Rig::new(&loaded.character.skeleton, articulation_of(loaded)).context(place)?;
     let (selection, active) = selected(args, &rig)?;
     let policy = args.passive.unwrap_or(PassivePolicy::KeyPose);
     let saving = Saving::new(&rig, &loaded.character.clips, &active, policy);
@@ -77,7 +78,7 @@ impl Reduction {
         };
         let (before, after) = (&self.before, &self.after);
         format!(
-            "{}: {} of {} joints active, the others {}; {:.1}% of the animation saved\n{}{}{}{}",
+            "{}: {} of {} joints active, the others: {}; {:.1}% of the animation saved\n{}{}{}{}",
             self.selection,
             self.joints_active,
             self.joints,

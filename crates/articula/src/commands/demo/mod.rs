@@ -7,6 +7,7 @@ mod page;
 mod pictures;
 mod report;
 
+use crate::arguments::ReadArgs;
 use crate::commands::lod::DISTANCES_M;
 use crate::commands::{build, human};
 use crate::console::Console;
@@ -36,7 +37,7 @@ pub(crate) struct DemoArgs {
     /// Folder to write
     #[arg(long, value_name = "DIR", default_value = "articula-demo")]
     out: PathBuf,
-    /// Open the studio instead of writing files only
+    /// Open the studio as well (not yet there)
     #[arg(long)]
     serve: bool,
 }
@@ -50,7 +51,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     }
     let folder = Folder::new(&args.out);
     let asset = make_asset(&folder, console)?;
-    let prepared = Prepared::from_loaded(load::character(&asset, &[])?)?;
+    let prepared = Prepared::from_loaded(load::character(&asset, &ReadArgs::default())?)?;
     motion_tables::checked(&prepared)?;
     let scene = scene_of(&prepared, CLIP)?;
     let chosen = methods::all(&prepared.asset.rig);
@@ -89,7 +90,7 @@ fn make_asset(folder: &Folder, console: &Console) -> anyhow::Result<PathBuf> {
     let character = human::made(HumanOptions::default().triangles, console)?;
     let document = Document::from_character(&character).context("the reference human")?;
     folder.write("human.glb", &document.write_glb()?)?;
-    let loaded = load::character(&folder.file("human.glb"), &[])?;
+    let loaded = load::character(&folder.file("human.glb"), &ReadArgs::default())?;
     let (bytes, _, _) = build::asset(loaded, 1, console)?;
     folder.write("asset.glb", &bytes)?;
     Ok(folder.file("asset.glb"))
@@ -131,6 +132,7 @@ fn levels_of(prepared: &Prepared) -> Vec<Level> {
     let clips = &prepared.loaded.character.clips;
     articula_core::articulation::Complexity::ALL
         .into_iter()
+        .rev()
         .map(|level| Level::new(level, rig, clips))
         .collect()
 }

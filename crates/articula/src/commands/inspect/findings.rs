@@ -335,7 +335,11 @@ fn oddities(found: &Findings) -> Vec<Warning> {
         }
     }
     if let Some(height) = found.height_m.filter(|h| *h > 10.0 || *h < 0.1) {
-        let what = format!("{height:.3} m high: no human size, check the unit of the file");
+        let shown = match height {
+            0.001..1e6 => format!("{height:.3}"),
+            _ => format!("{height:e}"),
+        };
+        let what = format!("{shown} m high: no human size, check the unit of the file");
         say("bounds", what);
     }
     if found.bounds.is_none() {

@@ -64,8 +64,9 @@ fn head(found: &Findings) -> String {
         ""
     };
     text.push_str(&format!(
-        "{} materials, {} images{stored}\n",
-        found.materials, found.images
+        "{}, {}{stored}\n",
+        counted(found.materials, "materials"),
+        counted(found.images, "images")
     ));
     text
 }

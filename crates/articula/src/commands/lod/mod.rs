@@ -6,13 +6,13 @@ mod report;
 use crate::arguments::{CharacterArgs, ViewArgs, not_negative, positive};
 use crate::console::Console;
 use crate::motion_tables::{self, Stored};
-use crate::play::methods::MethodArgs;
+use crate::play::methods::{Chosen, MethodArgs};
 use crate::play::rows::{self, Table, Tuning};
 use crate::play::{Scene, costs, plots, sheet};
 use crate::prepared::Prepared;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_build::evaluate::Setup;
+use articula_build::evaluate::{Method, Setup};
 use articula_flat::{Picture, codec};
 use clap::Args;
 use report::Report;
@@ -32,21 +32,22 @@ pub(crate) struct LodArgs {
     #[command(flatten)]
     method: MethodArgs,
     /// Distances of the camera to the root, metres, separated by commas
-    #[arg(long, value_name = "M,…", value_delimiter = ',', value_parser = positive,
-          default_values_t = DISTANCES_M)]
+    #[arg(long, value_name = "M,…", value_delimiter = ',', value_parser = distance,
+          conflicts_with = "camera_path", default_values_t = DISTANCES_M)]
     distances: Vec<f32>,
     /// Find the method's parameter with the greatest gain at so many pixels of p95 error
     #[arg(long, value_name = "PX", value_parser = positive, conflicts_with = "parameter")]
     calibrate: Option<f32>,
-    /// The method's own parameter (skin-px, ahn: metres; thesis: threshold; skip: every n-th;
-    /// along a camera path: pixels)
+    /// The method's own parameter: metres (skin-px, ahn), threshold (thesis), every n-th frame
+    /// (skip), index of the level (loa), pixels (along a camera path)
     #[arg(long, value_name = "P", value_parser = not_negative)]
     parameter: Option<f32>,
     /// Play before a moving camera: a JSON list of key frames with t, eye and target
     #[arg(long, value_name = "F.json")]
     camera_path: Option<PathBuf>,
     /// Frames a second of the display (with --camera-path)
-    #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive)]
+    #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive,
+          requires = "camera_path")]
     display_hz: f32,
     /// Write plots: FILE.svg gets gain and error, a folder (lod-plots without a name) all of them
     #[arg(long, value_name = "FILE.svg|DIR", num_args = 0..=1, default_missing_value = "lod-plots")]
@@ -81,6 +82,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     }
     let methods = args.method.chosen(&prepared.asset.rig);
     let methods = methods.with_context(|| prepared.loaded.place())?;
+    args.check_parameter(&methods)?;
     let tables = rows::of(&scene, &methods, &args.distances, args.tuning(), console);
     let mut report = Report::new(&scene, args, &tables);
     report.motion_tables = stored.get(clip).copied();
@@ -102,10 +104,32 @@ impl LodArgs {
             let what = "--parameter belongs to one method; compare methods with --calibrate PX";
             return Err(fault::usage(what));
         }
+        self.method.check()?;
         if self.distances.is_empty() || self.distances.len() > 100 {
             return Err(fault::usage("--distances takes 1 to 100 distances"));
         }
         Ok(())
+    }
+
+    /// A number that counts frames or levels is whole and within their range.
+    fn check_parameter(&self, methods: &[Chosen]) -> anyhow::Result<()> {
+        let (Some(parameter), [chosen]) = (self.parameter, methods) else {
+            return Ok(());
+        };
+        let what = match &chosen.method {
+            Method::SkipHold | Method::SkipLerp if parameter < 1.0 || parameter.fract() != 0.0 => {
+                "every how many frames, a whole number from 1".to_owned()
+            }
+            Method::Loa(sets) if parameter.fract() != 0.0 || parameter >= sets.len() as f32 => {
+                let last = sets.len() - 1;
+                format!("the index of a level, from 0 (the most joints) to {last}")
+            }
+            _ => return Ok(()),
+        };
+        let name = chosen.method.name();
+        Err(fault::usage(format!(
+            "--parameter {parameter}: {name} takes {what}"
+        )))
     }
 
     /// What the file brings along, checked; not where meshes are left out, since the tables are
@@ -132,6 +156,13 @@ impl LodArgs {
             ..Setup::default()
         }
     }
+}
+
+/// A distance at which something can still be seen, metres.
+fn distance(text: &str) -> Result<f32, String> {
+    let number = positive(text).ok();
+    let number = number.filter(|d| (0.01..=100_000.0).contains(d));
+    number.ok_or_else(|| "expected a distance of 0.01 to 100000 m".into())
 }
 
 fn at_rest(args: &LodArgs, prepared: &Prepared, console: &Console) -> anyhow::Result<()> {

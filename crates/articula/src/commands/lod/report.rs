@@ -57,7 +57,7 @@ impl Report {
             joints_moving: moving.len(),
             azimuths_deg: scene.setup.azimuths_deg.clone(),
             rows: tables.iter().flat_map(|t| t.rows.clone()).collect(),
-            warnings: Vec::new(),
+            warnings: scene.prepared.loaded.warnings(),
             ..Self::at_rest(scene.prepared, args)
         };
         if moving.is_empty() {
@@ -99,7 +99,9 @@ impl Report {
             costs: None,
             motion_tables: None,
             written: Vec::new(),
-            warnings: vec!["the file has no clip: rest pose only".into()],
+            warnings: std::iter::once("the file has no clip: rest pose only".into())
+                .chain(prepared.loaded.warnings())
+                .collect(),
         }
     }
 
