@@ -28,7 +28,7 @@ struct Arguments {
     /// Folder that receives the pages and CSV files.
     #[arg(long, global = true, default_value = "docs/results")]
     out: PathBuf,
-    /// One clip and fewer steps: shows that everything runs.
+    /// One clip instead of four: shows that everything runs.
     #[arg(long, global = true)]
     small: bool,
 }
