@@ -89,6 +89,9 @@ fn wrong_usage_says_what_would_be_right() {
             "skin-px",
         ),
         (&["lod", human, "--passive", "rest"], "--loa"),
+        (&["lod", human, "--plot", "a.png"], ".svg"),
+        (&["lod", human, "--contact-sheet", "a.jpg"], ".png"),
+        (&["lod", human, "--d-min", "9", "--d-max", "9"], "nearer"),
         (
             &["lod", human, "--method", "skip-hold", "--parameter", "2.5"],
             "whole number",

@@ -274,6 +274,12 @@ impl MethodArgs {
 
     /// Flags that the method would not heed are wrong usage.
     pub(crate) fn check(&self) -> anyhow::Result<()> {
+        if self.d_min >= self.d_max {
+            let (near, far) = (self.d_min, self.d_max);
+            return Err(fault::usage(format!(
+                "--d-min {near} --d-max {far}: the closest view must be nearer than the farthest"
+            )));
+        }
         let method = self.method();
         let what = match method {
             MethodName::SkinPx if self.passive.is_some() => {
@@ -366,8 +372,7 @@ impl MethodArgs {
     pub(crate) fn drift(&self, epsilon_px: f32) -> anyhow::Result<DriftOptions> {
         let ours = self.method() == MethodName::SkinPx && self.variant() == Variant::Hold;
         if !ours {
-            let what =
-                "--camera-path plays the controller of skin-px; leave --method and --variant out";
+            let what = "--camera-path plays the controller of skin-px; leave --method, --variant and --loa out";
             return Err(fault::usage(what));
         }
         let mut options = DriftOptions {

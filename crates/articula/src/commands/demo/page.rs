@@ -220,7 +220,7 @@ fn levels(report: &Report) -> String {
          the run time, stored files and streams; zones, depths and single joints combine with it, \
          as in <code>loa(Low) + zone(hands)</code>.</p>\n{}\
          <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"Stored animation by level\">\n<table>\n\
-         <caption>The stored animation of all clips under each level; held joints keep their key pose</caption>\n\
+         <caption><span>The stored animation of all clips under each level; held joints keep their key pose</span></caption>\n\
          <thead><tr><th scope=\"col\">level</th><th scope=\"col\">joints</th><th scope=\"col\">channels</th>\
          <th scope=\"col\">keys</th><th scope=\"col\">size</th><th scope=\"col\">saved</th></tr></thead>\n\
          <tbody>\n{rows}</tbody>\n</table>\n</div>\n<div class=\"plots\">\n{plots}</div>\n</section>\n",
@@ -287,7 +287,7 @@ fn table(caption: &str, what: &str, lines: &[(&str, &[Row])]) -> String {
     let label = escaped(caption);
     format!(
         "<div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{label}\">\n<table>\n\
-         <caption>{label}</caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody>\n</table>\n</div>\n"
+         <caption><span>{label}</span></caption>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{body}</tbody>\n</table>\n</div>\n"
     )
 }
 

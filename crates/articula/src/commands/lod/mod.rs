@@ -105,6 +105,25 @@ impl LodArgs {
             return Err(fault::usage(what));
         }
         self.method.check()?;
+        let ends_with = |path: &PathBuf, endings: &[&str]| {
+            let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+            endings.iter().any(|e| ending == *e)
+        };
+        if let Some(path) = self
+            .contact_sheet
+            .as_ref()
+            .filter(|p| !ends_with(p, &["png"]))
+        {
+            let path = files::shown(path);
+            let what = format!("--contact-sheet {path}: sheets are PNG; name the file .png");
+            return Err(fault::usage(what));
+        }
+        let pictures = ["png", "jpg", "jpeg", "pdf", "html"];
+        if let Some(path) = self.plot.as_ref().filter(|p| ends_with(p, &pictures)) {
+            let path = files::shown(path);
+            let what = format!("--plot {path}: plots are SVG; name a .svg file or a folder");
+            return Err(fault::usage(what));
+        }
         if self.distances.is_empty() || self.distances.len() > 100 {
             return Err(fault::usage("--distances takes 1 to 100 distances"));
         }
