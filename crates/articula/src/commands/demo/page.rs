@@ -311,7 +311,8 @@ fn plot(file: &str, alt: &str, caption: &str) -> String {
         format!("\n<figcaption>{}</figcaption>", escaped(caption))
     };
     format!(
-        "<figure>\n<div class=\"wide small\"><a href=\"{file}\"><img src=\"{file}\" alt=\"{alt}\"></a></div>{caption}\n</figure>\n"
+        "<figure>\n<div class=\"wide small\" tabindex=\"0\" role=\"region\" \
+         aria-label=\"{alt}\"><a href=\"{file}\"><img src=\"{file}\" alt=\"{alt}\"></a></div>{caption}\n</figure>\n"
     )
 }
 
