@@ -159,16 +159,14 @@ pub fn central_rotation(values: &[Quat]) -> Option<Quat> {
             .map(|v| chord_squared(q, *v))
             .fold(0.0, f32::max)
     };
-    let best = values
-        .iter()
-        .step_by(values.len().div_ceil(LONGEST_RUN))
-        .map(|q| (worst(*q), *q))
-        .min_by(|p, q| p.0.total_cmp(&q.0))?;
-    Some(if worst(middle) <= best.0 {
-        middle
-    } else {
-        best.1
-    })
+    // A candidate is given up at the first value that is no nearer than the best one's farthest.
+    let mut best = (worst(middle), middle);
+    for q in values.iter().step_by(values.len().div_ceil(LONGEST_RUN)) {
+        if values.iter().all(|v| chord_squared(*q, *v) < best.0) {
+            best = (worst(*q), *q);
+        }
+    }
+    Some(best.1)
 }
 
 fn blends_within(values: &[Quat], from: usize, to: usize, reach: Reach) -> bool {
