@@ -73,12 +73,39 @@ impl Document {
         bytes: &[u8],
     ) -> Result<(), WriteError> {
         self.animation_mut(animation)?;
+        if self.overwrite_table(animation, name, bytes) {
+            return Ok(());
+        }
         let view = self.add_buffer_view(bytes);
         let slot = motion_extension(self.animation_mut(animation)?);
         let tables = object(slot).entry("tables").or_insert_with(|| json!({}));
         set(tables, name, view);
         self.use_extension(NAME);
         Ok(())
+    }
+
+    /// Writes over the bytes of a table of that name if there is room, so that an asset that is
+    /// built again does not grow. A table's buffer view is its own.
+    fn overwrite_table(&mut self, animation: usize, name: &str, bytes: &[u8]) -> bool {
+        let tables = self.motion_member(animation, "tables");
+        let Some(view) = tables.and_then(|tables| index(tables, name)) else {
+            return false;
+        };
+        let Some(view) = entries_mut(&mut self.json, "bufferViews").get_mut(view) else {
+            return false;
+        };
+        let start = index(view, "byteOffset").unwrap_or(0);
+        let room = index(view, "byteLength").unwrap_or(0);
+        let buffer = index(view, "buffer").and_then(|b| self.buffers.get_mut(b));
+        let Some(place) = buffer.and_then(|b| b.get_mut(start..start.checked_add(room)?)) else {
+            return false;
+        };
+        let Some(place) = place.get_mut(..bytes.len()).filter(|_| !bytes.is_empty()) else {
+            return false;
+        };
+        place.copy_from_slice(bytes);
+        set(view, "byteLength", bytes.len());
+        true
     }
 
     /// The bytes of a table that an animation has under a name.

@@ -155,7 +155,8 @@ fn add_influences(document: &mut Document, primitive: &Primitive, attributes: &m
         for v in 0..count {
             for i in set_index * 4..set_index * 4 + 4 {
                 let at = v * influences + i;
-                let used = i < influences;
+                // The format asks for joint 0 where the weight is 0.
+                let used = i < influences && primitive.weights[at] > 0.0;
                 let joint = if used { primitive.joints[at] } else { 0 };
                 if is_small {
                     joints.push(joint as u8);

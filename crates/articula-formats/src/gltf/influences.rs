@@ -118,8 +118,8 @@ fn mend_weights(
     }
 }
 
-/// Refuses a joint number beyond the skin, unless its weight is 0: exporters leave rubbish
-/// there, which is set to 0.
+/// Sets joint numbers whose weight is 0 to 0, since exporters leave rubbish there, and refuses
+/// others beyond the skin.
 fn check_joints(
     attributes: &Place<'_>,
     joint_count: usize,
@@ -127,14 +127,12 @@ fn check_joints(
     weights: &[f32],
 ) -> Result<(), ReadError> {
     for (joint, weight) in joints.iter_mut().zip(weights) {
-        if usize::from(*joint) < joint_count {
-            continue;
-        }
-        if *weight > 0.0 {
+        if *weight == 0.0 {
+            *joint = 0;
+        } else if usize::from(*joint) >= joint_count {
             let what = format!("a vertex follows joint {joint}, but the skin has {joint_count}");
             return Err(attributes.malformed(what));
         }
-        *joint = 0;
     }
     Ok(())
 }

@@ -212,6 +212,25 @@ fn articulation_and_motion_tables_come_back_and_survive_new_clips() {
 }
 
 #[test]
+fn a_table_that_is_written_again_takes_the_place_of_the_old() {
+    let mut document = waving().read().unwrap().value.document;
+    document
+        .set_motion_table(0, "segs", &[1, 2, 3, 4, 5])
+        .unwrap();
+    let length = document.buffers[0].len();
+    for bytes in [&[6, 7, 8, 9, 10][..], &[11, 12], &[13, 14, 15]] {
+        document.set_motion_table(0, "segs", bytes).unwrap();
+        assert_eq!(document.motion_table(0, "segs"), Some(bytes));
+    }
+    // Three bytes no longer fit where two stand; the first two rewrites cost nothing.
+    assert!(document.buffers[0].len() <= length + 4 + 3);
+    assert_eq!(
+        written(&document).document.motion_table(0, "segs"),
+        Some(&[13, 14, 15][..])
+    );
+}
+
+#[test]
 fn a_broken_articulation_is_a_warning() {
     let mut tiny = Tiny::skinned();
     for broken in [

@@ -127,6 +127,9 @@ pub(crate) struct MethodArgs {
     /// Joints that may move, such as "loa(Low) + zone(hands)" (with --method loa)
     #[arg(long, value_name = "EXPR")]
     pub(crate) loa: Option<String>,
+    /// Let every joint above one that may move, move too (with --loa)
+    #[arg(long, requires = "loa")]
+    close_up: bool,
     /// What joints outside the level show (with --method loa)
     /// [default: key-pose]
     #[arg(long, value_enum, value_name = "POLICY")]
@@ -325,6 +328,10 @@ impl MethodArgs {
 
     fn level(&self, rig: &Rig) -> anyhow::Result<Chosen> {
         match &self.loa {
+            Some(text) if self.close_up => {
+                let set = selection::with_ancestors(rig, &joints(text, rig)?);
+                Ok(Chosen::fixed(&format!("{text}, close up"), set))
+            }
             Some(text) => Ok(Chosen::fixed(text, joints(text, rig)?)),
             None => Ok(Chosen::ladder(rig)),
         }

@@ -35,6 +35,9 @@ pub(crate) struct ConvertArgs {
     /// Joints that may move, such as "loa(Low) + zone(hands)"; the others are held
     #[arg(long, value_name = "EXPR")]
     loa: Option<String>,
+    /// Let every joint above one that may move, move too
+    #[arg(long)]
+    close_up: bool,
     /// The same from a saved selection
     #[arg(long, value_name = "F.json", conflicts_with = "loa")]
     loa_profile: Option<PathBuf>,
@@ -98,9 +101,10 @@ pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
 
 impl ConvertArgs {
     fn format_out(&self) -> anyhow::Result<Format> {
-        if self.passive.is_some() && self.loa.is_none() && self.loa_profile.is_none() {
+        let reduces = self.loa.is_some() || self.loa_profile.is_some();
+        if (self.passive.is_some() || self.close_up) && !reduces {
             return Err(fault::usage(
-                "--passive needs --loa EXPR or --loa-profile F.json",
+                "--passive and --close-up need --loa EXPR or --loa-profile F.json",
             ));
         }
         Format::of_name(&self.out).ok_or_else(|| {

@@ -9,6 +9,7 @@ use crate::{fault, files};
 use anyhow::Context;
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::JointSet;
+use articula_core::loa::selection::with_ancestors;
 use articula_core::rig::Rig;
 use articula_formats::{Limits, loa_profile};
 use serde::Serialize;
@@ -36,7 +37,10 @@ pub(super) fn apply(args: &ConvertArgs, loaded: &mut Loaded) -> anyhow::Result<O
         anyhow::bail!("{place}: clips: there is none to reduce; leave --loa out");
     }
     let rig = Rig::new(&loaded.character.skeleton, articulation_of(loaded)).context(place)?;
-    let (selection, active) = selected(args, &rig)?;
+    let (selection, mut active) = selected(args, &rig)?;
+    if args.close_up {
+        active = with_ancestors(&rig, &active);
+    }
     let policy = args.passive.unwrap_or(PassivePolicy::KeyPose);
     let saving = Saving::new(&rig, &loaded.character.clips, &active, policy);
     let reduction = Reduction {

@@ -21,6 +21,9 @@ use std::path::{Path, PathBuf};
 /// The distances of the spec's tables, metres.
 pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
 
+/// Frames of a clip that is played under a method: the truth of all of them is kept.
+const MOST_FRAMES: usize = 100_000;
+
 /// Arguments of `lod`.
 #[derive(Debug, Args)]
 pub(crate) struct LodArgs {
@@ -71,6 +74,14 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     let Some(clip) = prepared.clip(args.clip.as_deref())? else {
         return at_rest(args, &prepared, console);
     };
+    let (name, frames) = (
+        &prepared.asset.clips[clip].name,
+        prepared.asset.clips[clip].frames(),
+    );
+    if frames > MOST_FRAMES {
+        let what = format!("{frames} frames, the limit is {MOST_FRAMES}; trim the clip");
+        anyhow::bail!("{}: clip \"{name}\": {what}", prepared.loaded.place());
+    }
     let scene = Scene {
         clip,
         setup: args.setup(),
