@@ -7,24 +7,15 @@
     reason = "a test reads files, stops at the first surprise, and says what it skips"
 )]
 
+mod real;
+
 use articula_core::pose::LocalPose;
 use articula_core::source::{Character, Property, evaluate};
 use articula_formats::bvh::{self, BvhFile, ChannelOrder, ReadOptions, Up, WriteOptions};
 use articula_formats::profile;
 use articula_formats::{Limits, ReadError};
 use glam::{Affine3A, Quat, Vec3};
-use std::path::PathBuf;
-
-fn bytes(name: &str) -> Option<Vec<u8>> {
-    let root = std::env::var_os("ARTICULA_DATA").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
-        PathBuf::from,
-    );
-    let found = std::fs::read(root.join(name)).ok();
-    let required = std::env::var_os("ARTICULA_REQUIRE_DATA").is_some_and(|v| v == "1");
-    assert!(found.is_some() || !required, "{name} is missing");
-    found
-}
+use real::bytes;
 
 fn read(bytes: &[u8]) -> BvhFile {
     let read = bvh::read(bytes, &ReadOptions::default(), &Limits::default());

@@ -7,24 +7,15 @@
     reason = "a test reads files, stops at the first surprise, and says what it skips"
 )]
 
+mod real;
+
 use articula_core::articulation::Region;
 use articula_core::math::Transform;
 use articula_core::source::{Joint, Skeleton};
 use articula_formats::profile::{self, GapReason, Mapping};
 use glam::{Affine3A, Mat4, Quat, Vec3};
+use real::bytes;
 use serde_json::Value;
-use std::path::PathBuf;
-
-fn bytes(name: &str) -> Option<Vec<u8>> {
-    let root = std::env::var_os("ARTICULA_DATA").map_or_else(
-        || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/data")),
-        PathBuf::from,
-    );
-    let found = std::fs::read(root.join(name)).ok();
-    let required = std::env::var_os("ARTICULA_REQUIRE_DATA").is_some_and(|v| v == "1");
-    assert!(found.is_some() || !required, "{name} is missing");
-    found
-}
 
 /// Announces a missing data set once, and tells whether it is there.
 fn data_is_here() -> bool {
