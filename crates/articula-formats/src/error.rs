@@ -57,6 +57,18 @@ impl ReadError {
     }
 }
 
+impl ReadError {
+    /// What a JSON parser says, its place named once, and what the file should look like.
+    pub(crate) fn of_json(error: &serde_json::Error, form: &str) -> Self {
+        let at = format!("line {} column {}", error.line(), error.column());
+        let said = error.to_string();
+        let said = said
+            .rsplit_once(" at line ")
+            .map_or(said.as_str(), |(what, _)| what);
+        Self::malformed(at, format!("{said}; the form is {form}"))
+    }
+}
+
 /// Something odd that was repaired or left out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Warning {

@@ -12,6 +12,10 @@ use articula_core::articulation::{Complexity, Region, Zone};
 use articula_core::loa::{Rule, Selection};
 use serde::{Deserialize, Serialize};
 
+/// What a file looks like, for errors.
+const FORM: &str =
+    "{\"rule\": \"sum\", \"depth\": 3, \"complexity\": \"low\", \"zones\": [\"torso\"]}";
+
 /// A selection that was saved for later.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LoaProfile {
@@ -77,10 +81,7 @@ fn yes() -> bool {
 /// complexity or zone that does not exist; [`ReadError::LimitExceeded`].
 pub fn read(json: &[u8], limits: &Limits) -> Result<LoaProfile, ReadError> {
     Limits::check("profile", "bytes", json.len() as u64, limits.bytes)?;
-    let file: File = serde_json::from_slice(json).map_err(|e| {
-        let at = format!("line {} column {}", e.line(), e.column());
-        ReadError::malformed(at, e.to_string())
-    })?;
+    let file: File = serde_json::from_slice(json).map_err(|e| ReadError::of_json(&e, FORM))?;
     let names = (file.joints.plus.len() + file.joints.minus.len()) as u64;
     Limits::check("joints", "joint names", names, limits.nodes)?;
     Ok(LoaProfile {

@@ -10,6 +10,9 @@ use articula_core::articulation::Region;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
+/// What a file looks like, for errors.
+const FORM: &str = "{\"name\": \"…\", \"title\": \"…\", \"source\": \"…\", \"joints\": {\"joint of the rig\": \"l_hip\", …}}";
+
 /// What part of a human the rigs of a profile have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -81,10 +84,7 @@ struct File {
 /// [`ReadError::LimitExceeded`].
 pub fn parse(json: &[u8], limits: &Limits) -> Result<Profile, ReadError> {
     Limits::check("profile", "bytes", json.len() as u64, limits.bytes)?;
-    let file: File = serde_json::from_slice(json).map_err(|e| {
-        let at = format!("line {} column {}", e.line(), e.column());
-        ReadError::malformed(at, e.to_string())
-    })?;
+    let file: File = serde_json::from_slice(json).map_err(|e| ReadError::of_json(&e, FORM))?;
     let lists = file.helpers.values().map(Vec::len).sum::<usize>() + file.ignored.len();
     let patterns = (file.joints.len() + lists) as u64;
     Limits::check("profile", "joint name patterns", patterns, limits.nodes)?;
