@@ -26,8 +26,34 @@ fn default_human() -> &'static Character {
     HUMAN.get_or_init(|| human(&HumanOptions::default()).unwrap())
 }
 
-fn skin_of(character: &Character) -> &Primitive {
-    &character.meshes[0].primitives[0]
+/// Both tones of the skin as one surface: vertices at the same place are the same.
+fn skin_of(character: &Character) -> Primitive {
+    let mut whole = Primitive {
+        influences: 4,
+        ..Primitive::default()
+    };
+    let mut places = HashMap::new();
+    for part in &character.meshes[0].primitives {
+        let renamed: Vec<u32> = (0..part.positions.len())
+            .map(|v| {
+                let key = (part.positions[v] + Vec3::ZERO)
+                    .to_array()
+                    .map(f32::to_bits);
+                *places.entry(key).or_insert_with(|| {
+                    whole.positions.push(part.positions[v]);
+                    whole.normals.push(part.normals[v]);
+                    whole.joints.extend(&part.joints[4 * v..4 * v + 4]);
+                    whole.weights.extend(&part.weights[4 * v..4 * v + 4]);
+                    whole.positions.len() as u32 - 1
+                })
+            })
+            .collect();
+        let triangles = part.triangles.iter();
+        whole
+            .triangles
+            .extend(triangles.map(|t| t.map(|v| renamed[v as usize])));
+    }
+    whole
 }
 
 fn clip<'a>(character: &'a Character, name: &str) -> &'a Clip {
@@ -119,15 +145,47 @@ fn counts_are_met_and_the_skin_is_one_closed_surface() {
             found.abs_diff(triangles) * 20 <= triangles,
             "{found} of {triangles}"
         );
-        for mesh in &character.meshes[..3] {
+        assert_closed(&skin_of(&character), &format!("skin at {triangles}"));
+        for mesh in &character.meshes[1..3] {
             assert_closed(
                 &mesh.primitives[0],
                 &format!("{} at {triangles}", mesh.name),
             );
         }
-        assert_eq!(pieces(skin_of(&character)), 1, "the skin is in one piece");
+        assert_eq!(pieces(&skin_of(&character)), 1, "the skin is in one piece");
         // A slender adult of 1.75 m.
-        assert!(volume(skin_of(&character)) > 0.052 && volume(skin_of(&character)) < 0.07);
+        assert!((0.052..0.07).contains(&volume(&skin_of(&character))));
+    }
+}
+
+#[test]
+fn the_border_of_the_tones_is_the_same_on_both_sides() {
+    for triangles in [2_000, 12_000] {
+        let character = of(triangles);
+        let [bare, suit] = &character.meshes[0].primitives[..] else {
+            panic!("two tones");
+        };
+        let vertices = |part: &Primitive| -> HashMap<[u32; 3], usize> {
+            let places = part.positions.iter().enumerate();
+            places
+                .map(|(v, p)| (p.to_array().map(f32::to_bits), v))
+                .collect()
+        };
+        let (here, there) = (vertices(bare), vertices(suit));
+        let shared: Vec<_> = here
+            .iter()
+            .filter_map(|(p, v)| Some((*v, *there.get(p)?)))
+            .collect();
+        // Five loops: a collar, two sleeves, two legs.
+        assert!(shared.len() >= 5 * 5, "{} at {triangles}", shared.len());
+        for (v, w) in shared {
+            assert_eq!(bare.normals[v], suit.normals[w]);
+            assert_eq!(bare.joints[4 * v..4 * v + 4], suit.joints[4 * w..4 * w + 4]);
+            assert_eq!(
+                bare.weights[4 * v..4 * v + 4],
+                suit.weights[4 * w..4 * w + 4]
+            );
+        }
     }
 }
 
@@ -407,8 +465,9 @@ fn the_same_options_give_the_same_bytes() {
     let (one, two) = (of(2_000), of(2_000));
     assert_eq!(one, two);
     let bits = |c: &Character| -> Vec<u32> {
-        let positions = skin_of(c).positions.iter();
-        positions
+        let skin = skin_of(c);
+        skin.positions
+            .iter()
             .flat_map(|p| p.to_array())
             .map(f32::to_bits)
             .collect()

@@ -84,8 +84,28 @@ pub(super) struct Options<'a> {
     pub(super) mirrored: bool,
     /// How much an error at a point counts; 1 is normal.
     pub(super) importance: &'a dyn Fn(Vec3) -> f32,
-    /// Moves a point onto the surface; the flag keeps it in the plane x = 0.
-    pub(super) onto: &'a dyn Fn(Vec3, bool) -> Vec3,
+    /// Vertices on the border between two tones; none if it is empty.
+    pub(super) on_border: &'a [bool],
+    /// Moves a point onto the surface and to what holds it.
+    pub(super) onto: &'a dyn Fn(Vec3, Hold) -> Vec3,
+}
+
+/// What a vertex stays on.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub(super) struct Hold {
+    /// The plane x = 0, where the open rim lies.
+    pub(super) rim: bool,
+    /// The border between two tones.
+    pub(super) border: bool,
+}
+
+impl Hold {
+    fn or(self, other: Self) -> Self {
+        Self {
+            rim: self.rim || other.rim,
+            border: self.border || other.border,
+        }
+    }
 }
 
 struct Mesh {
@@ -95,7 +115,9 @@ struct Mesh {
     around: Vec<Vec<u32>>,
     quadrics: Vec<Quadric>,
     versions: Vec<u32>,
-    on_rim: Vec<bool>,
+    holds: Vec<Hold>,
+    /// Tone of each triangle.
+    tones: Vec<bool>,
     live: usize,
 }
 
@@ -126,11 +148,10 @@ pub(super) fn collapse(surface: &Surface, options: &Options<'_>) -> Surface {
             queue.push(mesh.entry(a.min(n), a.max(n)));
         }
     }
-    let mut thin = mesh.surface();
-    for p in &mut thin.positions {
-        *p = (options.onto)(*p, options.mirrored && p.x == 0.0);
+    for (p, hold) in mesh.positions.iter_mut().zip(&mesh.holds) {
+        *p = (options.onto)(p.as_vec3(), *hold).as_dvec3();
     }
-    thin
+    mesh.surface()
 }
 
 impl Mesh {
@@ -141,11 +162,8 @@ impl Mesh {
             around: vec![Vec::new(); count],
             quadrics: vec![Quadric::default(); count],
             versions: vec![0; count],
-            on_rim: surface
-                .positions
-                .iter()
-                .map(|p| options.mirrored && p.x == 0.0)
-                .collect(),
+            holds: holds(surface, options),
+            tones: surface.tones.clone(),
             triangles: surface.triangles.iter().copied().map(Some).collect(),
             live: surface.triangles.len(),
             positions,
@@ -162,7 +180,30 @@ impl Mesh {
                 mesh.quadrics[*v as usize].add(&quadric);
             }
         }
+        mesh.hold_borders();
         mesh
+    }
+
+    /// Along a border errors across it count too, so that it keeps its course.
+    fn hold_borders(&mut self) {
+        for t in 0..self.triangles.len() {
+            let Some(triangle) = self.triangles[t] else {
+                continue;
+            };
+            for i in 0..3 {
+                let (a, b) = (triangle[i], triangle[(i + 1) % 3]);
+                let held = [a, b].iter().all(|v| self.holds[*v as usize].border);
+                if !held || !self.is_border_edge(a, b) {
+                    continue;
+                }
+                let [p, q, r] = [a, b, triangle[(i + 2) % 3]].map(|v| self.positions[v as usize]);
+                let edge = q - p;
+                let across = edge.cross(edge.cross(r - p)).normalize_or_zero();
+                let quadric = Quadric::plane(across, p, edge.length_squared());
+                self.quadrics[a as usize].add(&quadric);
+                self.quadrics[b as usize].add(&quadric);
+            }
+        }
     }
 
     fn neighbours(&self, v: u32) -> Vec<u32> {
@@ -183,13 +224,19 @@ impl Mesh {
         let (pa, pb) = (self.positions[a as usize], self.positions[b as usize]);
         let mut quadric = self.quadrics[a as usize];
         quadric.add(&self.quadrics[b as usize]);
-        let middle = match (self.on_rim[a as usize], self.on_rim[b as usize]) {
+        let (ha, hb) = (self.holds[a as usize], self.holds[b as usize]);
+        let both = ha.or(hb);
+        let middle = match (ha == both, hb == both) {
             (true, false) => pa,
             (false, true) => pb,
             _ => 0.5 * (pa + pb),
         };
-        let mut point = quadric.optimum(middle, pa.distance(pb));
-        if self.on_rim[a as usize] || self.on_rim[b as usize] {
+        let mut point = if both.rim && both.border {
+            middle
+        } else {
+            quadric.optimum(middle, pa.distance(pb))
+        };
+        if both.rim {
             point.x = 0.0;
         }
         (point, quadric.at(point).max(0.0))
@@ -211,7 +258,7 @@ impl Mesh {
         let (na, nb) = (self.neighbours(a), self.neighbours(b));
         let shared = na.iter().filter(|n| nb.contains(n)).count();
         let faces = self.fan(a).filter(|t| t.contains(&b)).count();
-        let rim = |v: u32| self.on_rim[v as usize];
+        let rim = |v: u32| self.holds[v as usize].rim;
         let expected = if rim(a) && rim(b) { 1 } else { 2 };
         if shared != expected || faces != expected || !self.rim_stays_simple(a, b, &na, &nb) {
             return None;
@@ -219,8 +266,13 @@ impl Mesh {
         if na.len() + nb.len() - shared - 2 < 4 || na.len() + nb.len() > 18 {
             return None;
         }
-        let flat = rim(a) || rim(b);
-        let point = (options.onto)(self.meeting_point(a, b).0.as_vec3(), flat);
+        let (ha, hb) = (self.holds[a as usize], self.holds[b as usize]);
+        let both = ha.or(hb);
+        let apart = ha.border && hb.border && !self.is_border_edge(a, b);
+        if apart || (both != ha && both != hb) {
+            return None;
+        }
+        let point = (options.onto)(self.meeting_point(a, b).0.as_vec3(), both);
         let keeps = |v: u32, other: u32| {
             self.fan(v)
                 .filter(|t| !t.contains(&other))
@@ -231,7 +283,7 @@ impl Mesh {
 
     /// An inner edge between two rim vertices would be doubled by the mirror.
     fn rim_stays_simple(&self, a: u32, b: u32, na: &[u32], nb: &[u32]) -> bool {
-        let rim = |v: u32| self.on_rim[v as usize];
+        let rim = |v: u32| self.holds[v as usize].rim;
         let (inner, rest) = match (rim(a), rim(b)) {
             (true, false) => (nb, na),
             (false, true) => (na, nb),
@@ -245,6 +297,14 @@ impl Mesh {
 
     fn is_rim_edge(&self, a: u32, b: u32) -> bool {
         self.fan(a).filter(|t| t.contains(&b)).count() == 1
+    }
+
+    fn is_border_edge(&self, a: u32, b: u32) -> bool {
+        let beside = self.around[a as usize]
+            .iter()
+            .filter(|t| self.triangles[**t as usize].is_some_and(|triangle| triangle.contains(&b)));
+        let mut tones = beside.map(|t| self.tones.get(*t as usize));
+        matches!((tones.next(), tones.next()), (Some(one), Some(other)) if one != other)
     }
 
     fn stays_upright(&self, triangle: [u32; 3], moved: u32, to: DVec3) -> bool {
@@ -288,7 +348,7 @@ impl Mesh {
         let moved = self.quadrics[b as usize];
         self.quadrics[a as usize].add(&moved);
         self.positions[a as usize] = point.as_dvec3();
-        self.on_rim[a as usize] |= self.on_rim[b as usize];
+        self.holds[a as usize] = self.holds[a as usize].or(self.holds[b as usize]);
         self.versions[a as usize] += 1;
         self.versions[b as usize] += 1;
     }
@@ -296,7 +356,11 @@ impl Mesh {
     fn surface(&self) -> Surface {
         let mut out = Surface::default();
         let mut renamed = vec![u32::MAX; self.positions.len()];
-        for triangle in self.triangles.iter().flatten() {
+        for (t, triangle) in self.triangles.iter().enumerate() {
+            let Some(triangle) = triangle else {
+                continue;
+            };
+            out.tones.extend(self.tones.get(t));
             out.triangles.push(triangle.map(|v| {
                 if renamed[v as usize] == u32::MAX {
                     renamed[v as usize] = out.positions.len() as u32;
@@ -307,6 +371,14 @@ impl Mesh {
         }
         out
     }
+}
+
+fn holds(surface: &Surface, options: &Options<'_>) -> Vec<Hold> {
+    let hold = |(v, p): (usize, &Vec3)| Hold {
+        rim: options.mirrored && p.x == 0.0,
+        border: options.on_border.get(v).copied().unwrap_or(false),
+    };
+    surface.positions.iter().enumerate().map(hold).collect()
 }
 
 #[cfg(test)]
@@ -320,8 +392,13 @@ mod tests {
             target,
             mirrored: half,
             importance: &|_| 1.0,
-            onto: &|p, flat| {
-                let p = if flat { Vec3::new(0.0, p.y, p.z) } else { p };
+            on_border: &[],
+            onto: &|p, hold| {
+                let p = if hold.rim {
+                    Vec3::new(0.0, p.y, p.z)
+                } else {
+                    p
+                };
                 center + (p - center).normalize()
             },
         };

@@ -111,7 +111,7 @@ fn lids(group: Group) -> Group {
         Mat3::from_rotation_z(0.06),
     );
     group
-        .with(e([x, y, z], [EYE_RADIUS + 0.0021; 3]), Join::Add(0.006))
+        .with(e([x, y, z], [EYE_RADIUS + 0.0021; 3]), Join::Add(0.009))
         .with(almond, Join::Carve(0.002))
 }
 
@@ -139,7 +139,7 @@ pub(super) fn brow(head: &Group) -> Group {
     let at = |i: usize| on_skin(head, arch[i].0, -0.001);
     (0..3).fold(Group::default(), |group, i| {
         let bone = Shape::cone(at(i), at(i + 1), [arch[i].1, arch[i + 1].1]);
-        group.with(bone, Join::Add(0.004))
+        group.with(bone, Join::Add(0.0008))
     })
 }
 
@@ -149,7 +149,7 @@ pub(super) fn lips(head: &Group) -> Group {
     let bow = |a, b, radii, join| (Shape::cone(a, b, radii), join);
     let parts = [
         bow(
-            at(0.0, 1.5726, -0.0017),
+            at(0.0, 1.5723, -0.0017),
             at(0.006, 1.5732, -0.0017),
             [0.0033, 0.0036],
             Join::Add(0.0),
@@ -161,13 +161,13 @@ pub(super) fn lips(head: &Group) -> Group {
             Join::Add(0.003),
         ),
         bow(
-            at(0.0, 1.5646, -0.0016),
-            at(0.01, 1.5654, -0.0016),
+            at(0.0, 1.5651, -0.0016),
+            at(0.01, 1.5658, -0.0016),
             [0.0039, 0.0036],
-            Join::Add(0.0004),
+            Join::Add(0.002),
         ),
         bow(
-            at(0.01, 1.5654, -0.0016),
+            at(0.01, 1.5658, -0.0016),
             at(0.022, 1.569, -0.0009),
             [0.0036, 0.0012],
             Join::Add(0.003),

@@ -18,6 +18,7 @@ mod motion;
 mod pieces;
 mod polygonise;
 mod skeleton;
+mod suit;
 mod weights;
 
 use articula_core::source::{Character, Material, Mesh, Primitive, Skin};
@@ -83,13 +84,14 @@ pub fn human(options: &HumanOptions) -> Result<Character, HumanError> {
 }
 
 /// Names and linear colours; primitives refer to them by place.
-const MATERIALS: [(&str, [f32; 3]); 6] = [
+const MATERIALS: [(&str, [f32; 3]); 7] = [
     ("skin", [0.74, 0.62, 0.47]),
     ("lips", [0.6, 0.43, 0.32]),
     ("brows", [0.3, 0.2, 0.12]),
     ("sclera", [0.82, 0.79, 0.74]),
     ("iris", [0.13, 0.1, 0.07]),
     ("pupil", [0.01, 0.01, 0.01]),
+    ("suit", [0.4, 0.34, 0.29]),
 ];
 
 fn materials() -> Vec<Material> {
@@ -120,7 +122,10 @@ fn meshes(body: &Body, pieces: &Pieces) -> Vec<Mesh> {
     let brow = head::brow(&body.head);
     let lips = head::lips(&body.head);
     vec![
-        mesh("skin", vec![skin(body, &pieces.skin)]),
+        mesh(
+            "skin",
+            two_tones(&skin(body, &pieces.skin), &pieces.skin.tones),
+        ),
         mesh(
             "lips",
             vec![rigid(&pieces.lips, 1, |p| lips.normal(p), |_| skull)],
@@ -161,6 +166,51 @@ fn skin(body: &Body, surface: &Surface) -> Primitive {
         weights: influences.iter().flatten().map(|(_, w)| *w).collect(),
         triangles: surface.triangles.clone(),
         material: Some(0),
+        ..Primitive::default()
+    }
+}
+
+/// The skin in two parts with the same vertices along their border: bare, then suit.
+fn two_tones(skin: &Primitive, tones: &[bool]) -> Vec<Primitive> {
+    let of = |tone: bool| -> Vec<[u32; 3]> {
+        let pairs = skin.triangles.iter().zip(tones);
+        pairs
+            .filter(|(_, t)| **t == tone)
+            .map(|(t, _)| *t)
+            .collect()
+    };
+    vec![part(skin, &of(false), 0), part(skin, &of(true), 6)]
+}
+
+/// Some triangles of a primitive, with the vertices that they use.
+fn part(whole: &Primitive, triangles: &[[u32; 3]], material: usize) -> Primitive {
+    let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    let mut place = vec![0; whole.positions.len()];
+    for (i, v) in used.iter().enumerate() {
+        place[*v as usize] = i as u32;
+    }
+    let per_vertex = |v: &u32| *v as usize * INFLUENCES..(*v as usize + 1) * INFLUENCES;
+    Primitive {
+        positions: used.iter().map(|v| whole.positions[*v as usize]).collect(),
+        normals: used.iter().map(|v| whole.normals[*v as usize]).collect(),
+        influences: INFLUENCES,
+        joints: used
+            .iter()
+            .flat_map(|v| &whole.joints[per_vertex(v)])
+            .copied()
+            .collect(),
+        weights: used
+            .iter()
+            .flat_map(|v| &whole.weights[per_vertex(v)])
+            .copied()
+            .collect(),
+        triangles: triangles
+            .iter()
+            .map(|t| t.map(|v| place[v as usize]))
+            .collect(),
+        material: Some(material),
         ..Primitive::default()
     }
 }

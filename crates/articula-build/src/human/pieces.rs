@@ -6,6 +6,7 @@ use super::field::Group;
 use super::head::{self, EYE_RADIUS};
 use super::polygonise::{Grid, Surface, onto, polygonise};
 use super::skeleton::EYE;
+use super::suit;
 use glam::Vec3;
 
 /// Spacing of the samples of the skin, in metres: finer than half a finger's radius.
@@ -48,12 +49,16 @@ fn skin_half(body: &Body, target: usize) -> Surface {
         Vec3::new(0.3, 1.765, 0.185),
         skin_step,
     );
-    let fine = polygonise(&grid, &field);
+    let (fine, on_border) = suit::cut(&polygonise(&grid, &field), body);
     let options = Options {
         target,
         mirrored: true,
         importance: &importance,
-        onto: &|p, flat| onto(&field, p, flat, 1),
+        on_border: &on_border,
+        onto: &|p, hold| match hold.border {
+            true => suit::onto_border(body, p, hold.rim),
+            false => onto(&field, p, hold.rim, 1),
+        },
     };
     collapse(&fine, &options)
 }
@@ -81,7 +86,7 @@ fn importance(p: Vec3) -> f32 {
     } else if hand {
         30.0
     } else if face || ear {
-        24.0
+        45.0
     } else if p.y > 1.58 || p.y < 0.05 {
         10.0
     } else if p.y > 1.46 && p.x < 0.08 {
@@ -102,7 +107,8 @@ fn piece(group: &Group, target: usize) -> Surface {
         target: target.max(16),
         mirrored: grid.axes[0][0] < 0.0,
         importance: &|_| 1.0,
-        onto: &|p, flat| onto(&field, p, flat, 1),
+        on_border: &[],
+        onto: &|p, hold| onto(&field, p, hold.rim, 1),
     };
     collapse(&fine, &options)
 }
@@ -129,6 +135,7 @@ fn mirrored(half: &Surface) -> Surface {
         .iter()
         .map(|[a, b, c]| [*a, *c, *b].map(|v| twin[v as usize]));
     whole.triangles.extend(other);
+    whole.tones.extend(&half.tones);
     whole
 }
 

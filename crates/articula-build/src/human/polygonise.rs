@@ -13,6 +13,8 @@ use std::collections::HashMap;
 pub(super) struct Surface {
     pub(super) positions: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
+    /// Tone of each triangle; empty if there is one alone.
+    pub(super) tones: Vec<bool>,
 }
 
 /// Sample heights along each axis; the first two of x are mirror images.
