@@ -39,7 +39,11 @@ pub(super) fn foot() -> Group {
     let mut foot = Group::default()
         // Heel with the tendon above it.
         .with(
-            Shape::ellipsoid([0.104, 0.034, -0.057], [0.031, 0.04, 0.038], Mat3::IDENTITY),
+            Shape::ellipsoid(
+                [0.104, 0.034, -0.057],
+                [0.030, 0.038, 0.038],
+                Mat3::IDENTITY,
+            ),
             add(0.0),
         )
         .with(
@@ -49,7 +53,7 @@ pub(super) fn foot() -> Group {
         // Instep, outer edge, ball.
         .with(
             flat(
-                [0.106, 0.066, -0.03],
+                [0.106, 0.062, -0.03],
                 [0.113, 0.034, 0.066],
                 [0.030, 0.02],
                 1.05,

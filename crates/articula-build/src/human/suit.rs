@@ -12,7 +12,7 @@ pub(super) fn depth(body: &Body, p: Vec3) -> f32 {
     let p = Vec3::new(p.x.abs(), p.y, p.z);
     // A round collar below the chin; the arm has a border of its own.
     let neck = Vec3::new(0.0, 1.512, -0.034);
-    let collar = (p.distance(neck) - 0.093).min(1.512 - p.y);
+    let collar = (((p - neck) * Vec3::new(0.8, 1.0, 1.0)).length() - 0.093).min(1.512 - p.y);
     let leg = (p - Vec3::new(0.09, 0.69, 0.0)).dot(Vec3::new(-0.16, 1.0, 0.0).normalize());
     let trunk = collar.min(leg);
     if body.upper_limb(p) < body.trunk.distance(p).min(body.leg.distance(p)) {
