@@ -65,7 +65,7 @@ fn wrong_usage_says_what_would_be_right() {
         (&["build", human, "a.vrm"], ".glb"),
         (
             &["convert", human, "a.obj"],
-            "glb, gltf, vrm, vrma or bvh to glb",
+            "the extension names no format; converted are glb, gltf",
         ),
         (&["convert", human, "a.vrm"], "glb to vrm is not converted"),
         (&["convert", human, "a.glb", "--passive", "rest"], "--loa"),

@@ -1,33 +1,28 @@
 //! `articula convert IN OUT`: between formats, and to a reduced animation.
 
 mod reduction;
+mod written;
 
 use crate::arguments::ReadArgs;
 use crate::console::Console;
 use crate::fault::clean;
-use crate::load::{self, Format, Loaded};
+use crate::load::{self, Format, Loaded, Writes};
 use crate::play::saved;
 use crate::table::counted;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_build::clip::source_rate_hz;
 use articula_core::joint_state::PassivePolicy;
-use articula_formats::bvh;
-use articula_formats::gltf::Document;
 use clap::Args;
 use reduction::Reduction;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// What is converted into what.
-const PAIRS: &str = "glb, gltf, vrm, vrma or bvh to glb; vrm to vrm; vrma to vrma; glb, gltf, vrm, vrma or bvh to bvh";
-
 /// Arguments of `convert`.
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
-    /// File to read (.glb, .gltf, .vrm, .vrma, .bvh)
+    /// File to read (.glb, .gltf, .vrm, .vrma, .bvh, ...)
     input: PathBuf,
-    /// File to write; its extension names the format (.glb, .vrm, .vrma, .bvh)
+    /// File to write; its extension names the format (.glb, .vrm, .vrma, .bvh, ...)
     out: PathBuf,
     /// Keep this clip alone [default: all; .bvh the first]
     #[arg(long, value_name = "NAME")]
@@ -56,7 +51,10 @@ struct Report {
     format_in: &'static str,
     format_out: &'static str,
     bytes_in: usize,
+    /// Of all files together.
     bytes_out: usize,
+    /// Files that were written beside `out`.
+    beside: Vec<String>,
     clips: Vec<String>,
     reduction: Option<Reduction>,
     /// What the format of the output cannot hold.
@@ -73,11 +71,10 @@ pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let chosen = choose_clips(args, &mut loaded, out).context(place.clone())?;
     let reduction = reduction::apply(args, &mut loaded)?;
     let changed = chosen || reduction.is_some();
-    let bytes = match out {
-        Format::Bvh => motion(&loaded).context(place)?,
-        _ => container(&mut loaded, changed).context(place)?,
-    };
-    files::write(&args.out, &bytes)?;
+    let made = written::written(&mut loaded, &args.out, out, changed).context(place)?;
+    for (path, bytes) in &made.files {
+        files::write(path, bytes)?;
+    }
     let reduced = reduction.is_some();
     let report = Report {
         input: loaded.place(),
@@ -85,7 +82,11 @@ pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         format_in: loaded.format.name(),
         format_out: out.name(),
         bytes_in: loaded.bytes,
-        bytes_out: bytes.len(),
+        bytes_out: made.files.iter().map(|(_, bytes)| bytes.len()).sum(),
+        beside: made.files[1..]
+            .iter()
+            .map(|(path, _)| files::shown(path))
+            .collect(),
         clips: loaded
             .character
             .clips
@@ -93,7 +94,7 @@ pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             .map(|c| c.name.clone())
             .collect(),
         reduction,
-        left_out: left_out(&loaded, out),
+        left_out: made.left_out,
         warnings: warnings(&loaded, out, reduced),
     };
     console.result(&report, text)
@@ -110,24 +111,27 @@ impl ConvertArgs {
         Format::of_name(&self.out).ok_or_else(|| {
             let out = files::shown(&self.out);
             fault::usage(format!(
-                "{out}: the extension names no format; converted are {PAIRS}"
+                "{out}: the extension names no format; converted are {}",
+                load::conversions()
             ))
         })
     }
 }
 
 fn check_pair(input: Format, out: Format) -> anyhow::Result<()> {
-    let fits = match out {
-        Format::Glb | Format::Bvh => true,
-        Format::Vrm | Format::Vrma => input == out,
-        Format::Gltf => false,
+    let fits = match out.writes() {
+        Writes::Any => true,
+        Writes::Back => input == out,
+        Writes::Never => false,
     };
     if fits {
         return Ok(());
     }
-    let (input, out) = (input.name(), out.name());
     Err(fault::usage(format!(
-        "{input} to {out} is not converted; converted are {PAIRS}"
+        "{} to {} is not converted; converted are {}",
+        input.name(),
+        out.name(),
+        load::conversions()
     )))
 }
 
@@ -136,8 +140,8 @@ fn choose_clips(args: &ConvertArgs, loaded: &mut Loaded, out: Format) -> anyhow:
     let clips = &mut loaded.character.clips;
     let index = match &args.clip {
         Some(name) => load::choose("clip", name, clips.iter().map(|c| c.name.as_str()))?,
-        None if out == Format::Bvh && !clips.is_empty() => 0,
-        None if out == Format::Bvh => {
+        None if written::holds_one_clip(out) && !clips.is_empty() => 0,
+        None if written::holds_one_clip(out) => {
             anyhow::bail!("clips: there is none to write; give a file that has one")
         }
         None => return Ok(false),
@@ -145,54 +149,6 @@ fn choose_clips(args: &ConvertArgs, loaded: &mut Loaded, out: Format) -> anyhow:
     let dropped = clips.len() > 1;
     *clips = vec![clips.swap_remove(index)];
     Ok(dropped)
-}
-
-fn motion(loaded: &Loaded) -> anyhow::Result<Vec<u8>> {
-    let rate_hz = loaded.character.clips.first().map_or(30.0, source_rate_hz);
-    let options = bvh::WriteOptions {
-        rate_hz,
-        end_sites: loaded.end_sites.clone(),
-        ..bvh::WriteOptions::default()
-    };
-    Ok(bvh::write(&loaded.character, 0, &options)?)
-}
-
-/// The document as it was but for its clips, or a new one.
-fn container(loaded: &mut Loaded, clips_changed: bool) -> anyhow::Result<Vec<u8>> {
-    let Some(behind) = &mut loaded.behind else {
-        return Ok(Document::from_character(&loaded.character)?.write_glb()?);
-    };
-    if clips_changed {
-        let (joints, meshes) = (&behind.node_of_joint, &behind.node_of_mesh);
-        let clips = &loaded.character.clips;
-        behind.document.replace_clips(clips, joints, meshes)?;
-    }
-    Ok(behind.document.write_glb()?)
-}
-
-fn left_out(loaded: &Loaded, out: Format) -> Vec<String> {
-    let mut list = Vec::new();
-    let mut say = |count: usize, one: &str, many: &str, why: &str| {
-        if count > 0 {
-            list.push(format!("{} ({why})", counted(count, one, many)));
-        }
-    };
-    if out == Format::Bvh {
-        say(
-            loaded.character.meshes.len(),
-            "mesh",
-            "meshes",
-            "BVH holds joints and one clip",
-        );
-    } else if loaded.behind.is_none() {
-        say(
-            loaded.end_sites.len(),
-            "end site",
-            "end sites",
-            "GLB has no such thing",
-        );
-    }
-    list
 }
 
 fn warnings(loaded: &Loaded, out: Format, reduced: bool) -> Vec<String> {
@@ -215,6 +171,9 @@ fn text(report: &Report) -> String {
         report.bytes_out,
         counted(report.clips.len(), "clip", "clips")
     );
+    for beside in &report.beside {
+        text.push_str(&format!("beside it: {}\n", clean(beside)));
+    }
     if let Some(reduction) = &report.reduction {
         text.push_str(&reduction.text());
     }

@@ -1,0 +1,75 @@
+//! The files that a conversion makes, format by format.
+//!
+//! **A new format is one arm of [`written`] and one function below it.**
+
+use crate::load::{Format, Loaded};
+use crate::table::counted;
+use articula_build::clip::source_rate_hz;
+use articula_formats::bvh;
+use articula_formats::gltf::Document;
+use std::path::{Path, PathBuf};
+
+/// What will be written.
+#[derive(Debug)]
+pub(super) struct Written {
+    /// The file that was asked for, then those that must lie beside it.
+    pub(super) files: Vec<(PathBuf, Vec<u8>)>,
+    /// What the format cannot hold.
+    pub(super) left_out: Vec<String>,
+}
+
+/// Whether a file of the format holds a single clip.
+pub(super) fn holds_one_clip(format: Format) -> bool {
+    format == Format::Bvh
+}
+
+/// Makes the files; `clips_changed` says whether the clips are other than the document has.
+pub(super) fn written(
+    loaded: &mut Loaded,
+    out: &Path,
+    format: Format,
+    clips_changed: bool,
+) -> anyhow::Result<Written> {
+    let (bytes, left_out) = match format {
+        Format::Bvh => motion(loaded)?,
+        _ => container(loaded, clips_changed)?,
+    };
+    Ok(Written {
+        files: vec![(out.to_owned(), bytes)],
+        left_out,
+    })
+}
+
+/// A BVH file of the first clip.
+fn motion(loaded: &Loaded) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
+    let rate_hz = loaded.character.clips.first().map_or(30.0, source_rate_hz);
+    let options = bvh::WriteOptions {
+        rate_hz,
+        end_sites: loaded.end_sites.clone(),
+        ..bvh::WriteOptions::default()
+    };
+    let bytes = bvh::write(&loaded.character, 0, &options)?;
+    let meshes = loaded.character.meshes.len();
+    let meshes = left((meshes, "mesh", "meshes"), "BVH holds joints and one clip");
+    Ok((bytes, meshes.into_iter().collect()))
+}
+
+/// The document as it was but for its clips, or a new one.
+fn container(loaded: &mut Loaded, clips_changed: bool) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
+    let Some(behind) = &mut loaded.behind else {
+        let bytes = Document::from_character(&loaded.character)?.write_glb()?;
+        let sites = loaded.end_sites.len();
+        let sites = left((sites, "end site", "end sites"), "GLB has no such thing");
+        return Ok((bytes, sites.into_iter().collect()));
+    };
+    if clips_changed {
+        let (joints, meshes) = (&behind.node_of_joint, &behind.node_of_mesh);
+        let clips = &loaded.character.clips;
+        behind.document.replace_clips(clips, joints, meshes)?;
+    }
+    Ok((behind.document.write_glb()?, Vec::new()))
+}
+
+fn left((count, one, many): (usize, &str, &str), why: &str) -> Option<String> {
+    (count > 0).then(|| format!("{} ({why})", counted(count, one, many)))
+}

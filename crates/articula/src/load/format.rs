@@ -1,0 +1,181 @@
+//! Which formats there are, how their files are called and how their bytes begin.
+//!
+//! **A new format is one variant, one row of [`ROWS`] and one loader beside this file.**
+
+use super::{Loader, bvh, document};
+use serde::Serialize;
+use std::path::Path;
+
+/// A format that is read or written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Format {
+    Glb,
+    Gltf,
+    Vrm,
+    Vrma,
+    Bvh,
+}
+
+/// What is known of one format.
+struct Row {
+    format: Format,
+    /// Name as reports spell it, which is also the extension of its files.
+    name: &'static str,
+    load: Loader,
+    /// Whether a character in memory can be written so; others are only written back.
+    writes: Writes,
+}
+
+/// What can be written in a format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Writes {
+    /// Any character.
+    Any,
+    /// Only what was read from the same format.
+    Back,
+    /// Nothing.
+    Never,
+}
+
+const ROWS: &[Row] = &[
+    Row {
+        format: Format::Glb,
+        name: "glb",
+        load: document::load,
+        writes: Writes::Any,
+    },
+    Row {
+        format: Format::Gltf,
+        name: "gltf",
+        load: document::load,
+        writes: Writes::Never,
+    },
+    Row {
+        format: Format::Vrm,
+        name: "vrm",
+        load: document::load,
+        writes: Writes::Back,
+    },
+    Row {
+        format: Format::Vrma,
+        name: "vrma",
+        load: document::load,
+        writes: Writes::Back,
+    },
+    Row {
+        format: Format::Bvh,
+        name: "bvh",
+        load: bvh::load,
+        writes: Writes::Any,
+    },
+];
+
+impl Format {
+    /// The format that a file name's extension says.
+    pub(crate) fn of_name(path: &Path) -> Option<Self> {
+        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
+        let row = ROWS.iter().find(|row| row.name == extension)?;
+        Some(row.format)
+    }
+
+    /// The format of the bytes; a container of glTF may be called by a more special name.
+    pub(super) fn of_bytes(bytes: &[u8], path: &Path) -> Option<Self> {
+        let named = Self::of_name(path);
+        let first = bytes.iter().position(|b| !b.is_ascii_whitespace());
+        let text = &bytes[first.unwrap_or(bytes.len())..];
+        // Some editors put a byte order mark before text.
+        let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+        let gltf = |usual| match named {
+            Some(Self::Vrm | Self::Vrma) => named,
+            _ => Some(usual),
+        };
+        if bytes.starts_with(b"glTF") {
+            gltf(Self::Glb)
+        } else if text.starts_with(b"{") {
+            gltf(Self::Gltf)
+        } else if text.starts_with(b"HIERARCHY") {
+            Some(Self::Bvh)
+        } else {
+            // The reader of that format can say best what is wrong with it.
+            named
+        }
+    }
+
+    /// Name as reports spell it.
+    pub(crate) fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    /// What can be written in it.
+    pub(crate) fn writes(self) -> Writes {
+        self.row().writes
+    }
+
+    pub(super) fn loader(self) -> Loader {
+        self.row().load
+    }
+
+    fn row(self) -> &'static Row {
+        ROWS.iter()
+            .find(|row| row.format == self)
+            .unwrap_or(&ROWS[0])
+    }
+}
+
+/// The extensions of the files that are read, as a sentence lists them.
+pub(crate) fn readable() -> String {
+    listed(ROWS.iter().map(|row| format!(".{}", row.name)))
+}
+
+/// What is converted into what, as a sentence.
+pub(crate) fn conversions() -> String {
+    let named = |writes| {
+        let rows = ROWS.iter().filter(move |row| row.writes == writes);
+        rows.map(|row| row.name.to_owned())
+    };
+    let back = named(Writes::Back).map(|name| format!("{name} to {name}"));
+    format!(
+        "{} to {}; {}",
+        listed(ROWS.iter().map(|row| row.name.to_owned())),
+        listed(named(Writes::Any)),
+        back.collect::<Vec<_>>().join("; ")
+    )
+}
+
+fn listed(names: impl Iterator<Item = String>) -> String {
+    let mut names: Vec<String> = names.collect();
+    let last = names.pop().unwrap_or_default();
+    if names.is_empty() {
+        return last;
+    }
+    format!("{} or {last}", names.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_decide_and_names_refine() {
+        let of = |bytes: &[u8], name: &str| Format::of_bytes(bytes, Path::new(name));
+        assert_eq!(of(b"glTF....", "a.bvh"), Some(Format::Glb));
+        assert_eq!(of(b"glTF....", "a.VRM"), Some(Format::Vrm));
+        assert_eq!(of(b" \n{\"asset\"", "a"), Some(Format::Gltf));
+        assert_eq!(of(b"\xef\xbb\xbfHIERARCHY", "a.txt"), Some(Format::Bvh));
+        assert_eq!(of(b"", "a.bvh"), Some(Format::Bvh));
+        assert_eq!(of(b"\x89PNG", "a.png"), None);
+    }
+
+    #[test]
+    fn every_format_has_one_row() {
+        for row in ROWS {
+            assert_eq!(row.format.name(), row.name);
+            let file = format!("a.{}", row.name.to_uppercase());
+            assert_eq!(Format::of_name(Path::new(&file)), Some(row.format));
+        }
+        assert!(conversions().starts_with("glb, gltf"));
+        assert!(conversions().ends_with("vrma to vrma"));
+        assert!(readable().contains(".vrma"));
+    }
+}

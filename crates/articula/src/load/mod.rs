@@ -1,0 +1,156 @@
+//! From a file's name to a character: the format is told by the bytes, then by the name.
+
+mod bvh;
+mod document;
+mod format;
+
+pub(crate) use document::Behind;
+pub(crate) use format::{Format, Writes, conversions, readable};
+
+use crate::arguments::ReadArgs;
+use crate::{fault, files};
+use anyhow::{Context, bail};
+use articula_core::source::Character;
+use articula_formats::profile::{self, Mapping, Profile};
+use articula_formats::{Limits, Warning};
+use std::path::{Path, PathBuf};
+
+/// A file as it was read.
+#[derive(Debug)]
+pub(crate) struct Loaded {
+    pub(crate) path: PathBuf,
+    pub(crate) format: Format,
+    /// Length of the file itself.
+    pub(crate) bytes: usize,
+    pub(crate) character: Character,
+    /// What the joints are, by the file's own map or by their names.
+    pub(crate) mapping: Mapping,
+    /// What stands behind a glTF file, to be passed through; `None` for other formats.
+    pub(crate) behind: Option<Behind>,
+    /// Joint and offset of each end site of a BVH file.
+    pub(crate) end_sites: Vec<(usize, glam::Vec3)>,
+    pub(crate) warnings: Vec<Warning>,
+}
+
+impl Loaded {
+    /// What the reader found odd, each with its place.
+    pub(crate) fn warnings(&self) -> Vec<String> {
+        let warnings = self.warnings.iter();
+        warnings.map(|w| format!("{}: {}", w.at, w.what)).collect()
+    }
+
+    /// Puts the file's name in front of an error about its content.
+    pub(crate) fn place(&self) -> String {
+        files::shown(&self.path)
+    }
+}
+
+/// What a loader is given.
+struct Source<'a> {
+    path: &'a Path,
+    format: Format,
+    bytes: &'a [u8],
+    args: &'a ReadArgs,
+    limits: Limits,
+    profiles: &'a [Profile],
+}
+
+/// Turns the bytes of one format into a character; the caller names the file in errors.
+type Loader = fn(&Source<'_>) -> anyhow::Result<Loaded>;
+
+impl Source<'_> {
+    /// A character as read; `given` is the map to VRM human bones that the file brings itself.
+    fn loaded(
+        &self,
+        character: Character,
+        warnings: Vec<Warning>,
+        given: Option<&[(usize, String)]>,
+    ) -> Loaded {
+        Loaded {
+            path: self.path.to_owned(),
+            format: self.format,
+            bytes: self.bytes.len(),
+            mapping: profile::map(&character.skeleton, self.profiles, given),
+            character,
+            behind: None,
+            end_sites: Vec::new(),
+            warnings,
+        }
+    }
+}
+
+/// Reads a character; profiles of the user are asked before the built-in ones.
+pub(crate) fn character(path: &Path, args: &ReadArgs) -> anyhow::Result<Loaded> {
+    let limits = Limits::default();
+    let profiles = profiles(&args.profile, &limits)?;
+    let bytes = files::read(path, limits.bytes)?;
+    let place = || files::shown(path);
+    let Some(format) = Format::of_bytes(&bytes, path) else {
+        bail!(
+            "{}: the start of the file: not a format that is read; give a {} file",
+            place(),
+            readable()
+        );
+    };
+    let source = Source {
+        path,
+        format,
+        bytes: &bytes,
+        args,
+        limits,
+        profiles: &profiles,
+    };
+    format.loader()(&source).with_context(place)
+}
+
+fn profiles(own: &[PathBuf], limits: &Limits) -> anyhow::Result<Vec<Profile>> {
+    let mut all = Vec::new();
+    for path in own {
+        let bytes = files::read(path, limits.bytes)?;
+        all.push(profile::parse(&bytes, limits).with_context(|| files::shown(path))?);
+    }
+    all.extend_from_slice(profile::builtin());
+    Ok(all)
+}
+
+/// Finds a name among others, or says which there are.
+pub(crate) fn choose<'a>(
+    what: &str,
+    wanted: &str,
+    names: impl Iterator<Item = &'a str> + Clone,
+) -> anyhow::Result<usize> {
+    if let Some(found) = names.clone().position(|n| n == wanted) {
+        return Ok(found);
+    }
+    let mut known: Vec<String> = names.map(|n| format!("\"{n}\"")).collect();
+    let count = known.len();
+    known.truncate(30);
+    if count > known.len() {
+        known.push(format!(
+            "and {} more (inspect lists them)",
+            count - known.len()
+        ));
+    }
+    let known = if count == 0 {
+        "it has none".to_owned()
+    } else {
+        format!("it has {}", known.join(", "))
+    };
+    Err(fault::usage(format!(
+        "no {what} is called \"{wanted}\"; {known}"
+    )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wrong_name_is_answered_with_the_right_ones() {
+        let names = ["walk", "run"];
+        assert_eq!(choose("clip", "run", names.into_iter()).unwrap(), 1);
+        let why = choose("clip", "fly", names.into_iter()).unwrap_err();
+        assert!(why.to_string().contains("it has \"walk\", \"run\""));
+        assert_eq!(fault::status(&why), 2);
+    }
+}
