@@ -13,11 +13,13 @@
 
 pub mod bvh;
 pub mod error;
+mod euler;
 pub mod gltf;
 pub mod limits;
 pub mod loa_profile;
 pub mod motion_table;
 pub mod profile;
+mod units;
 
 pub use error::{Read, ReadError, Warning};
 pub use limits::Limits;

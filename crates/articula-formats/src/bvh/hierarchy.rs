@@ -2,6 +2,7 @@
 
 use crate::error::{ReadError, Warning};
 use crate::limits::Limits;
+use crate::units::MAX_NUMBER;
 use glam::Vec3;
 
 /// Most channels of one joint: nothing sensible has more than position, rotation and scale.
@@ -77,9 +78,6 @@ pub(super) fn parse(text: &str, limits: &Limits) -> Result<(Hierarchy, Vec<Warni
 pub(super) fn at(line: usize) -> String {
     format!("line {line}")
 }
-
-/// Largest number that means something in any unit; sums and products of such stay finite.
-pub(super) const MAX_NUMBER: f32 = 1e9;
 
 /// A finite number of sensible size or an error that names the line.
 pub(super) fn number(line: usize, word: &str) -> Result<f32, ReadError> {

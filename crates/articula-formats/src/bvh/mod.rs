@@ -9,9 +9,8 @@
 mod hierarchy;
 mod motion;
 mod reader;
-mod units;
 mod writer;
 
+pub use crate::units::Up;
 pub use reader::{BvhFile, ReadOptions, read};
-pub use units::Up;
 pub use writer::{ChannelOrder, WriteError, WriteOptions, write};

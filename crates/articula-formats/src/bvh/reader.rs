@@ -2,15 +2,12 @@
 
 use super::hierarchy::{self, Channel, Hierarchy, RawJoint};
 use super::motion::{self, Motion};
-use super::units::{self, Up};
 use crate::error::{Read, ReadError, Warning};
 use crate::limits::Limits;
+use crate::units::{self, Up};
 use articula_core::math::{Transform, same_hemisphere};
 use articula_core::source::{self, Character, Clip, Interpolation, Joint, Property, Skeleton};
 use glam::{Quat, Vec3};
-
-/// Frames that are looked at to tell which way is up.
-const FRAMES_LOOKED_AT: usize = 32;
 
 /// What the file does not say.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -125,95 +122,40 @@ impl Raw {
         options: &ReadOptions,
         warnings: &mut Vec<Warning>,
     ) -> Result<Basis, ReadError> {
-        let z_up = |z: bool| if z { units::y_from_z() } else { Quat::IDENTITY };
-        let (figure, world) = match options.up {
-            Up::Y => (false, false),
-            Up::Z => (true, true),
-            Up::Auto => self.stands_along_z(),
-        };
-        if options.up == Up::Auto && world {
-            let which = if figure {
-                "the figure and its world"
-            } else {
-                "the world of the motion"
-            };
-            let what =
-                format!("+Z is up; {which} were turned to +Y; give the up axis if that is wrong");
-            warnings.push(Warning::new("file", what));
-        }
-        let scale = match options.scale_to_metres {
-            Some(scale) if scale > 0.0 && scale <= hierarchy::MAX_NUMBER => scale,
-            Some(scale) => {
-                let what = format!("a scale of {scale} m was asked for; more than 0 expected");
-                return Err(ReadError::malformed("options", what));
-            }
-            None => {
-                let (scale, how) = units::scale(self.height(if figure { 2 } else { 1 }));
-                warnings.extend(how.map(|what| Warning::new("file", what)));
-                scale
-            }
-        };
-        Ok(Basis {
-            scale,
-            figure: z_up(figure),
-            world: z_up(world),
-        })
-    }
-
-    /// Of joints and end sites at rest, along an axis, in file units.
-    fn height(&self, axis: usize) -> f32 {
-        let joints = self.rest_positions();
-        let sites = &self.hierarchy.end_sites;
-        let ends = sites.iter().map(|(joint, offset)| joints[*joint] + *offset);
-        let heights = joints.iter().copied().chain(ends).map(|p| p[axis]);
-        let (low, high) = heights.fold((f32::MAX, f32::MIN), |(l, h), v| (l.min(v), h.max(v)));
-        high - low
-    }
-
-    /// Whether the rest figure, and whether the motion, has +Z up.
-    fn stands_along_z(&self) -> (bool, bool) {
-        let joints = &self.hierarchy.joints;
-        let is_head = |j: &RawJoint| j.name.to_ascii_lowercase().contains("head");
-        let Some(head) = joints.iter().position(is_head) else {
-            return (false, false);
-        };
-        let mut chain = vec![head];
-        while let Some(parent) = joints[chain[chain.len() - 1]].parent {
-            chain.push(parent);
-        }
-        let root = chain[chain.len() - 1];
         let rest = self.rest_positions();
-        if units::points_along_z(rest[head] - rest[root]) {
-            return (true, true);
-        }
-        let turns = |c: &Channel| matches!(c, Channel::Rotation(_));
-        if self.motion.frames == 0 || !joints[root].channels.iter().any(turns) {
-            return (false, false);
-        }
-        let lowest = rest.iter().map(|p| p.y).fold(f32::MAX, f32::min);
-        let (head_from_root, place) = self.mean_stand(&chain);
-        let stands = units::motion_stands_along_z(head_from_root, place, rest[root].y - lowest);
-        (false, stands)
-    }
-
-    /// Mean way from root to head, and mean place of the root; `chain` leads from head to root.
-    fn mean_stand(&self, chain: &[usize]) -> (Vec3, Vec3) {
-        let step = self.motion.frames.div_ceil(FRAMES_LOOKED_AT);
-        let looked_at = (0..self.motion.frames).step_by(step);
-        let share = 1.0 / looked_at.len() as f32;
-        let mut head_from_root = Vec3::ZERO;
-        let mut place = Vec3::ZERO;
-        for frame in looked_at {
+        let joints = &self.hierarchy.joints;
+        let chain_at = |frame: usize, chain: &[usize]| {
             let (mut point, mut root) = (Vec3::ZERO, Vec3::ZERO);
             for &joint in chain {
                 let (position, rotation) = self.local(frame, joint);
                 point = position + rotation * point;
                 root = position;
             }
-            head_from_root += (point - root) * share;
-            place += root * share;
-        }
-        (head_from_root, place)
+            (point, root)
+        };
+        let turns = |c: &Channel| matches!(c, Channel::Rotation(_));
+        let turns = |j: &RawJoint| j.parent.is_none() && j.channels.iter().any(turns);
+        let motion = joints.iter().any(turns).then_some(units::Motion {
+            frames: self.motion.frames,
+            head_and_root: &chain_at,
+        });
+        let figure = units::Figure {
+            names: joints.iter().map(|j| j.name.as_str()).collect(),
+            parents: joints.iter().map(|j| j.parent).collect(),
+            places: rest,
+        };
+        let (figure_z, world_z) = figure.has_z_up(options.up, motion, warnings);
+        let sites = self.hierarchy.end_sites.iter();
+        let ends = sites.map(|(joint, offset)| figure.places[*joint] + *offset);
+        let points = figure.places.iter().copied().chain(ends);
+        let guess = || units::scale(units::extent(points, if figure_z { 2 } else { 1 }));
+        let scale = units::scale_to_metres(options.scale_to_metres, guess, warnings)?;
+        let z_up = |z: bool| if z { units::y_from_z() } else { Quat::IDENTITY };
+        Ok(Basis {
+            scale,
+            figure: z_up(figure_z),
+            world: z_up(world_z),
+        })
     }
 
     fn file(&self, basis: &Basis) -> BvhFile {

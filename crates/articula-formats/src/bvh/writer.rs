@@ -5,6 +5,7 @@
 //! are those of the source at every frame, while the joints' own axes are those of the model.
 //! A joint whose position moves against its parent gets position channels of its own.
 
+use crate::euler;
 use articula_core::pose::LocalPose;
 use articula_core::source::{Character, Clip, Skeleton, evaluate};
 use glam::{Affine3A, EulerRot, Quat, Vec3};
@@ -285,7 +286,8 @@ impl<'a> Figure<'a> {
                 if self.moves[slot] {
                     values.push(self.triple(*position));
                 }
-                let degrees = near(euler_degrees(*rotation, self.options.order), last[slot]);
+                let degrees = euler::degrees(*rotation, factors(self.options.order));
+                let degrees = euler::near(degrees, last[slot]);
                 last[slot] = degrees;
                 values.push(triple(degrees));
             }
@@ -345,23 +347,15 @@ fn rotation_names(order: ChannelOrder) -> &'static str {
     }
 }
 
-fn euler_degrees(rotation: Quat, order: ChannelOrder) -> [f32; 3] {
-    let order = match order {
+fn factors(order: ChannelOrder) -> EulerRot {
+    match order {
         ChannelOrder::Xyz => EulerRot::XYZ,
         ChannelOrder::Xzy => EulerRot::XZY,
         ChannelOrder::Yxz => EulerRot::YXZ,
         ChannelOrder::Yzx => EulerRot::YZX,
         ChannelOrder::Zxy => EulerRot::ZXY,
         ChannelOrder::Zyx => EulerRot::ZYX,
-    };
-    let (a, b, c) = rotation.to_euler(order);
-    [a, b, c].map(f32::to_degrees)
-}
-
-/// The same angles, each within half a turn of the frame before, so that readers which blend
-/// angles do not spin.
-fn near(degrees: [f32; 3], last: [f32; 3]) -> [f32; 3] {
-    std::array::from_fn(|i| degrees[i] + 360.0 * ((last[i] - degrees[i]) / 360.0).round())
+    }
 }
 
 fn triple(values: [f32; 3]) -> String {
