@@ -18,8 +18,10 @@ pub mod gltf;
 pub mod limits;
 pub mod loa_profile;
 pub mod motion_table;
+mod notes;
 pub mod profile;
 mod units;
+mod uri;
 
 pub use error::{Read, ReadError, Warning};
 pub use limits::Limits;

@@ -6,10 +6,10 @@ use super::container;
 use super::extension;
 use super::place::Place;
 use super::reader::Notes;
-use super::uri;
 use crate::Resolver;
 use crate::error::ReadError;
 use crate::limits::Limits;
+use crate::uri;
 use serde_json::Value;
 
 /// A glTF 2.0 document with everything that it refers to.

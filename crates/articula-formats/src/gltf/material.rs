@@ -6,6 +6,7 @@ use super::place::Place;
 use super::reader::Reader;
 use crate::error::ReadError;
 use crate::limits::Limits;
+use crate::uri::mime_type;
 use articula_core::source::{Image, Material};
 use glam::Vec4;
 
@@ -115,14 +116,4 @@ fn read_images(reader: &mut Reader<'_>) -> Result<Vec<Image>, ReadError> {
         });
     }
     Ok(images)
-}
-
-/// The media type that the bytes show, else the declared one.
-pub(super) fn mime_type(declared: &str, bytes: &[u8]) -> String {
-    let seen = match bytes {
-        [0x89, b'P', b'N', b'G', ..] => "image/png",
-        [0xFF, 0xD8, 0xFF, ..] => "image/jpeg",
-        _ => declared,
-    };
-    seen.to_owned()
 }

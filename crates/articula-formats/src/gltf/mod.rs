@@ -4,7 +4,7 @@
 //! What we do not understand stays in the document untouched, and is there again when it is
 //! written. In the order of the line:
 //!
-//! - `container`, `uri`, `document`: from bytes to JSON, buffers and pictures
+//! - `container`, `document`: from bytes to JSON, buffers and pictures
 //! - `place`, `reader`, `accessor`: values that know their path, limits, arrays
 //! - `extension`: which required extensions are read
 //! - `node`, `skeleton`, `skin`: from nodes to joints
@@ -37,7 +37,6 @@ mod prune;
 mod reader;
 mod skeleton;
 mod skin;
-mod uri;
 mod write;
 
 pub use document::Document;

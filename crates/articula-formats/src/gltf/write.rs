@@ -4,7 +4,7 @@
 
 use super::append::{entries_mut, index, object, push, set};
 use super::document::Document;
-use super::material::mime_type;
+use crate::uri::mime_type;
 use serde_json::{Value, json};
 use thiserror::Error;
 

@@ -1,4 +1,4 @@
-//! URIs inside glTF: data URIs decoded, relative ones freed of percent-encoding.
+//! URIs of what lies beside a file or inside it: data URIs decoded, relative ones freed of percent-encoding.
 //!
 //! Source: RFC 2397 (data URIs), RFC 3986 2.1 (percent-encoding).
 
@@ -17,7 +17,7 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 );
 
 /// The media type and bytes of a data URI; `None` if the URI is of another scheme.
-pub(super) fn decode_data_uri(
+pub(crate) fn decode_data_uri(
     uri: &str,
     at: &str,
     limits: &Limits,
@@ -50,8 +50,18 @@ pub(super) fn decode_data_uri(
 }
 
 /// A relative URI as the file name that it stands for.
-pub(super) fn file_name(uri: &str) -> String {
+pub(crate) fn file_name(uri: &str) -> String {
     String::from_utf8(percent_decoded(uri)).unwrap_or_else(|_| uri.to_owned())
+}
+
+/// The media type that the bytes show, else the declared one.
+pub(crate) fn mime_type(declared: &str, bytes: &[u8]) -> String {
+    let seen = match bytes {
+        [0x89, b'P', b'N', b'G', ..] => "image/png",
+        [0xFF, 0xD8, 0xFF, ..] => "image/jpeg",
+        _ => declared,
+    };
+    seen.to_owned()
 }
 
 fn strip_scheme(uri: &str) -> Option<&str> {
