@@ -1,6 +1,7 @@
 //! The recipe: a source character becomes the read-only nouns of the frame.
 
 use crate::clip::{ClipOptions, MOST_NUMBERS, resample};
+use crate::expression::bake;
 use articula_core::Mismatch;
 use articula_core::articulation::Articulation;
 use articula_core::clip::Clip;
@@ -19,7 +20,8 @@ pub struct Asset {
     pub clips: Vec<Clip>,
 }
 
-/// Builds rig, mesh and clips. The articulation is the one given (a name map's), or else the
+/// Builds rig, mesh and clips; clips that drive expressions become clips of morph weights and
+/// joints. The articulation is the one given (a name map's), or else the
 /// one that the source stores.
 ///
 /// # Errors
@@ -44,7 +46,8 @@ pub fn character(
     let mut clips = Vec::with_capacity(source.clips.len());
     let mut numbers = 0usize;
     for c in &source.clips {
-        let clip = resample(c, &source.skeleton, &mesh.morph_slots, &counts, opts)?;
+        let c = bake(source, c)?;
+        let clip = resample(&c, &source.skeleton, &mesh.morph_slots, &counts, opts)?;
         numbers += numbers_of(&clip);
         if numbers > MOST_NUMBERS {
             let what = format!("all clips together hold more than {MOST_NUMBERS} numbers");

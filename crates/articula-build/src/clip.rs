@@ -62,7 +62,8 @@ pub fn source_rate_hz(clip: &source::Clip) -> f32 {
 ///
 /// # Errors
 /// A [`Mismatch`] if a channel names a joint or mesh that is not there, has no key or fewer
-/// values than its keys need, or the clip would have more than a million frames or more numbers
+/// values than its keys need, or drives an expression ([`bake`](crate::expression::bake) writes
+/// those out), or the clip would have more than a million frames or more numbers
 /// than memory should hold.
 ///
 /// # Panics
@@ -152,6 +153,7 @@ fn steps_at(
 fn check(channel: &Channel, joints: usize, morph_counts: &[usize]) -> Result<(), String> {
     let (kind, targets) = match channel.property {
         Property::Weights => ("mesh", morph_counts.len()),
+        Property::Expression => return Err("it drives an expression, bake the clip first".into()),
         _ => ("joint", joints),
     };
     if channel.target >= targets {
@@ -176,6 +178,7 @@ fn width(channel: &Channel, morph_counts: &[usize]) -> usize {
         Property::Rotation => 4,
         Property::Translation | Property::Scale => 3,
         Property::Weights => morph_counts[channel.target],
+        Property::Expression => 1,
     }
 }
 
@@ -217,7 +220,7 @@ fn joint_track(channel: &Channel, joint: &source::Joint, times: &[f32], tracks: 
         Property::Translation => tracks.translations.extend(vectors(joint.rest.translation)),
         Property::Scale => tracks.scales.extend(vectors(joint.rest.scale)),
         Property::Rotation => tracks.rotations.extend(rotations(channel, joint, times)),
-        Property::Weights => {}
+        Property::Weights | Property::Expression => {}
     }
 }
 
@@ -290,7 +293,7 @@ fn curves(clip: &source::Clip, rate: f32) -> bool {
     let frames = (clip.duration_secs * rate).ceil().clamp(0.0, 1e5) as usize;
     clip.channels
         .iter()
-        .filter(|c| c.interpolation != Interpolation::Step && c.property != Property::Weights)
+        .filter(|c| c.interpolation != Interpolation::Step && c.property.is_of_joint())
         .any(|c| (0..frames).any(|i| leaves_chord(c, i as f32 / rate, (i + 1) as f32 / rate)))
 }
 

@@ -2,6 +2,7 @@
 //!
 //! - [`character`]: the recipe, from a source character to rig, mesh and clips
 //! - [`clip`]: keyed channels to a uniform rate
+//! - [`expression`]: expressions written out as morph weights and joint transforms
 //! - [`human`]: the procedural reference human
 //! - [`motion_error`]: levers, error matrices, key tables for every metric
 //! - [`reduce`]: a motion saved at a level of articulation
@@ -12,6 +13,7 @@
 pub mod character;
 pub mod clip;
 pub mod evaluate;
+pub mod expression;
 pub mod human;
 pub mod motion_error;
 pub mod reduce;

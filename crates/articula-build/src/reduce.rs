@@ -25,12 +25,12 @@ pub struct MotionSize {
     pub bytes: usize,
 }
 
-/// Measures a clip; morph weights are left out.
+/// Measures a clip; morph weights and expressions are left out.
 pub fn motion_size(clip: &Clip) -> MotionSize {
     let channels: Vec<&Channel> = clip
         .channels
         .iter()
-        .filter(|c| c.property != Property::Weights)
+        .filter(|c| c.property.is_of_joint())
         .collect();
     let moving: JointSet = channels
         .iter()
@@ -51,7 +51,7 @@ pub fn motion_size(clip: &Clip) -> MotionSize {
 }
 
 /// The clip with only the joints of `active` moving; the others show what the policy says.
-/// Morph weights are kept.
+/// Morph weights and expressions are kept.
 ///
 /// `HoldLast` holds the first frame, since nothing came before it.
 pub fn reduce(rig: &Rig, clip: &Clip, active: &JointSet, policy: PassivePolicy) -> Clip {
@@ -59,7 +59,7 @@ pub fn reduce(rig: &Rig, clip: &Clip, active: &JointSet, policy: PassivePolicy) 
         .channels
         .iter()
         .filter_map(|c| {
-            if c.property == Property::Weights || active.contains(c.target) {
+            if !c.property.is_of_joint() || active.contains(c.target) {
                 return Some(c.clone());
             }
             match c.property {

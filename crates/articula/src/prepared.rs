@@ -57,8 +57,8 @@ pub(crate) fn articulation_of(loaded: &Loaded) -> articula_core::articulation::A
     stored.unwrap_or_else(|| loaded.mapping.articulation.clone())
 }
 
-/// Keeps the meshes named in `only` (all if empty) that are not named in `hide`; channels that
-/// drive a mesh follow it.
+/// Keeps the meshes named in `only` (all if empty) that are not named in `hide`; channels and
+/// expressions that drive a mesh follow it.
 fn choose_meshes(
     character: &mut Character,
     only: &[String],
@@ -76,6 +76,13 @@ fn choose_meshes(
         next += usize::from(kept(&mesh.name));
     }
     character.meshes.retain(|m| kept(&m.name));
+    for expression in &mut character.expressions {
+        expression.morphs.retain_mut(|morph| {
+            let index = new_index.get(morph.mesh).copied().flatten();
+            morph.mesh = index.unwrap_or(morph.mesh);
+            index.is_some()
+        });
+    }
     for clip in &mut character.clips {
         clip.channels.retain_mut(|channel| {
             if channel.property != Property::Weights {
@@ -92,7 +99,7 @@ fn choose_meshes(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::source::{Channel, Clip, Interpolation, Mesh};
+    use articula_core::source::{Channel, Clip, Expression, Interpolation, Mesh, MorphBinding};
 
     fn three_meshes() -> Character {
         let channel = |target| Channel {
@@ -101,6 +108,11 @@ mod tests {
             interpolation: Interpolation::Linear,
             times_secs: vec![0.0],
             values: vec![0.0],
+        };
+        let morph = |mesh| MorphBinding {
+            mesh,
+            target: 0,
+            weight: 1.0,
         };
         let mesh = |name: &str| Mesh {
             name: name.into(),
@@ -111,6 +123,10 @@ mod tests {
             clips: vec![Clip {
                 channels: vec![channel(0), channel(1), channel(2)],
                 ..Clip::default()
+            }],
+            expressions: vec![Expression {
+                morphs: vec![morph(1), morph(2)],
+                ..Expression::default()
             }],
             ..Character::default()
         }
@@ -124,6 +140,8 @@ mod tests {
         assert_eq!(names, ["body", "hat"]);
         let targets: Vec<_> = c.clips[0].channels.iter().map(|c| c.target).collect();
         assert_eq!(targets, [0, 1]);
+        let driven: Vec<_> = c.expressions[0].morphs.iter().map(|m| m.mesh).collect();
+        assert_eq!(driven, [1]);
     }
 
     #[test]

@@ -79,7 +79,7 @@ pub fn human(options: &HumanOptions) -> Result<Character, HumanError> {
         meshes: meshes(&body, &pieces),
         clips: vec![gestures::idle(), gait::walk(), gestures::wave()],
         materials: materials(),
-        images: Vec::new(),
+        ..Character::default()
     })
 }
 

@@ -1,6 +1,6 @@
 //! A whole character as a file describes it.
 
-use super::{Clip, Mesh, Skeleton};
+use super::{Clip, Credits, Expression, Mesh, Skeleton};
 use crate::articulation::Articulation;
 use glam::Vec4;
 
@@ -55,6 +55,10 @@ pub struct Character {
     pub meshes: Vec<Mesh>,
     /// Motions, in the order of the file.
     pub clips: Vec<Clip>,
+    /// Named expressions that clips may drive.
+    pub expressions: Vec<Expression>,
+    /// Origin and licence, if the file says anything of them.
+    pub credits: Option<Credits>,
     /// Materials that primitives name.
     pub materials: Vec<Material>,
     /// Pictures that materials name.

@@ -11,6 +11,16 @@ pub enum Property {
     Scale,
     /// Morph weights of a mesh; one float for each of its morph targets a key.
     Weights,
+    /// Value of an expression of the character, from 0 (off) to 1 (full); one float a key.
+    /// Values beyond are clamped when it is applied.
+    Expression,
+}
+
+impl Property {
+    /// Whether a channel's target is a joint.
+    pub fn is_of_joint(self) -> bool {
+        matches!(self, Self::Translation | Self::Rotation | Self::Scale)
+    }
 }
 
 /// How a channel runs between its keys (the three modes of glTF 2.0).
@@ -28,7 +38,8 @@ pub enum Interpolation {
 /// One property of one target over time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Channel {
-    /// Joint index, or mesh index where `property` is [`Property::Weights`].
+    /// Joint index; mesh index where `property` is [`Property::Weights`], index into the
+    /// expressions where it is [`Property::Expression`].
     pub target: usize,
     /// Which property the keys drive.
     pub property: Property,

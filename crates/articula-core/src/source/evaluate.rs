@@ -87,7 +87,7 @@ pub fn pose(clip: &Clip, skeleton: &Skeleton, time_secs: f32, out: &mut LocalPos
                 channel(c, time_secs, &mut value);
                 out.rotations[c.target] = Quat::from_array(value);
             }
-            Property::Weights => {}
+            Property::Weights | Property::Expression => {}
         }
     }
 }

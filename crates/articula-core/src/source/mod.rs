@@ -5,11 +5,15 @@
 
 mod character;
 mod clip;
+mod credits;
 pub mod evaluate;
+mod expression;
 mod mesh;
 mod skeleton;
 
 pub use character::{Character, Image, Material};
 pub use clip::{Channel, Clip, Interpolation, Property};
+pub use credits::Credits;
+pub use expression::{Expression, JointBinding, Mask, MaskKind, MorphBinding};
 pub use mesh::{Mesh, MorphTarget, Primitive, Skin};
 pub use skeleton::{Joint, Skeleton};

@@ -203,7 +203,7 @@ fn read_values(
     let (kind, width) = match target.property {
         Property::Translation | Property::Scale => ("VEC3", 3),
         Property::Rotation => ("VEC4", 4),
-        Property::Weights => ("SCALAR", 1),
+        Property::Weights | Property::Expression => ("SCALAR", 1),
     };
     accessor.expect_type(&[kind])?;
     accessor.expect_count(floats / width, "values belong to the key times")?;

@@ -16,8 +16,8 @@ impl Document {
     /// [`GltfFile`](super::GltfFile). Arrays and bytes that only the old animations used are
     /// dropped, unless the document has extensions that might refer to them. A clip keeps the
     /// extras and unknown extensions of the old animation with its name; motion tables
-    /// describe old keys and go. Channels without keys, and clips without channels, which
-    /// glTF cannot express, are left out.
+    /// describe old keys and go. Channels without keys, channels that drive expressions, and
+    /// clips without channels, which glTF cannot express, are left out.
     ///
     /// # Errors
     /// [`WriteError::Mismatch`] if a channel drives a joint or mesh without node, or has
@@ -34,12 +34,15 @@ impl Document {
             count: self.count("nodes"),
         };
         for (i, channel) in clips.iter().flat_map(|clip| &clip.channels).enumerate() {
-            nodes.check(i, channel)?;
+            if channel.property != Property::Expression {
+                nodes.check(i, channel)?;
+            }
         }
         let mut old = self.take_animations();
         for clip in clips {
-            let channels = clip.channels.iter().filter(|c| !c.times_secs.is_empty());
-            let channels: Vec<_> = channels.collect();
+            let fits =
+                |c: &&Channel| !c.times_secs.is_empty() && c.property != Property::Expression;
+            let channels: Vec<_> = clip.channels.iter().filter(fits).collect();
             if channels.is_empty() {
                 continue;
             }
@@ -159,7 +162,7 @@ fn element_width(property: Property) -> usize {
     match property {
         Property::Translation | Property::Scale => 3,
         Property::Rotation => 4,
-        Property::Weights => 1,
+        Property::Weights | Property::Expression => 1,
     }
 }
 
@@ -176,7 +179,7 @@ fn path(property: Property) -> &'static str {
         Property::Translation => "translation",
         Property::Rotation => "rotation",
         Property::Scale => "scale",
-        Property::Weights => "weights",
+        Property::Weights | Property::Expression => "weights",
     }
 }
 

@@ -113,6 +113,7 @@ pub fn read(
         clips,
         materials: look.materials,
         images: look.images,
+        ..Character::default()
     };
     let warnings = reader.notes.into_list();
     let value = GltfFile {

@@ -4,7 +4,7 @@ use articula_build::reduce::{MotionSize, motion_size, reduce};
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::JointSet;
 use articula_core::rig::Rig;
-use articula_core::source::{Clip, Property};
+use articula_core::source::Clip;
 use serde::Serialize;
 use std::ops::AddAssign;
 
@@ -66,7 +66,7 @@ impl Saving {
 
 fn animated(clips: &[Clip]) -> usize {
     let channels = clips.iter().flat_map(|c| &c.channels);
-    let moving = channels.filter(|c| c.property != Property::Weights && c.times_secs.len() > 1);
+    let moving = channels.filter(|c| c.property.is_of_joint() && c.times_secs.len() > 1);
     moving.map(|c| c.target).collect::<JointSet>().len()
 }
 

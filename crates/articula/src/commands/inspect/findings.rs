@@ -237,7 +237,7 @@ fn clip_of(
     moving.extend(moving_targets(built.scales()));
     let joint_channels = || {
         let channels = source.channels.iter();
-        channels.filter(|c| c.property != source::Property::Weights)
+        channels.filter(|c| c.property.is_of_joint())
     };
     let keyed: BTreeSet<usize> = joint_channels().map(|c| c.target).collect();
     let fps = source_rate_hz(source);
