@@ -20,8 +20,10 @@ pub mod loa_profile;
 pub mod motion_table;
 mod notes;
 pub mod profile;
+mod sampled;
 mod units;
 mod uri;
+mod words;
 
 pub use error::{Read, ReadError, Warning};
 pub use limits::Limits;

@@ -2,7 +2,7 @@
 
 use crate::error::{ReadError, Warning};
 use crate::limits::Limits;
-use crate::units::MAX_NUMBER;
+use crate::words::number;
 use glam::Vec3;
 
 /// Most channels of one joint: nothing sensible has more than position, rotation and scale.
@@ -77,19 +77,6 @@ pub(super) fn parse(text: &str, limits: &Limits) -> Result<(Hierarchy, Vec<Warni
 /// A place in the file, as error messages name it.
 pub(super) fn at(line: usize) -> String {
     format!("line {line}")
-}
-
-/// A finite number of sensible size or an error that names the line.
-pub(super) fn number(line: usize, word: &str) -> Result<f32, ReadError> {
-    word.parse::<f32>()
-        .ok()
-        .filter(|v| v.abs() <= MAX_NUMBER)
-        .ok_or_else(|| {
-            ReadError::malformed(
-                at(line),
-                format!("\"{word}\" found, a number up to {MAX_NUMBER:e} expected"),
-            )
-        })
 }
 
 impl Parser<'_> {
@@ -213,7 +200,7 @@ impl Parser<'_> {
         }
         let mut offset = [0.0; 3];
         for (value, word) in offset.iter_mut().zip(after) {
-            *value = number(line, word)?;
+            *value = number(at(line), word)?;
         }
         let offset = Vec3::from_array(offset);
         match self.open.last() {

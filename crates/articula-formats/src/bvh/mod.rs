@@ -11,6 +11,7 @@ mod motion;
 mod reader;
 mod writer;
 
+pub use crate::sampled::WriteError;
 pub use crate::units::Up;
 pub use reader::{BvhFile, ReadOptions, read};
-pub use writer::{ChannelOrder, WriteError, WriteOptions, write};
+pub use writer::{ChannelOrder, WriteOptions, write};

@@ -1,14 +1,9 @@
 //! The second half of a BVH file: frame count, frame time and one line of values a frame.
 
-use super::hierarchy::{at, number};
+use super::hierarchy::at;
 use crate::error::{ReadError, Warning};
 use crate::limits::Limits;
-
-/// Seconds a frame that a motion made by people can have.
-const FRAME_TIMES_SECS: std::ops::RangeInclusive<f32> = 1e-6..=1e4;
-
-/// Above this many frames neighbouring key times would be one and the same number.
-const MAX_FRAMES: u64 = 1 << 22;
+use crate::words::{MAX_FRAMES, frame_time, number, value_of};
 
 /// The values of a file.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -34,12 +29,12 @@ pub(super) fn parse(
         let (line, text) = lines.next().ok_or_else(|| {
             ReadError::malformed("end of file", format!("\"{keyword}:\" expected"))
         })?;
-        Ok((line, value_of(line, text, keyword)?.to_owned()))
+        Ok((line, value_of(at(line), text, keyword)?.to_owned()))
     };
     let (_, declared) = header("frames")?;
     let (time_line, time) = header("frame time")?;
     let mut motion = Motion {
-        frame_time_secs: frame_time(time_line, &time)?,
+        frame_time_secs: frame_time(at(time_line), &time)?,
         ..Motion::default()
     };
     for (line, text) in lines {
@@ -60,40 +55,14 @@ pub(super) fn parse(
     Ok((motion, warnings))
 }
 
-fn value_of<'a>(line: usize, text: &'a str, keyword: &str) -> Result<&'a str, ReadError> {
-    let mut rest = text;
-    for word in keyword.split(' ') {
-        let head = rest
-            .get(..word.len())
-            .filter(|h| h.eq_ignore_ascii_case(word));
-        if head.is_none() {
-            let what = format!("\"{}\" found, \"{keyword}:\" expected", shortened(text));
-            return Err(ReadError::malformed(at(line), what));
-        }
-        rest = rest[word.len()..].trim_start();
-    }
-    Ok(rest.trim_start_matches(':').trim())
-}
-
-fn shortened(text: &str) -> String {
-    text.chars().take(40).collect()
-}
-
-fn frame_time(line: usize, word: &str) -> Result<f32, ReadError> {
-    let secs = number(line, word)?;
-    if FRAME_TIMES_SECS.contains(&secs) {
-        return Ok(secs);
-    }
-    let what = format!("a frame time of {secs} s; more than 0 and at most 10000 s expected");
-    Err(ReadError::malformed(at(line), what))
-}
-
 fn frame(motion: &mut Motion, line: usize, text: &str, channels: usize) -> Result<(), ReadError> {
     let before = motion.values.len();
     for word in text.split_whitespace() {
         // A line may be as long as the file; no more is kept than one frame may hold.
         if motion.values.len() - before < channels {
-            motion.values.push(number(line, word)?);
+            motion
+                .values
+                .push(number(format_args!("line {line}"), word)?);
         }
     }
     let found = text.split_whitespace().count();

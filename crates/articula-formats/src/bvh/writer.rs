@@ -6,14 +6,10 @@
 //! A joint whose position moves against its parent gets position channels of its own.
 
 use crate::euler;
-use articula_core::pose::LocalPose;
-use articula_core::source::{Character, Clip, Skeleton, evaluate};
-use glam::{Affine3A, EulerRot, Quat, Vec3};
+use crate::sampled::{self, Place, WriteError};
+use articula_core::source::{Character, Clip, Skeleton};
+use glam::{EulerRot, Quat, Vec3};
 use std::fmt::Write as _;
-use thiserror::Error;
-
-/// Position channels are written if a position moves by more than this share of the figure.
-const STILL: f32 = 1e-5;
 
 /// The order in which the three rotations of a joint are written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -58,30 +54,6 @@ impl Default for WriteOptions {
     }
 }
 
-/// Why a file could not be written.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum WriteError {
-    /// There is no such clip.
-    #[error("clip {index} was asked for, the character has {count}")]
-    NoClip {
-        /// The index asked for.
-        index: usize,
-        /// Clips of the character.
-        count: usize,
-    },
-    /// There is no joint.
-    #[error("the character has no joint to write")]
-    NoJoint,
-    /// A number of the options is not positive.
-    #[error("{which} is {found}, a positive number is expected")]
-    NotPositive {
-        /// Which one.
-        which: &'static str,
-        /// What it is.
-        found: f32,
-    },
-}
-
 /// Writes a clip, sampled at a uniform rate; without a skin all joints are written, with one
 /// its joints and what stands above them.
 ///
@@ -92,21 +64,13 @@ pub fn write(
     clip: usize,
     options: &WriteOptions,
 ) -> Result<Vec<u8>, WriteError> {
-    let numbers = [
+    WriteError::check(&[
         ("rate_hz", options.rate_hz),
         ("units_per_metre", options.units_per_metre),
-    ];
-    for (which, found) in numbers {
-        if !(found.is_finite() && found > 0.0) {
-            return Err(WriteError::NotPositive { which, found });
-        }
-    }
-    let clip = character.clips.get(clip).ok_or(WriteError::NoClip {
-        index: clip,
-        count: character.clips.len(),
-    })?;
+    ])?;
+    let clip = WriteError::clip(character, clip)?;
     let skeleton = &character.skeleton;
-    let order = depth_first(skeleton);
+    let order = sampled::depth_first(skeleton);
     if order.is_empty() {
         return Err(WriteError::NoJoint);
     }
@@ -117,43 +81,16 @@ pub fn write(
     Ok(text.into_bytes())
 }
 
-/// Joints to write, each followed by its descendants.
-fn depth_first(skeleton: &Skeleton) -> Vec<usize> {
-    let joints = &skeleton.joints;
-    let any_skin = joints.iter().any(|j| j.in_skin);
-    let mut wanted: Vec<bool> = joints.iter().map(|j| j.in_skin || !any_skin).collect();
-    let mut children = vec![Vec::new(); joints.len()];
-    for (index, joint) in joints.iter().enumerate().rev() {
-        if let Some(parent) = joint.parent {
-            wanted[parent] |= wanted[index];
-            children[parent].push(index);
-        }
-    }
-    let mut open: Vec<usize> = (0..joints.len())
-        .rev()
-        .filter(|&j| joints[j].parent.is_none())
-        .collect();
-    let mut order = Vec::new();
-    while let Some(joint) = open.pop() {
-        if wanted[joint] {
-            order.push(joint);
-            open.extend(&children[joint]);
-        }
-    }
-    order
-}
-
 /// A joint's translation and rotation in BVH's terms, at one frame.
-type Place = (Vec3, Quat);
+type Channels = (Vec3, Quat);
 
 struct Figure<'a> {
     skeleton: &'a Skeleton,
     options: &'a WriteOptions,
     order: Vec<usize>,
-    /// Model-from-joint at rest.
-    rest: Vec<(Vec3, Quat)>,
+    rest: Vec<Place>,
     /// Frame by frame, one entry for each joint of `order`.
-    frames: Vec<Vec<Place>>,
+    frames: Vec<Vec<Channels>>,
     /// Whether a joint's position is written; one for each joint of `order`.
     moves: Vec<bool>,
 }
@@ -165,57 +102,41 @@ impl<'a> Figure<'a> {
         options: &'a WriteOptions,
         order: Vec<usize>,
     ) -> Self {
-        let rests = || skeleton.joints.iter().map(|j| j.rest);
-        let mut pose = LocalPose {
-            translations: rests().map(|r| r.translation).collect(),
-            rotations: rests().map(|r| r.rotation).collect(),
-            scales: rests().map(|r| r.scale).collect(),
-        };
         let mut figure = Self {
             skeleton,
             options,
-            rest: globals(skeleton, &pose),
+            rest: sampled::rest(skeleton),
             order,
             frames: Vec::new(),
             moves: Vec::new(),
         };
-        let count = (clip.duration_secs.max(0.0) * options.rate_hz).round() as usize + 1;
-        for frame in 0..count {
-            let time_secs = (frame as f64 / f64::from(options.rate_hz)) as f32;
-            evaluate::pose(clip, skeleton, time_secs, &mut pose);
-            figure.frames.push(figure.places(&globals(skeleton, &pose)));
-        }
+        sampled::each_frame(skeleton, clip, options.rate_hz, |places| {
+            figure.frames.push(figure.channels(places));
+        });
         figure.moves = figure.moving();
         figure
     }
 
     /// Rotations relative to rest, positions in the parent's turned space.
-    fn places(&self, globals: &[(Vec3, Quat)]) -> Vec<Place> {
-        let turn = |joint: usize| globals[joint].1 * self.rest[joint].1.inverse();
+    fn channels(&self, places: &[Place]) -> Vec<Channels> {
+        let turn = |joint: usize| places[joint].rotation * self.rest[joint].rotation.inverse();
         let place = |&joint: &usize| match self.skeleton.joints[joint].parent {
-            None => (globals[joint].0, turn(joint)),
+            None => (places[joint].position, turn(joint)),
             Some(parent) => {
                 let back = turn(parent).inverse();
-                let way = globals[joint].0 - globals[parent].0;
-                (back * way, (back * turn(joint)).normalize())
+                let position = back * places[joint].from_parent;
+                (position, (back * turn(joint)).normalize())
             }
         };
         self.order.iter().map(place).collect()
     }
 
-    /// Offset from the parent at rest, in the orientation of model space.
-    fn offset(&self, joint: usize) -> Vec3 {
-        let parent = self.skeleton.joints[joint].parent;
-        self.rest[joint].0 - parent.map_or(Vec3::ZERO, |p| self.rest[p].0)
-    }
-
     fn moving(&self) -> Vec<bool> {
-        let positions = self.order.iter().map(|&j| self.rest[j].0);
-        let (low, high) = positions.fold((Vec3::MAX, Vec3::MIN), |(l, h), p| (l.min(p), h.max(p)));
-        let still = STILL * (high - low).max_element();
+        let positions = self.order.iter().map(|&j| self.rest[j].position);
+        let still = sampled::still_metres(positions);
         let moves = |(slot, &joint): (usize, &usize)| {
-            let offset = self.offset(joint);
-            let away = |frame: &Vec<Place>| frame[slot].0.distance(offset) > still;
+            let offset = self.rest[joint].from_parent;
+            let away = |frame: &Vec<Channels>| frame[slot].0.distance(offset) > still;
             self.skeleton.joints[joint].parent.is_none() || self.frames.iter().any(away)
         };
         self.order.iter().enumerate().map(moves).collect()
@@ -236,7 +157,7 @@ impl<'a> Figure<'a> {
             line(
                 text,
                 depth + 1,
-                &format!("OFFSET {}", self.triple(self.offset(joint))),
+                &format!("OFFSET {}", self.triple(self.rest[joint].from_parent)),
             );
             let names = rotation_names(self.options.order);
             let channels = if self.moves[slot] {
@@ -257,7 +178,7 @@ impl<'a> Figure<'a> {
         let joint = self.order[slot];
         let given = self.options.end_sites.iter().filter(|(j, _)| *j == joint);
         let mut sites: Vec<Vec3> = given
-            .map(|(_, offset)| self.rest[joint].1 * *offset)
+            .map(|(_, offset)| self.rest[joint].rotation * *offset)
             .collect();
         let next = self.order.get(slot + 1);
         let is_leaf = next.is_none_or(|&n| self.skeleton.joints[n].parent != Some(joint));
@@ -308,32 +229,6 @@ impl<'a> Figure<'a> {
             name => name.replace(odd, "_"),
         }
     }
-}
-
-/// Place and orientation of every joint in model space.
-fn globals(skeleton: &Skeleton, pose: &LocalPose) -> Vec<(Vec3, Quat)> {
-    let mut matrices: Vec<Affine3A> = Vec::with_capacity(skeleton.joints.len());
-    for (index, joint) in skeleton.joints.iter().enumerate() {
-        let local = Affine3A::from_scale_rotation_translation(
-            pose.scales[index],
-            pose.rotations[index],
-            pose.translations[index],
-        );
-        matrices.push(joint.parent.map_or(local, |p| matrices[p] * local));
-    }
-    let split = |m: &Affine3A| {
-        let (_, rotation, place) = m.to_scale_rotation_translation();
-        let whole = rotation.is_finite() && rotation.length() > 0.5;
-        (
-            place,
-            if whole {
-                rotation.normalize()
-            } else {
-                Quat::IDENTITY
-            },
-        )
-    };
-    matrices.iter().map(split).collect()
 }
 
 fn rotation_names(order: ChannelOrder) -> &'static str {
