@@ -54,6 +54,32 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     written.map_err(unwritten).with_context(place)
 }
 
+/// The plain files of a folder, sorted by name; hidden ones and folders in it are left out.
+pub(crate) fn in_folder(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unread)? {
+        let path = entry.map_err(unread)?.path();
+        let name = path.file_name().unwrap_or_default();
+        if path.is_file() && !name.to_string_lossy().starts_with('.') {
+            all.push(path);
+        }
+    }
+    all.sort();
+    Ok(all)
+}
+
+/// Whether two names lead to the same file that is there.
+pub(crate) fn same(a: &Path, b: &Path) -> bool {
+    let (a, b) = (a.canonicalize(), b.canonicalize());
+    matches!((a, b), (Ok(a), Ok(b)) if a == b)
+}
+
+/// Whether a name can only be that of a folder.
+pub(crate) fn ends_with_separator(path: &Path) -> bool {
+    let bytes = path.as_os_str().as_encoded_bytes();
+    bytes.ends_with(b"/") || bytes.ends_with(std::path::MAIN_SEPARATOR_STR.as_bytes())
+}
+
 /// Why a file could not be read, and the mend.
 fn unread(error: io::Error) -> anyhow::Error {
     match error.kind() {

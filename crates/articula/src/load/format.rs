@@ -74,8 +74,13 @@ const ROWS: &[Row] = &[
 impl Format {
     /// The format that a file name's extension says.
     pub(crate) fn of_name(path: &Path) -> Option<Self> {
-        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        let row = ROWS.iter().find(|row| row.name == extension)?;
+        Self::of_extension(path.extension()?.to_str()?)
+    }
+
+    /// The format whose files have this extension, in any case, with or without its dot.
+    pub(crate) fn of_extension(extension: &str) -> Option<Self> {
+        let wanted = extension.trim_start_matches('.').to_ascii_lowercase();
+        let row = ROWS.iter().find(|row| row.name == wanted)?;
         Some(row.format)
     }
 

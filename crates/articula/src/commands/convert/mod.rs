@@ -1,29 +1,37 @@
-//! `articula convert IN OUT`: between formats, and to a reduced animation.
+//! `articula convert IN... OUT`: between formats, and to a reduced animation; one file or many.
 
+mod job;
+mod plan;
 mod reduction;
+mod report;
 mod written;
 
 use crate::arguments::ReadArgs;
 use crate::console::Console;
-use crate::fault::clean;
-use crate::load::{self, Format, Loaded, Writes};
+use crate::load::{self, Format};
 use crate::play::saved;
 use crate::table::counted;
 use crate::{fault, files};
-use anyhow::Context;
 use articula_core::joint_state::PassivePolicy;
 use clap::Args;
-use reduction::Reduction;
-use serde::Serialize;
+use indicatif::ProgressBar;
+use plan::{Job, Plan};
+use rayon::prelude::*;
+use report::{Batch, Failure, Report};
 use std::path::PathBuf;
 
 /// Arguments of `convert`.
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
-    /// File to read (.glb, .gltf, .vrm, .vrma, .bvh, ...)
-    input: PathBuf,
-    /// File to write; its extension names the format (.glb, .vrm, .vrma, .bvh, ...)
+    /// Files to read (.glb, .gltf, .vrm, .vrma, .bvh, ...), or folders of them
+    #[arg(value_name = "IN", required = true)]
+    inputs: Vec<PathBuf>,
+    /// File to write; its extension names the format (.glb, .vrm, .vrma, .bvh, ...). Or the
+    /// folder that receives one file for each that is read
     out: PathBuf,
+    /// Format of the files in an output folder [default: glb]
+    #[arg(long, value_name = "FORMAT", value_parser = format)]
+    to: Option<Format>,
     /// Keep this clip alone [default: all; .bvh the first]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
@@ -43,145 +51,86 @@ pub(crate) struct ConvertArgs {
     names: ReadArgs,
 }
 
-#[derive(Debug, Serialize)]
-struct Report {
-    #[serde(rename = "in")]
-    input: String,
-    out: String,
-    format_in: &'static str,
-    format_out: &'static str,
-    bytes_in: usize,
-    /// Of all files together.
-    bytes_out: usize,
-    /// Files that were written beside `out`.
-    beside: Vec<String>,
-    clips: Vec<String>,
-    reduction: Option<Reduction>,
-    /// What the format of the output cannot hold.
-    left_out: Vec<String>,
-    warnings: Vec<String>,
-}
-
 /// Reads, reduces if asked to, and writes.
 pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
-    let out = args.format_out()?;
-    let mut loaded = load::character(&args.input, &args.names)?;
-    check_pair(loaded.format, out)?;
-    let place = loaded.place();
-    let chosen = choose_clips(args, &mut loaded, out).context(place.clone())?;
-    let reduction = reduction::apply(args, &mut loaded)?;
-    let changed = chosen || reduction.is_some();
-    let made = written::written(&mut loaded, &args.out, out, changed).context(place)?;
-    for (path, bytes) in &made.files {
-        files::write(path, bytes)?;
+    args.check()?;
+    let plan = Plan::of(args)?;
+    let bar = console.progress("converting", plan.inputs());
+    match &plan.folder {
+        None => {
+            let report = job::run(&plan.jobs[0], args)?;
+            bar.finish_and_clear();
+            console.result(&report, Report::text)
+        }
+        Some(folder) => {
+            let done = all(&plan.jobs, args, &bar);
+            bar.finish_and_clear();
+            folder_report(files::shown(folder), done, &plan.jobs, console)
+        }
     }
-    let reduced = reduction.is_some();
-    let report = Report {
-        input: loaded.place(),
-        out: files::shown(&args.out),
-        format_in: loaded.format.name(),
-        format_out: out.name(),
-        bytes_in: loaded.bytes,
-        bytes_out: made.files.iter().map(|(_, bytes)| bytes.len()).sum(),
-        beside: made.files[1..]
-            .iter()
-            .map(|(path, _)| files::shown(path))
-            .collect(),
-        clips: loaded
-            .character
-            .clips
-            .iter()
-            .map(|c| c.name.clone())
-            .collect(),
-        reduction,
-        left_out: made.left_out,
-        warnings: warnings(&loaded, out, reduced),
+}
+
+/// Runs every job whatever becomes of the others; the order is that of the jobs.
+fn all(jobs: &[Job], args: &ConvertArgs, bar: &ProgressBar) -> Vec<anyhow::Result<Report>> {
+    let one = |job: &Job| {
+        let done = job::run(job, args);
+        bar.inc(job.inputs.len() as u64);
+        done
     };
-    console.result(&report, text)
+    jobs.par_iter().map(one).collect()
+}
+
+/// Says what was written, then what was not and why.
+fn folder_report(
+    out: String,
+    done: Vec<anyhow::Result<Report>>,
+    jobs: &[Job],
+    console: &Console,
+) -> anyhow::Result<()> {
+    let mut batch = Batch {
+        out,
+        files: Vec::new(),
+        failed: Vec::new(),
+    };
+    let mut faults = Vec::new();
+    for (job, done) in jobs.iter().zip(done) {
+        match done {
+            Ok(report) => batch.files.push(report),
+            Err(fault) => {
+                let path = &job.inputs[0].path;
+                batch.failed.push(Failure::new(path, &fault));
+                faults.push(fault);
+            }
+        }
+    }
+    console.result(&batch, Batch::text)?;
+    ended(&faults, jobs.len(), console)
+}
+
+/// One line for each fault, and an error if there is any.
+fn ended(faults: &[anyhow::Error], files: usize, console: &Console) -> anyhow::Result<()> {
+    if faults.is_empty() {
+        return Ok(());
+    }
+    for fault in faults {
+        console.fault(fault);
+    }
+    let files = counted(files, "file", "files");
+    anyhow::bail!("{} of {files} failed; the others are done", faults.len())
+}
+
+fn format(name: &str) -> Result<Format, String> {
+    Format::of_extension(name).ok_or_else(|| format!("converted are {}", load::conversions()))
 }
 
 impl ConvertArgs {
-    fn format_out(&self) -> anyhow::Result<Format> {
+    fn check(&self) -> anyhow::Result<()> {
         let reduces = self.loa.is_some() || self.loa_profile.is_some();
         if (self.passive.is_some() || self.close_up) && !reduces {
             return Err(fault::usage(
                 "--passive and --close-up need --loa EXPR or --loa-profile F.json",
             ));
         }
-        Format::of_name(&self.out).ok_or_else(|| {
-            let out = files::shown(&self.out);
-            fault::usage(format!(
-                "{out}: the extension names no format; converted are {}",
-                load::conversions()
-            ))
-        })
+        Ok(())
     }
-}
-
-fn check_pair(input: Format, out: Format) -> anyhow::Result<()> {
-    let fits = match out.writes() {
-        Writes::Any => true,
-        Writes::Back => input == out,
-        Writes::Never => false,
-    };
-    if fits {
-        return Ok(());
-    }
-    Err(fault::usage(format!(
-        "{} to {} is not converted; converted are {}",
-        input.name(),
-        out.name(),
-        load::conversions()
-    )))
-}
-
-/// Keeps the clips that go into the output; says whether any was dropped.
-fn choose_clips(args: &ConvertArgs, loaded: &mut Loaded, out: Format) -> anyhow::Result<bool> {
-    let clips = &mut loaded.character.clips;
-    let index = match &args.clip {
-        Some(name) => load::choose("clip", name, clips.iter().map(|c| c.name.as_str()))?,
-        None if written::holds_one_clip(out) && !clips.is_empty() => 0,
-        None if written::holds_one_clip(out) => {
-            anyhow::bail!("clips: there is none to write; give a file that has one")
-        }
-        None => return Ok(false),
-    };
-    let dropped = clips.len() > 1;
-    *clips = vec![clips.swap_remove(index)];
-    Ok(dropped)
-}
-
-fn warnings(loaded: &Loaded, out: Format, reduced: bool) -> Vec<String> {
-    let mut list = loaded.warnings();
-    if reduced && out == Format::Bvh {
-        let what = "a BVH file stores every joint in every frame, so it gets no smaller; write .glb to save bytes";
-        list.push(what.into());
-    }
-    list
-}
-
-fn text(report: &Report) -> String {
-    let mut text = format!(
-        "{} ({}, {} bytes) -> {} ({}, {} bytes), {}\n",
-        clean(&report.input),
-        report.format_in,
-        report.bytes_in,
-        clean(&report.out),
-        report.format_out,
-        report.bytes_out,
-        counted(report.clips.len(), "clip", "clips")
-    );
-    for beside in &report.beside {
-        text.push_str(&format!("beside it: {}\n", clean(beside)));
-    }
-    if let Some(reduction) = &report.reduction {
-        text.push_str(&reduction.text());
-    }
-    for left in &report.left_out {
-        text.push_str(&format!("left out: {}\n", clean(left)));
-    }
-    for warning in &report.warnings {
-        text.push_str(&format!("warning: {}\n", clean(warning)));
-    }
-    text
 }

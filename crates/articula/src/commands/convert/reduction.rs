@@ -75,6 +75,11 @@ fn selected(args: &ConvertArgs, rig: &Rig) -> anyhow::Result<(String, JointSet)>
 }
 
 impl Reduction {
+    /// The share that is saved, for a table.
+    pub(super) fn percent(&self) -> String {
+        format!("{:.1}%", 100.0 * self.saved)
+    }
+
     /// The saving for people.
     pub(super) fn text(&self) -> String {
         let line = |what: &str, before: usize, after: usize| {
