@@ -6,6 +6,7 @@
 //! - [`human`]: the procedural reference human
 //! - [`motion_error`]: levers, error matrices, key tables for every metric
 //! - [`reduce`]: a motion saved at a level of articulation
+//! - [`retarget`]: a motion of one skeleton put onto another
 //! - [`evaluate`]: a clip played under a method, its gain and its error in pixels
 //!
 //! What is deliberately absent: files, clocks, and any call from a frame.
@@ -17,3 +18,4 @@ pub mod expression;
 pub mod human;
 pub mod motion_error;
 pub mod reduce;
+pub mod retarget;

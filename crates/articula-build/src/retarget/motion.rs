@@ -1,0 +1,132 @@
+//! A source clip as rotations from rest and places in model space, frame by frame.
+
+use super::rest::Rest;
+use crate::clip::{MOST_NUMBERS, source_rate_hz};
+use articula_core::Mismatch;
+use articula_core::math::Transform;
+use articula_core::pose::LocalPose;
+use articula_core::source::{Clip, Interpolation, Property, Skeleton, evaluate};
+use glam::{Affine3A, Quat, Vec3};
+
+/// Most frames of one clip.
+const MOST_FRAMES: f64 = 1e6;
+
+/// A motion in model space.
+#[derive(Debug, Clone)]
+pub(super) struct Motion {
+    pub(super) rate_hz: f32,
+    pub(super) times_secs: Vec<f32>,
+    joints: usize,
+    /// Rotation of each joint from its rest orientation, in model space; frame by frame.
+    deltas: Vec<Quat>,
+    /// Position of each joint in model space, metres; frame by frame.
+    positions: Vec<Vec3>,
+}
+
+impl Motion {
+    /// Samples a clip at a rate; `None` is the rate of its own keys.
+    pub(super) fn new(
+        clip: &Clip,
+        skeleton: &Skeleton,
+        rest: &Rest,
+        rate_hz: Option<f32>,
+    ) -> Result<Self, Mismatch> {
+        check(clip, skeleton.joints.len())?;
+        let (rate_hz, times_secs) = times(clip, rate_hz, rest.len())?;
+        let mut pose: LocalPose = (0..rest.len()).map(|_| Transform::IDENTITY).collect();
+        let mut motion = Self {
+            rate_hz,
+            joints: rest.len(),
+            deltas: Vec::with_capacity(times_secs.len() * rest.len()),
+            positions: Vec::with_capacity(times_secs.len() * rest.len()),
+            times_secs,
+        };
+        let mut matrices = vec![Affine3A::IDENTITY; rest.len()];
+        for frame in 0..motion.frames() {
+            evaluate::pose(clip, skeleton, motion.times_secs[frame], &mut pose);
+            motion.push(rest, &pose, &mut matrices);
+        }
+        if motion.positions.iter().any(|p| !p.is_finite()) {
+            let at = format!("clip \"{}\"", clip.name);
+            return Err(Mismatch::new(at, "its poses are not finite"));
+        }
+        Ok(motion)
+    }
+
+    fn push(&mut self, rest: &Rest, pose: &LocalPose, matrices: &mut [Affine3A]) {
+        let first = self.deltas.len();
+        for j in 0..self.joints {
+            let local = pose.get(j).to_affine();
+            let turn = pose.rotations[j] * rest.locals[j].0.inverse();
+            let parent = rest.parents[j];
+            let around = rest.parent_rotation(j);
+            let above = parent.map_or(Quat::IDENTITY, |p| self.deltas[first + p]);
+            matrices[j] = parent.map_or(local, |p| matrices[p] * local);
+            let delta = above * around * turn * around.inverse();
+            self.deltas.push(delta.normalize());
+            self.positions.push(matrices[j].translation.into());
+        }
+    }
+
+    pub(super) fn frames(&self) -> usize {
+        self.times_secs.len()
+    }
+
+    /// Rotations from rest at a frame.
+    pub(super) fn deltas(&self, frame: usize) -> &[Quat] {
+        &self.deltas[frame * self.joints..][..self.joints]
+    }
+
+    /// Positions at a frame.
+    pub(super) fn positions(&self, frame: usize) -> &[Vec3] {
+        &self.positions[frame * self.joints..][..self.joints]
+    }
+}
+
+fn check(clip: &Clip, joints: usize) -> Result<(), Mismatch> {
+    for (c, channel) in clip.channels.iter().enumerate() {
+        let at = || format!("clip \"{}\".channels[{c}]", clip.name);
+        let width = match channel.property {
+            Property::Rotation => 4,
+            Property::Translation | Property::Scale => 3,
+            Property::Weights | Property::Expression => continue,
+        };
+        if channel.target >= joints {
+            let what = format!("joint {} of {joints}", channel.target);
+            return Err(Mismatch::new(at(), what));
+        }
+        let floats = match channel.interpolation {
+            Interpolation::CubicSpline => 3 * width,
+            _ => width,
+        };
+        let keys = channel.times_secs.len();
+        if keys == 0 || channel.values.len() < keys * floats {
+            let what = format!("{} values for {keys} keys", channel.values.len());
+            return Err(Mismatch::new(at(), what));
+        }
+    }
+    Ok(())
+}
+
+/// Times from 0 to the clip's end, and their rate.
+fn times(clip: &Clip, rate_hz: Option<f32>, joints: usize) -> Result<(f32, Vec<f32>), Mismatch> {
+    let at = || format!("clip \"{}\"", clip.name);
+    let duration = clip.duration_secs;
+    let wanted = rate_hz.unwrap_or_else(|| source_rate_hz(clip));
+    if !(wanted.is_finite() && wanted > 0.0 && duration.is_finite() && duration >= 0.0) {
+        let what = format!("{duration} s at {wanted} Hz");
+        return Err(Mismatch::new(at(), what));
+    }
+    let steps = (f64::from(duration) * f64::from(wanted)).round();
+    if steps > MOST_FRAMES || steps * (joints as f64) * 7.0 > MOST_NUMBERS as f64 {
+        let what = format!("{duration} s at {wanted} Hz of {joints} joints is too long");
+        return Err(Mismatch::new(at(), what));
+    }
+    let steps = steps as usize;
+    if steps == 0 {
+        return Ok((wanted, vec![0.0]));
+    }
+    // Stretched by less than half a frame, so that the last frame is the end.
+    let times = (0..=steps).map(|i| duration * (i as f32 / steps as f32));
+    Ok((steps as f32 / duration, times.collect()))
+}

@@ -1,0 +1,90 @@
+//! What became of each joint, and how good a retargeted motion is.
+
+use super::plan::{Drive, Plan, Side};
+
+/// Where a target joint's rotation comes from.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Origin {
+    /// One source joint that stands for the same joint.
+    Mapped {
+        /// Index in the source skeleton.
+        source: usize,
+    },
+    /// Source joints of the same chain, each with its share; the shares sum to 1.
+    Shared {
+        /// Index in the source skeleton, and share.
+        sources: Vec<(usize, f32)>,
+    },
+    /// It stays as at rest, relative to its parent.
+    Held,
+}
+
+/// What became of one target joint.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointReport {
+    /// Index in the target skeleton.
+    pub joint: usize,
+    /// Where its rotation comes from.
+    pub origin: Origin,
+    /// Whether it is moved as well as turned.
+    pub moved: bool,
+}
+
+/// How a motion was put onto another figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RetargetReport {
+    /// One for each target joint, in its order.
+    pub joints: Vec<JointReport>,
+    /// Mapped source joints that nothing of the target follows.
+    pub dropped: Vec<usize>,
+    /// Size of the target over that of the source, measured by the legs.
+    pub scale: f32,
+    /// Fastest turn of a joint relative to its parent: joint of the target, radians a second.
+    pub fastest: Option<(usize, f32)>,
+}
+
+pub(super) fn report(
+    source: &Side,
+    target: &Side,
+    plan: &Plan,
+    fastest: Option<(usize, f32)>,
+) -> RetargetReport {
+    let mut used = vec![false; source.rest.len()];
+    let joints = plan
+        .drives
+        .iter()
+        .enumerate()
+        .map(|(joint, drive)| {
+            let origin = match drive {
+                Drive::Held => Origin::Held,
+                Drive::Twin(s) => Origin::Mapped { source: s.joint },
+                Drive::Between(a, b, share) => Origin::Shared {
+                    sources: vec![(a.joint, 1.0 - share), (b.joint, *share)],
+                },
+            };
+            match drive {
+                Drive::Held => {}
+                Drive::Twin(s) => used[s.joint] = true,
+                Drive::Between(a, b, _) => {
+                    used[a.joint] = true;
+                    used[b.joint] = true;
+                }
+            }
+            let moved = plan.floats[joint].is_some() || joint == target.body.root;
+            JointReport {
+                joint,
+                origin,
+                moved,
+            }
+        })
+        .collect();
+    let dropped = (0..source.rest.len())
+        .filter(|s| source.rest.hanim[*s].is_some() && !used[*s])
+        .collect();
+    RetargetReport {
+        joints,
+        dropped,
+        scale: plan.scale,
+        fastest,
+    }
+}

@@ -1,0 +1,139 @@
+//! A skeleton at rest, as retargeting reads it: where each joint is and which way it stands.
+
+use super::Figure;
+use articula_core::Mismatch;
+use glam::{Affine3A, Mat3, Quat, Vec3};
+use std::collections::BTreeMap;
+
+/// Places and orientations at rest, and which joint is which joint of the standard.
+#[derive(Debug, Clone)]
+pub(super) struct Rest {
+    pub(super) parents: Vec<Option<usize>>,
+    /// Model-from-joint matrices.
+    pub(super) matrices: Vec<Affine3A>,
+    /// Positions in model space, metres.
+    pub(super) positions: Vec<Vec3>,
+    /// Rotation part of `matrices`; of a mirrored joint, of the negated matrix. Conjugation
+    /// with it carries a rotation between the joint's space and model space in both cases.
+    pub(super) rotations: Vec<Quat>,
+    /// Local rotations and translations.
+    pub(super) locals: Vec<(Quat, Vec3)>,
+    /// H-Anim name of each mapped joint.
+    pub(super) hanim: Vec<Option<String>>,
+    /// The rig's own names.
+    pub(super) names: Vec<String>,
+    by_hanim: BTreeMap<String, usize>,
+}
+
+impl Rest {
+    /// Reads a figure.
+    pub(super) fn new(figure: &Figure<'_>, which: &str) -> Result<Self, Mismatch> {
+        let joints = &figure.skeleton.joints;
+        let known = &figure.articulation.joints;
+        if known.len() != joints.len() {
+            let what = format!("{} joints, but {} are mapped", joints.len(), known.len());
+            return Err(Mismatch::new(which, what));
+        }
+        let mut matrices: Vec<Affine3A> = Vec::with_capacity(joints.len());
+        for (j, joint) in joints.iter().enumerate() {
+            let at = || format!("{which}.joints[{j}]");
+            let local = joint.rest.to_affine();
+            let matrix = match joint.parent {
+                Some(p) if p >= j => return Err(Mismatch::new(at(), "its parent comes after it")),
+                Some(p) => matrices[p] * local,
+                None => local,
+            };
+            if !matrix.is_finite() {
+                return Err(Mismatch::new(at(), "its rest transform is not finite"));
+            }
+            matrices.push(matrix);
+        }
+        let hanim: Vec<Option<String>> = known.iter().map(|k| k.hanim.clone()).collect();
+        let mut by_hanim = BTreeMap::new();
+        for (j, name) in hanim.iter().enumerate() {
+            if let Some(name) = name {
+                by_hanim.entry(name.clone()).or_insert(j);
+            }
+        }
+        Ok(Self {
+            parents: joints.iter().map(|j| j.parent).collect(),
+            positions: matrices.iter().map(|m| m.translation.into()).collect(),
+            rotations: matrices
+                .iter()
+                .map(|m| proper_rotation(m.matrix3.into()))
+                .collect(),
+            locals: joints
+                .iter()
+                .map(|j| (j.rest.rotation, j.rest.translation))
+                .collect(),
+            names: joints.iter().map(|j| j.name.clone()).collect(),
+            matrices,
+            hanim,
+            by_hanim,
+        })
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.parents.len()
+    }
+
+    /// The joint that stands for a joint of the standard.
+    pub(super) fn find(&self, hanim: &str) -> Option<usize> {
+        self.by_hanim.get(hanim).copied()
+    }
+
+    /// The joint of that name on one side, `l` or `r`.
+    pub(super) fn sided(&self, side: char, name: &str) -> Option<usize> {
+        self.find(&format!("{side}_{name}"))
+    }
+
+    /// H-Anim name of a joint, or `""`.
+    pub(super) fn title(&self, joint: usize) -> &str {
+        self.hanim[joint].as_deref().unwrap_or("")
+    }
+
+    /// The joints strictly between `above` and `joint`, upper first; `None` if `above` does
+    /// not stand above.
+    pub(super) fn between(&self, above: usize, joint: usize) -> Option<Vec<usize>> {
+        let mut path = Vec::new();
+        let mut at = self.parents[joint];
+        while let Some(j) = at {
+            if j == above {
+                path.reverse();
+                return Some(path);
+            }
+            path.push(j);
+            at = self.parents[j];
+        }
+        None
+    }
+
+    /// Rotation of a joint's parent in model space; the identity for a root.
+    pub(super) fn parent_rotation(&self, joint: usize) -> Quat {
+        self.parents[joint].map_or(Quat::IDENTITY, |p| self.rotations[p])
+    }
+
+    /// From one joint to another at rest, in model space.
+    pub(super) fn way(&self, from: usize, to: usize) -> Vec3 {
+        self.positions[to] - self.positions[from]
+    }
+
+    pub(super) fn children(&self, joint: usize) -> impl Iterator<Item = usize> + '_ {
+        (joint + 1..self.len()).filter(move |c| self.parents[*c] == Some(joint))
+    }
+}
+
+/// The rotation in a linear map, scale and shear taken off; of the negated map if it mirrors.
+pub(super) fn proper_rotation(linear: Mat3) -> Quat {
+    let linear = if linear.determinant() < 0.0 {
+        -linear
+    } else {
+        linear
+    };
+    let x = linear.x_axis.normalize_or_zero();
+    let y = (linear.y_axis - x * x.dot(linear.y_axis)).normalize_or_zero();
+    if x == Vec3::ZERO || y == Vec3::ZERO {
+        return Quat::IDENTITY;
+    }
+    Quat::from_mat3(&Mat3::from_cols(x, y, x.cross(y))).normalize()
+}
