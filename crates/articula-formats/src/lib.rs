@@ -12,6 +12,7 @@
 //! - [`motion_table`]: motion-error tables as bytes
 //! - [`error`], [`limits`]: what can be wrong, and how much is too much
 
+pub mod acclaim;
 pub mod bvh;
 pub mod error;
 mod euler;
