@@ -5,21 +5,18 @@
 //! nothing here opens a file.
 //!
 //! - [`gltf`]: GLB and glTF 2.0, VRM files as such, in and out
-//! - [`meshopt`]: the codec of compressed glTF buffer views, decoding only
 //! - [`bvh`]: Biovision hierarchical motion, in and out
 //! - [`profile`]: joint-name profiles, name to H-Anim joint, level and region
 //! - [`loa_profile`]: a saved selection of levels of articulation
 //! - [`motion_table`]: motion-error tables as bytes
 //! - [`error`], [`limits`]: what can be wrong, and how much is too much
 
-pub mod acclaim;
 pub mod bvh;
 pub mod error;
 mod euler;
 pub mod gltf;
 pub mod limits;
 pub mod loa_profile;
-pub mod meshopt;
 pub mod motion_table;
 mod notes;
 pub mod profile;

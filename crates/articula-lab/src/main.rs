@@ -10,6 +10,7 @@
 )]
 
 mod data;
+mod open;
 mod tables;
 
 use anyhow::Result;
@@ -28,7 +29,7 @@ struct Arguments {
     /// Folder that receives the pages and CSV files.
     #[arg(long, global = true, default_value = "docs/results")]
     out: PathBuf,
-    /// One clip instead of four: shows that everything runs.
+    /// One clip instead of four, small files only: shows that everything runs.
     #[arg(long, global = true)]
     small: bool,
 }
@@ -39,6 +40,8 @@ enum Table {
     MotionLod,
     /// Gain over distance, threshold and beta (the thesis' table 6.8).
     ThesisGrid,
+    /// Every file of the data: what is in it, and what each writer makes of it.
+    Doors,
     /// All of them.
     All,
 }
@@ -57,7 +60,9 @@ fn main() -> Result<()> {
     match arguments.table {
         Table::MotionLod => tables::motion_lod::write(&run),
         Table::ThesisGrid => tables::thesis_grid::write(&run),
+        Table::Doors => tables::doors::write(&run),
         Table::All => {
+            tables::doors::write(&run)?;
             tables::motion_lod::write(&run)?;
             tables::thesis_grid::write(&run)
         }

@@ -1,5 +1,6 @@
 //! One file for each published table.
 
+pub(crate) mod doors;
 pub(crate) mod motion_lod;
 pub(crate) mod thesis_grid;
 
@@ -19,13 +20,21 @@ pub(crate) struct Run {
 impl Run {
     /// Writes a page and its numbers, and says where.
     fn save(&self, name: &str, page: &str, csv: &str) -> Result<()> {
+        self.save_text(name, "md", page)?;
+        self.save_csv(name, csv)
+    }
+
+    /// Writes further numbers of a page.
+    fn save_csv(&self, name: &str, csv: &str) -> Result<()> {
+        self.save_text(name, "csv", csv)
+    }
+
+    fn save_text(&self, name: &str, extension: &str, text: &str) -> Result<()> {
         let folder = &self.out;
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        for (extension, text) in [("md", page), ("csv", csv)] {
-            let path = folder.join(name).with_extension(extension);
-            std::fs::write(&path, text).with_context(|| path.display().to_string())?;
-            println!("{}", path.display());
-        }
+        let path = folder.join(name).with_extension(extension);
+        std::fs::write(&path, text).with_context(|| path.display().to_string())?;
+        println!("{}", path.display());
         Ok(())
     }
 }

@@ -1,0 +1,184 @@
+//! How far two readings of one character lie apart: joints over the clips, skin in some poses.
+
+use anyhow::{Context, Result};
+use articula_build::clip::source_rate_hz;
+use articula_core::articulation::Articulation;
+use articula_core::hierarchy::local_to_model;
+use articula_core::mesh::Mesh;
+use articula_core::pose::{LocalPose, ModelPose};
+use articula_core::rig::Rig;
+use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::source::{Character, Clip, Property, evaluate};
+use std::collections::{HashMap, VecDeque};
+
+/// Most frames of a clip whose joints are compared; they are spread evenly.
+const FRAMES: usize = 500;
+/// Frames of a clip whose skin is compared.
+const SKINNED: usize = 5;
+
+/// What was found between two characters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Apart {
+    /// Joints that were compared, by name.
+    pub(super) joints: usize,
+    /// Clips that were compared, by order.
+    pub(super) clips: usize,
+    /// Greatest distance of a joint, millimetres.
+    pub(super) joints_mm: f32,
+    /// Greatest distance of a vertex; none if a side has no vertices.
+    pub(super) skin_mm: Option<f32>,
+}
+
+/// Compares a character as it was with one that was written and read again; without clips at
+/// rest.
+pub(super) fn apart(
+    was: (&Character, &Articulation),
+    is: (&Character, &Articulation),
+) -> Result<Apart> {
+    let mut was = Side::new(was)?;
+    let mut is = Side::new(is)?;
+    let pairs = pairs(was.character, is.character);
+    let clips = was.character.clips.len().min(is.character.clips.len());
+    let skinned = was.mesh.len() == is.mesh.len() && !was.mesh.is_empty();
+    let mut apart = Apart {
+        joints: pairs.len(),
+        clips,
+        joints_mm: 0.0,
+        skin_mm: skinned.then_some(0.0),
+    };
+    for c in 0..clips.max(1) {
+        let clip = was.character.clips.get(c);
+        let times = clip.map_or_else(|| vec![0.0], times);
+        let stride = times.len().div_ceil(SKINNED);
+        for (i, time) in times.iter().enumerate() {
+            was.pose(c, *time);
+            is.pose(c, *time);
+            for (a, b) in &pairs {
+                let far = was.model.position(*a).distance(is.model.position(*b));
+                apart.joints_mm = apart.joints_mm.max(1000.0 * far);
+            }
+            if let Some(worst) = &mut apart.skin_mm
+                && i % stride == 0
+            {
+                was.skin();
+                is.skin();
+                let points = was.skinned.positions.iter().zip(&is.skinned.positions);
+                let far = points.map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+                *worst = worst.max(1000.0 * far);
+            }
+        }
+    }
+    Ok(apart)
+}
+
+/// Times of the frames that are compared: on the clip's own grid, where nothing is blended.
+fn times(clip: &Clip) -> Vec<f32> {
+    let rate = source_rate_hz(clip);
+    let last = (clip.duration_secs * rate).round() as usize;
+    let step = (last + 1).div_ceil(FRAMES);
+    (0..=last).step_by(step).map(|f| f as f32 / rate).collect()
+}
+
+/// Joints of both sides with the same name, those of one name in their order.
+fn pairs(was: &Character, is: &Character) -> Vec<(usize, usize)> {
+    let mut known: HashMap<String, VecDeque<usize>> = HashMap::new();
+    for (j, joint) in is.skeleton.joints.iter().enumerate() {
+        known.entry(plain(&joint.name, j)).or_default().push_back(j);
+    }
+    let joints = was.skeleton.joints.iter().enumerate();
+    let pair = |(j, joint): (usize, &articula_core::source::Joint)| {
+        Some((j, known.get_mut(&plain(&joint.name, j))?.pop_front()?))
+    };
+    joints.filter_map(pair).collect()
+}
+
+/// A name as formats that allow no blanks write it.
+fn plain(name: &str, joint: usize) -> String {
+    if name.trim().is_empty() {
+        return format!("joint_{joint}");
+    }
+    let odd = |c: char| !c.is_alphanumeric();
+    name.trim().replace(odd, "_")
+}
+
+/// One of the two, in a pose.
+struct Side<'a> {
+    character: &'a Character,
+    rig: Rig,
+    mesh: Mesh,
+    local: LocalPose,
+    model: ModelPose,
+    morphs: Vec<f32>,
+    skinned: SkinnedMesh,
+}
+
+impl<'a> Side<'a> {
+    fn new((character, articulation): (&'a Character, &Articulation)) -> Result<Self> {
+        let rig = Rig::new(&character.skeleton, articulation.clone()).context("rig")?;
+        let mesh = Mesh::new(&character.meshes, rig.len()).context("mesh")?;
+        Ok(Self {
+            character,
+            local: rig.rest_pose().clone(),
+            model: ModelPose::new(rig.len()),
+            morphs: mesh.morph_weights.clone(),
+            skinned: SkinnedMesh::new(&mesh),
+            mesh,
+            rig,
+        })
+    }
+
+    /// Takes the pose of a clip at a time, or of rest if there is no such clip.
+    fn pose(&mut self, clip: usize, time_secs: f32) {
+        if let Some(clip) = self.character.clips.get(clip) {
+            evaluate::pose(clip, &self.character.skeleton, time_secs, &mut self.local);
+            self.morphs.clone_from(&self.mesh.morph_weights);
+            let weights = clip.channels.iter();
+            for channel in weights.filter(|c| c.property == Property::Weights) {
+                let first = self.mesh.morph_slots[channel.target];
+                let count = self.character.meshes[channel.target].morph_weights.len();
+                let weights = &mut self.morphs[first..first + count];
+                evaluate::channel(channel, time_secs, weights);
+            }
+        }
+        local_to_model(&self.rig, &self.local, &mut self.model);
+    }
+
+    fn skin(&mut self) {
+        let mut matrices = vec![glam::Affine3A::IDENTITY; self.mesh.bindings.len()];
+        palette(&self.mesh, &self.model, &mut matrices);
+        skin(&self.mesh, &matrices, &self.morphs, &mut self.skinned);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::math::Transform;
+    use articula_core::source::Joint;
+    use articula_formats::profile;
+    use glam::Vec3;
+
+    fn two(name: &str, up: f32) -> Character {
+        let joint = |name: &str, parent, y| Joint {
+            name: name.into(),
+            parent,
+            rest: Transform {
+                translation: Vec3::Y * y,
+                ..Transform::IDENTITY
+            },
+            in_skin: true,
+        };
+        let mut character = Character::default();
+        character.skeleton.joints = vec![joint("a", None, 0.0), joint(name, Some(0), up)];
+        character
+    }
+
+    #[test]
+    fn two_millimetres_are_two_millimetres() {
+        let (was, is) = (two("b c", 1.0), two("b_c", 1.002));
+        let map = |c: &Character| profile::map(&c.skeleton, profile::builtin(), None).articulation;
+        let found = apart((&was, &map(&was)), (&is, &map(&is))).unwrap();
+        assert_eq!((found.joints, found.clips, found.skin_mm), (2, 0, None));
+        assert!((found.joints_mm - 2.0).abs() < 1e-3, "{found:?}");
+    }
+}

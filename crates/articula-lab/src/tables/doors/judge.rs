@@ -1,0 +1,32 @@
+//! The Khronos validator over many files, by the node script of the folder `oracle`.
+
+use anyhow::{Context, Result, bail};
+use serde_json::Value;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Errors of each file.
+pub(super) type Errors = HashMap<PathBuf, u64>;
+
+/// Errors that the validator finds in each file; `None` without node or its packages.
+pub(super) fn errors(files: &[PathBuf]) -> Result<Option<Errors>> {
+    let oracle = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle");
+    let packages = oracle.join("node_modules/gltf-validator").is_dir();
+    let node = || Command::new("node").arg("--version").output().is_ok();
+    if files.is_empty() || !packages || !node() {
+        return Ok(None);
+    }
+    let output = Command::new("node")
+        .arg(oracle.join("validate.mjs"))
+        .args(files)
+        .output()
+        .context("node")?;
+    let verdicts: Value =
+        serde_json::from_slice(&output.stdout).context("the validator's answer")?;
+    let Some(verdicts) = verdicts.as_array() else {
+        bail!("the validator answers no list");
+    };
+    let verdict = |v: &Value| Some((v["file"].as_str()?.into(), v["errors"].as_u64()?));
+    Ok(Some(verdicts.iter().filter_map(verdict).collect()))
+}

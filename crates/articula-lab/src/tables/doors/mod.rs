@@ -1,0 +1,248 @@
+//! Every file of the data: whether it opens, what is in it, and what each writer makes of it.
+
+mod compare;
+mod judge;
+#[cfg(test)]
+mod manifest;
+mod page;
+mod written;
+
+use super::Run;
+use crate::open::{self, Format, Opened};
+use anyhow::{Context, Result};
+use rayon::prelude::*;
+use std::path::{Path, PathBuf};
+use written::Trip;
+
+/// Files above this size are left out of a small run.
+const SMALL_BYTES: u64 = 200_000;
+
+/// Folders that hold texts of others and test files of formats to come, not characters.
+const NO_DOORS: [&str; 2] = ["licences", "lottie_spec"];
+
+/// One file.
+struct Door {
+    path: PathBuf,
+    /// Path below the data folder.
+    name: String,
+    format: Format,
+    /// What was found, or the reason why it was refused.
+    found: Result<Counts>,
+    trips: Vec<Trip>,
+}
+
+/// What is in a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Counts {
+    /// Distinct joints of the skins, or all joints if there is no skin.
+    joints: usize,
+    /// Those with a twin in the standard.
+    mapped: usize,
+    clips: usize,
+    meshes: usize,
+    vertices: usize,
+    triangles: usize,
+    morphs: usize,
+    expressions: usize,
+    warnings: usize,
+}
+
+impl Counts {
+    /// The numbers of the table, in its order.
+    fn columns(&self) -> [usize; 8] {
+        [
+            self.joints,
+            self.mapped,
+            self.clips,
+            self.meshes,
+            self.triangles,
+            self.morphs,
+            self.expressions,
+            self.warnings,
+        ]
+    }
+
+    /// Counts.
+    fn of(opened: &Opened) -> Self {
+        let character = &opened.character;
+        let primitives = || character.meshes.iter().flat_map(|m| &m.primitives);
+        let skeleton = &character.skeleton.joints;
+        let skin = skeleton.iter().filter(|j| j.in_skin).count();
+        Self {
+            joints: if skin == 0 { skeleton.len() } else { skin },
+            mapped: opened.mapping.articulation.mapped(),
+            clips: character.clips.len(),
+            meshes: character.meshes.len(),
+            vertices: primitives().map(|p| p.positions.len()).sum(),
+            triangles: primitives().map(|p| p.triangles.len()).sum(),
+            morphs: character.meshes.iter().map(|m| m.morph_weights.len()).sum(),
+            expressions: character.expressions.len(),
+            warnings: opened.warnings,
+        }
+    }
+}
+
+/// The files of the data folder that a reader is for, in order.
+fn files(data: &Path) -> Result<Vec<(PathBuf, Format)>> {
+    let mut all = Vec::new();
+    let mut open = vec![data.to_owned()];
+    while let Some(folder) = open.pop() {
+        for entry in std::fs::read_dir(&folder).with_context(|| folder.display().to_string())? {
+            let path = entry?.path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy();
+            if path.is_dir() && !NO_DOORS.contains(&name.as_ref()) {
+                open.push(path);
+            } else if path.is_file()
+                && let Some(format) = Format::of(&path)
+            {
+                all.push((path, format));
+            }
+        }
+    }
+    all.sort();
+    Ok(all)
+}
+
+/// Opens one file, and writes it in every way into a folder.
+fn door(data: &Path, path: &Path, format: Format, folder: &Path) -> Result<Door> {
+    let name = path
+        .strip_prefix(data)
+        .unwrap_or(path)
+        .display()
+        .to_string();
+    let opened = open::open(path);
+    let trips = match &opened {
+        Ok(opened) => {
+            let stem = folder.join(name.replace(['/', '\\', '.'], "-"));
+            written::trips(opened, path, &stem)?
+        }
+        Err(_) => Vec::new(),
+    };
+    Ok(Door {
+        path: path.to_owned(),
+        name,
+        format,
+        found: opened
+            .as_ref()
+            .map(Counts::of)
+            .map_err(|e| anyhow::anyhow!("{e:#}")),
+        trips,
+    })
+}
+
+/// All files that count, opened and written into a folder.
+fn doors(run: &Run, folder: &Path) -> Result<Vec<Door>> {
+    let mut files = files(&run.data)?;
+    if run.small {
+        files.retain(|(path, _)| path.metadata().is_ok_and(|m| m.len() <= SMALL_BYTES));
+    }
+    let all = files.par_iter();
+    all.map(|(path, format)| door(&run.data, path, *format, folder))
+        .collect()
+}
+
+/// A folder for what is written on the way.
+fn scratch() -> Result<PathBuf> {
+    let folder = std::env::temp_dir().join(format!("articula-doors-{}", std::process::id()));
+    std::fs::create_dir_all(&folder)?;
+    Ok(folder)
+}
+
+/// Runs the table and writes it.
+pub(crate) fn write(run: &Run) -> Result<()> {
+    let folder = scratch()?;
+    let doors = doors(run, &folder)?;
+    let errors = if run.small {
+        None
+    } else {
+        judge::errors(&page::judged(&doors))?
+    };
+    std::fs::remove_dir_all(&folder)?;
+    run.save(
+        "doors",
+        &page::page(&doors, errors.as_ref())?,
+        &page::csv(&doors)?,
+    )?;
+    run.save_csv(
+        "doors-written",
+        &page::csv_written(&doors, errors.as_ref())?,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data;
+
+    /// Files that must be refused, and a word of the reason.
+    const REFUSED: [(&str, &str); 2] = [
+        ("glb/Quaternius_Astronaut_Barbara_draco.glb", "Draco"),
+        ("glb/viverse/mannequin.glb", "meshopt"),
+    ];
+
+    /// Every file of the folder opens or is refused for the right reason; what each writer makes
+    /// of it opens again within its bound; and the counts are those that another parser measured.
+    #[test]
+    fn every_door_opens_and_every_writer_comes_back() {
+        let Some(data) = data::folder(None).unwrap() else {
+            println!("skipped: no data");
+            return;
+        };
+        let manifest = std::fs::read_to_string(data.join("MANIFEST.md")).unwrap();
+        let run = Run {
+            data,
+            out: PathBuf::new(),
+            small: false,
+        };
+        let folder = scratch().unwrap();
+        let doors = doors(&run, &folder).unwrap();
+        std::fs::remove_dir_all(&folder).unwrap();
+        for door in &doors {
+            check(door);
+        }
+        for (name, _) in REFUSED {
+            assert!(doors.iter().any(|d| d.name == name), "{name} is not there");
+        }
+        let mut compared = 0;
+        for listed in manifest::listed(&manifest) {
+            let door = doors.iter().find(|d| d.name == listed.name);
+            let Ok(found) = &door
+                .unwrap_or_else(|| panic!("{} is not there", listed.name))
+                .found
+            else {
+                continue;
+            };
+            for (what, found, expected) in [
+                ("joints", found.joints, listed.joints),
+                ("vertices", found.vertices, listed.vertices),
+                ("triangles", found.triangles, listed.triangles),
+                ("clips", found.clips, listed.clips),
+            ] {
+                let expected = expected.unwrap_or(found);
+                assert_eq!(found, expected, "{what} of {}", listed.name);
+            }
+            compared += 1;
+        }
+        assert!(
+            compared > 20,
+            "only {compared} rows of the list were understood"
+        );
+    }
+
+    fn check(door: &Door) {
+        let refused = REFUSED.iter().find(|(name, _)| *name == door.name);
+        match (&door.found, refused) {
+            (Err(_), None) if door.format == Format::Unread => {}
+            (Err(why), Some((_, word))) => {
+                assert!(why.to_string().contains(word), "{}: {why}", door.name);
+            }
+            (Err(why), None) => panic!("{}: {why}", door.name),
+            (Ok(_), Some(_)) => panic!("{} should be refused", door.name),
+            (Ok(_), None) => {}
+        }
+        for trip in &door.trips {
+            let (name, writer) = (&door.name, trip.writer.name());
+            assert!(trip.holds(), "{name}, {writer}: {:?}", trip.apart);
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! The page of the doors, and its numbers.
+
+use super::Door;
+use super::judge::Errors;
+use super::written::{Trip, Writer};
+use anyhow::Result;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// The files that the validator is asked for: what was written, and what it was made of.
+pub(super) fn judged(doors: &[Door]) -> Vec<PathBuf> {
+    let written = doors.iter().flat_map(|d| &d.trips);
+    let mut all: Vec<PathBuf> = written.filter_map(|t| t.path.clone()).collect();
+    let sources = doors
+        .iter()
+        .filter(|d| d.format.is_gltf() && d.found.is_ok());
+    all.extend(sources.map(|d| d.path.clone()));
+    all
+}
+
+/// The page for people.
+pub(super) fn page(doors: &[Door], errors: Option<&Errors>) -> Result<String> {
+    let mut page = String::from(HEAD);
+    for Door {
+        name,
+        format,
+        found,
+        ..
+    } in doors
+    {
+        let format = format.name();
+        match found {
+            Ok(counts) => {
+                let numbers = counts.columns().map(|n| n.to_string()).join(" | ");
+                writeln!(page, "| {name} | {format} | yes | {numbers} |")?;
+            }
+            Err(fault) => {
+                let why = fault.to_string().replace(['\n', '|'], " ");
+                writeln!(
+                    page,
+                    "| {name} | {format} | refused: {why} | | | | | | | | |"
+                )?;
+            }
+        }
+    }
+    write!(page, "{BETWEEN}")?;
+    let names = Writer::ALL.map(Writer::name).join(" | ");
+    writeln!(page, "| file | {names} | validator errors |")?;
+    writeln!(page, "| --- |{} --- |", " --- |".repeat(Writer::ALL.len()))?;
+    for door in doors.iter().filter(|d| !d.trips.is_empty()) {
+        let cell = |writer| {
+            let trip = door.trips.iter().find(|t| t.writer == writer);
+            trip.map_or_else(|| "-".to_owned(), millimetres)
+        };
+        let cells = Writer::ALL.map(cell).join(" | ");
+        writeln!(
+            page,
+            "| {} | {cells} | {} |",
+            door.name,
+            verdict(door, errors)
+        )?;
+    }
+    Ok(page)
+}
+
+/// How far joints and skin are apart, and whether anything is missing.
+fn millimetres(trip: &Trip) -> String {
+    let apart = match &trip.apart {
+        Ok(apart) => apart,
+        Err(fault) => return format!("failed: {fault:#}").replace(['\n', '|'], " "),
+    };
+    let mut text = format!("{:.3}", apart.joints_mm);
+    if let Some(skin) = apart.skin_mm {
+        let _ = write!(text, "; {skin:.3}");
+    }
+    for (found, of, what) in [
+        (apart.joints, trip.joints, "joints"),
+        (apart.clips, trip.clips, "clips"),
+    ] {
+        if found != of {
+            let _ = write!(text, " ({found} of {of} {what})");
+        }
+    }
+    text
+}
+
+/// The most errors of a written file, and those of the source if it has any.
+fn verdict(door: &Door, errors: Option<&Errors>) -> String {
+    let count = |path: &Path| errors.and_then(|e| e.get(path)).copied();
+    let written = door.trips.iter().filter_map(|t| t.path.as_deref());
+    let Some(most) = written.filter_map(count).max() else {
+        return "-".to_owned();
+    };
+    match count(&door.path) {
+        Some(source) if source > 0 => format!("{most} (source {source})"),
+        _ => most.to_string(),
+    }
+}
+
+/// What is in each file, for machines.
+pub(super) fn csv(doors: &[Door]) -> Result<String> {
+    let mut csv = String::from(
+        "file,format,opened,joints,mapped,clips,meshes,triangles,morphs,expressions,warnings,why\n",
+    );
+    for Door {
+        name,
+        format,
+        found,
+        ..
+    } in doors
+    {
+        let format = format.name();
+        match found {
+            Ok(counts) => {
+                let numbers = counts.columns().map(|n| n.to_string()).join(",");
+                writeln!(csv, "{name},{format},1,{numbers},")?;
+            }
+            Err(fault) => {
+                let why = fault.to_string().replace(['\n', '"'], " ");
+                writeln!(csv, "{name},{format},0,,,,,,,,,\"{why}\"")?;
+            }
+        }
+    }
+    Ok(csv)
+}
+
+/// What came back of each written file, for machines.
+pub(super) fn csv_written(doors: &[Door], errors: Option<&Errors>) -> Result<String> {
+    let mut csv = String::from(
+        "file,written,joints,joints_found,clips,clips_found,joints_apart_mm,skin_apart_mm,bound_mm,holds,validator_errors\n",
+    );
+    for door in doors {
+        for trip in &door.trips {
+            let errors = trip.path.as_deref().and_then(|p| errors?.get(p));
+            let errors = errors.map_or_else(String::new, u64::to_string);
+            let numbers = match &trip.apart {
+                Ok(a) => {
+                    let skin = a.skin_mm.map_or_else(String::new, |mm| format!("{mm:.5}"));
+                    let (joints, clips) = (trip.joints, trip.clips);
+                    format!(
+                        "{joints},{},{clips},{},{:.5},{skin}",
+                        a.joints, a.clips, a.joints_mm
+                    )
+                }
+                Err(_) => ",,,,,".to_owned(),
+            };
+            writeln!(
+                csv,
+                "{},{},{numbers},{},{},{errors}",
+                door.name,
+                trip.writer.name().replace(',', ";"),
+                trip.writer.bound_mm(),
+                u8::from(trip.holds()),
+            )?;
+        }
+    }
+    Ok(csv)
+}
+
+const HEAD: &str = "# Every door: what opens, and what comes back
+
+Made by `cargo run --release -p articula-lab -- doors` over every file of the data folder that a
+reader is for.
+
+## What is in each file
+
+Joints are the distinct ones of the skins (all, where there is no skin); mapped ones have a twin in
+the H-Anim standard; morphs are counted over all meshes.
+
+| file | format | opens | joints | mapped | clips | meshes | triangles | morphs | expressions | warnings |
+| --- | --- | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |
+";
+
+const BETWEEN: &str = "
+## What is written opens again
+
+Each file that opens is written in every way that there is; what was written is read again and
+compared with what it was written from: the joints in model space at up to 500 frames of every clip,
+the skinned vertices at five frames of each. Cells are the greatest distances found in millimetres,
+first of a joint, then of a vertex. The bounds that a test holds are 0.001 mm for GLB and 0.1 mm for
+the text formats, all joints and all clips that the format holds. A BVH file says neither its unit
+nor its up axis: the reader is told centimetres and Y, as they were written. The last column counts
+the errors of the Khronos validator: the most of any written GLB, and those of the source.
+
+";
