@@ -25,6 +25,7 @@
 pub mod articulation;
 pub mod clip;
 pub mod drift;
+pub mod fap_table;
 pub mod hanim_table;
 pub mod hierarchy;
 pub mod joint_state;

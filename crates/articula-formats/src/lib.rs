@@ -6,6 +6,7 @@
 //!
 //! - [`gltf`]: GLB and glTF 2.0, VRM files as such, in and out
 //! - [`bvh`]: Biovision hierarchical motion, in and out
+//! - [`mpeg4`]: FAP, BAP, EPF and FDP text
 //! - [`profile`]: joint-name profiles, name to H-Anim joint, level and region
 //! - [`loa_profile`]: a saved selection of levels of articulation
 //! - [`motion_table`]: motion-error tables as bytes
@@ -18,6 +19,7 @@ pub mod gltf;
 pub mod limits;
 pub mod loa_profile;
 pub mod motion_table;
+pub mod mpeg4;
 mod notes;
 pub mod profile;
 mod sampled;

@@ -1,0 +1,319 @@
+//! The 68 facial animation parameters of MPEG-4, generated from ISO/IEC 14496-2 table C-1 (`docs/formats/mpeg4.md`).
+//!
+//! A low-level FAP moves one feature point along one direction: displacement = value x unit,
+//! where the unit is a distance of the neutral face divided by 1024, or 1e-5 rad. Left and
+//! right are the subject's. FAP 1 and 2 are high level: they choose visemes and expressions.
+//!
+//! Doubtful: the ranges of FAP 47 (tongue_roll), where sources differ.
+
+/// In what a value of a FAP is counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Unit {
+    /// IRISD: diameter of the iris, 3.1 to 3.3, by 1024.
+    IrisDiameter,
+    /// ES: separation of the eyes, 3.5 to 3.6, by 1024.
+    EyeSeparation,
+    /// ENS: eye to nose, 3.5 to 9.15 in height, by 1024.
+    EyeNose,
+    /// MNS: mouth to nose, 9.15 to 2.2 in height, by 1024.
+    MouthNose,
+    /// MW: width of the mouth, 8.3 to 8.4, by 1024.
+    MouthWidth,
+    /// AU: 1e-5 radians.
+    Angle,
+}
+
+impl Unit {
+    /// Abbreviation of the standard.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::IrisDiameter => "IRISD",
+            Self::EyeSeparation => "ES",
+            Self::EyeNose => "ENS",
+            Self::MouthNose => "MNS",
+            Self::MouthWidth => "MW",
+            Self::Angle => "AU",
+        }
+    }
+}
+
+/// Where a positive value leads, seen from the subject.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Direction {
+    /// Up; of the tongue's rim in a roll too.
+    Up,
+    /// Down; a pitch looks down.
+    Down,
+    /// To the subject's left; a yaw looks left.
+    Left,
+    /// To the subject's right; a roll lays the top of the head to the right.
+    Right,
+    /// Out of the face.
+    Forward,
+    /// The pupil grows.
+    Growth,
+    /// The borders of the tongue rise.
+    Curl,
+}
+
+/// What a low-level FAP moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Action {
+    /// In what the value is counted.
+    pub unit: Unit,
+    /// Where a positive value leads.
+    pub direction: Direction,
+    /// Group and number of the feature point (2.10 is `(2, 10)`); the left one of two.
+    pub point: (u8, u8),
+    /// Whether negative values mean anything.
+    pub both_ways: bool,
+}
+
+/// One facial animation parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Fap {
+    /// Name in the standard's spelling, lower case with underscores.
+    pub name: &'static str,
+    /// Group, 1 to 10; see [`GROUPS`].
+    pub group: u8,
+    /// What it moves; `None` for FAP 1 and 2.
+    pub action: Option<Action>,
+    /// Quantiser step before the global scale.
+    pub step: u16,
+    /// Largest quantised size in an intra frame, and in a predicted one.
+    pub largest: (u16, u16),
+}
+
+/// Number of parameters.
+pub const FAPS: usize = 68;
+
+/// Name of each group, and how many FAPs it has; groups stand one after the other in [`TABLE`].
+pub const GROUPS: [(&str, usize); 10] = [
+    ("viseme and expression", 2),
+    ("jaw, chin and inner lips", 16),
+    ("eyeballs, pupils and eyelids", 12),
+    ("eyebrows", 8),
+    ("cheeks", 4),
+    ("tongue", 5),
+    ("head rotation", 3),
+    ("outer lips", 10),
+    ("nose", 4),
+    ("ears", 4),
+];
+
+/// FAP `n` stands at index `n - 1`.
+#[rustfmt::skip]
+pub static TABLE: [Fap; FAPS] = [
+    high("viseme", 1, (63, 63)),
+    high("expression", 1, (63, 63)),
+    one_way("open_jaw", 2, (Unit::MouthNose, Direction::Down), (2, 1), 4, (1080, 360)),
+    both_ways("lower_t_midlip", 2, (Unit::MouthNose, Direction::Down), (2, 2), 2, (600, 180)),
+    both_ways("raise_b_midlip", 2, (Unit::MouthNose, Direction::Up), (2, 3), 2, (1860, 600)),
+    both_ways("stretch_l_cornerlip", 2, (Unit::MouthWidth, Direction::Left), (2, 4), 2, (600, 180)),
+    both_ways("stretch_r_cornerlip", 2, (Unit::MouthWidth, Direction::Right), (2, 5), 2, (600, 180)),
+    both_ways("lower_t_lip_lm", 2, (Unit::MouthNose, Direction::Down), (2, 6), 2, (600, 180)),
+    both_ways("lower_t_lip_rm", 2, (Unit::MouthNose, Direction::Down), (2, 7), 2, (600, 180)),
+    both_ways("raise_b_lip_lm", 2, (Unit::MouthNose, Direction::Up), (2, 8), 2, (1860, 600)),
+    both_ways("raise_b_lip_rm", 2, (Unit::MouthNose, Direction::Up), (2, 9), 2, (1860, 600)),
+    both_ways("raise_l_cornerlip", 2, (Unit::MouthNose, Direction::Up), (2, 4), 2, (600, 180)),
+    both_ways("raise_r_cornerlip", 2, (Unit::MouthNose, Direction::Up), (2, 5), 2, (600, 180)),
+    one_way("thrust_jaw", 2, (Unit::MouthNose, Direction::Forward), (2, 1), 1, (600, 180)),
+    both_ways("shift_jaw", 2, (Unit::MouthWidth, Direction::Right), (2, 1), 1, (1080, 360)),
+    both_ways("push_b_lip", 2, (Unit::MouthNose, Direction::Forward), (2, 3), 1, (1080, 360)),
+    both_ways("push_t_lip", 2, (Unit::MouthNose, Direction::Forward), (2, 2), 1, (1080, 360)),
+    both_ways("depress_chin", 2, (Unit::MouthNose, Direction::Up), (2, 10), 1, (420, 180)),
+    both_ways("close_t_l_eyelid", 3, (Unit::IrisDiameter, Direction::Down), (3, 1), 1, (1080, 600)),
+    both_ways("close_t_r_eyelid", 3, (Unit::IrisDiameter, Direction::Down), (3, 2), 1, (1080, 600)),
+    both_ways("close_b_l_eyelid", 3, (Unit::IrisDiameter, Direction::Up), (3, 3), 1, (600, 240)),
+    both_ways("close_b_r_eyelid", 3, (Unit::IrisDiameter, Direction::Up), (3, 4), 1, (600, 240)),
+    both_ways("yaw_l_eyeball", 3, (Unit::Angle, Direction::Left), (3, 5), 128, (1200, 420)),
+    both_ways("yaw_r_eyeball", 3, (Unit::Angle, Direction::Left), (3, 6), 128, (1200, 420)),
+    both_ways("pitch_l_eyeball", 3, (Unit::Angle, Direction::Down), (3, 5), 128, (900, 300)),
+    both_ways("pitch_r_eyeball", 3, (Unit::Angle, Direction::Down), (3, 6), 128, (900, 300)),
+    both_ways("thrust_l_eyeball", 3, (Unit::EyeSeparation, Direction::Forward), (3, 5), 1, (600, 180)),
+    both_ways("thrust_r_eyeball", 3, (Unit::EyeSeparation, Direction::Forward), (3, 6), 1, (600, 180)),
+    both_ways("dilate_l_pupil", 3, (Unit::IrisDiameter, Direction::Growth), (3, 5), 1, (420, 120)),
+    both_ways("dilate_r_pupil", 3, (Unit::IrisDiameter, Direction::Growth), (3, 6), 1, (420, 120)),
+    both_ways("raise_l_i_eyebrow", 4, (Unit::EyeNose, Direction::Up), (4, 1), 2, (900, 360)),
+    both_ways("raise_r_i_eyebrow", 4, (Unit::EyeNose, Direction::Up), (4, 2), 2, (900, 360)),
+    both_ways("raise_l_m_eyebrow", 4, (Unit::EyeNose, Direction::Up), (4, 3), 2, (900, 360)),
+    both_ways("raise_r_m_eyebrow", 4, (Unit::EyeNose, Direction::Up), (4, 4), 2, (900, 360)),
+    both_ways("raise_l_o_eyebrow", 4, (Unit::EyeNose, Direction::Up), (4, 5), 2, (900, 360)),
+    both_ways("raise_r_o_eyebrow", 4, (Unit::EyeNose, Direction::Up), (4, 6), 2, (900, 360)),
+    both_ways("squeeze_l_eyebrow", 4, (Unit::EyeSeparation, Direction::Right), (4, 1), 1, (900, 300)),
+    both_ways("squeeze_r_eyebrow", 4, (Unit::EyeSeparation, Direction::Left), (4, 2), 1, (900, 300)),
+    both_ways("puff_l_cheek", 5, (Unit::EyeSeparation, Direction::Left), (5, 1), 2, (900, 300)),
+    both_ways("puff_r_cheek", 5, (Unit::EyeSeparation, Direction::Right), (5, 2), 2, (900, 300)),
+    one_way("lift_l_cheek", 5, (Unit::EyeNose, Direction::Up), (5, 3), 2, (600, 180)),
+    one_way("lift_r_cheek", 5, (Unit::EyeNose, Direction::Up), (5, 4), 2, (600, 180)),
+    both_ways("shift_tongue_tip", 6, (Unit::MouthWidth, Direction::Right), (6, 1), 1, (1080, 420)),
+    both_ways("raise_tongue_tip", 6, (Unit::MouthNose, Direction::Up), (6, 1), 1, (1080, 420)),
+    both_ways("thrust_tongue_tip", 6, (Unit::MouthWidth, Direction::Forward), (6, 1), 1, (1080, 420)),
+    both_ways("raise_tongue", 6, (Unit::MouthNose, Direction::Up), (6, 2), 1, (1080, 420)),
+    one_way("tongue_roll", 6, (Unit::Angle, Direction::Curl), (6, 3), 512, (1080, 420)),
+    both_ways("head_pitch", 7, (Unit::Angle, Direction::Down), (7, 1), 170, (1860, 600)),
+    both_ways("head_yaw", 7, (Unit::Angle, Direction::Left), (7, 1), 170, (1860, 600)),
+    both_ways("head_roll", 7, (Unit::Angle, Direction::Right), (7, 1), 170, (1860, 600)),
+    both_ways("lower_t_midlip_o", 8, (Unit::MouthNose, Direction::Down), (8, 1), 2, (600, 180)),
+    both_ways("raise_b_midlip_o", 8, (Unit::MouthNose, Direction::Up), (8, 2), 2, (1860, 600)),
+    both_ways("stretch_l_cornerlip_o", 8, (Unit::MouthWidth, Direction::Left), (8, 3), 2, (600, 180)),
+    both_ways("stretch_r_cornerlip_o", 8, (Unit::MouthWidth, Direction::Right), (8, 4), 2, (600, 180)),
+    both_ways("lower_t_lip_lm_o", 8, (Unit::MouthNose, Direction::Down), (8, 5), 2, (600, 180)),
+    both_ways("lower_t_lip_rm_o", 8, (Unit::MouthNose, Direction::Down), (8, 6), 2, (600, 180)),
+    both_ways("raise_b_lip_lm_o", 8, (Unit::MouthNose, Direction::Up), (8, 7), 2, (1860, 600)),
+    both_ways("raise_b_lip_rm_o", 8, (Unit::MouthNose, Direction::Up), (8, 8), 2, (1860, 600)),
+    both_ways("raise_l_cornerlip_o", 8, (Unit::MouthNose, Direction::Up), (8, 3), 2, (600, 180)),
+    both_ways("raise_r_cornerlip_o", 8, (Unit::MouthNose, Direction::Up), (8, 4), 2, (600, 180)),
+    both_ways("stretch_l_nose", 9, (Unit::EyeNose, Direction::Left), (9, 1), 1, (540, 120)),
+    both_ways("stretch_r_nose", 9, (Unit::EyeNose, Direction::Right), (9, 2), 1, (540, 120)),
+    both_ways("raise_nose", 9, (Unit::EyeNose, Direction::Up), (9, 3), 1, (680, 180)),
+    both_ways("bend_nose", 9, (Unit::EyeNose, Direction::Right), (9, 3), 1, (900, 180)),
+    both_ways("raise_l_ear", 10, (Unit::EyeNose, Direction::Up), (10, 1), 1, (900, 240)),
+    both_ways("raise_r_ear", 10, (Unit::EyeNose, Direction::Up), (10, 2), 1, (900, 240)),
+    both_ways("pull_l_ear", 10, (Unit::EyeNose, Direction::Left), (10, 3), 1, (900, 300)),
+    both_ways("pull_r_ear", 10, (Unit::EyeNose, Direction::Right), (10, 4), 1, (900, 300)),
+];
+
+const fn high(name: &'static str, step: u16, largest: (u16, u16)) -> Fap {
+    Fap {
+        name,
+        group: 1,
+        action: None,
+        step,
+        largest,
+    }
+}
+
+const fn both_ways(
+    name: &'static str,
+    group: u8,
+    (unit, direction): (Unit, Direction),
+    point: (u8, u8),
+    step: u16,
+    largest: (u16, u16),
+) -> Fap {
+    let action = Action {
+        unit,
+        direction,
+        point,
+        both_ways: true,
+    };
+    Fap {
+        name,
+        group,
+        action: Some(action),
+        step,
+        largest,
+    }
+}
+
+const fn one_way(
+    name: &'static str,
+    group: u8,
+    (unit, direction): (Unit, Direction),
+    point: (u8, u8),
+    step: u16,
+    largest: (u16, u16),
+) -> Fap {
+    let action = Action {
+        unit,
+        direction,
+        point,
+        both_ways: false,
+    };
+    Fap {
+        name,
+        group,
+        action: Some(action),
+        step,
+        largest,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_follow_each_other() {
+        let mut first = 0;
+        for (index, (name, count)) in GROUPS.iter().enumerate() {
+            let group = &TABLE[first..first + count];
+            assert!(
+                group.iter().all(|f| usize::from(f.group) == index + 1),
+                "{name}"
+            );
+            first += count;
+        }
+        assert_eq!(first, FAPS);
+    }
+
+    #[test]
+    fn rows_that_everyone_knows() {
+        let of = |fap: usize| {
+            let action = TABLE[fap - 1].action.unwrap();
+            (TABLE[fap - 1].name, action.unit, action.direction)
+        };
+        assert_eq!(of(3), ("open_jaw", Unit::MouthNose, Direction::Down));
+        assert_eq!(
+            of(19),
+            ("close_t_l_eyelid", Unit::IrisDiameter, Direction::Down)
+        );
+        assert_eq!(
+            of(37),
+            ("squeeze_l_eyebrow", Unit::EyeSeparation, Direction::Right)
+        );
+        assert_eq!(of(48), ("head_pitch", Unit::Angle, Direction::Down));
+        assert_eq!(of(68), ("pull_r_ear", Unit::EyeNose, Direction::Right));
+        // Five only go one way: jaw open and thrust, cheeks up, tongue roll.
+        let one_way = TABLE
+            .iter()
+            .filter(|f| f.action.is_some_and(|a| !a.both_ways));
+        let names: Vec<&str> = one_way.map(|f| f.name).collect();
+        assert_eq!(
+            names,
+            [
+                "open_jaw",
+                "thrust_jaw",
+                "lift_l_cheek",
+                "lift_r_cheek",
+                "tongue_roll"
+            ]
+        );
+        // Rotations: four of the eyeballs, the tongue's roll, three of the head.
+        let angles = TABLE
+            .iter()
+            .filter(|f| f.action.is_some_and(|a| a.unit == Unit::Angle));
+        assert_eq!(angles.count(), 8);
+    }
+
+    #[test]
+    fn sides_mirror_each_other() {
+        let mut pairs = 0;
+        for left in &TABLE {
+            let right = left.name.replace("_l_", "_r_").replace("_lm", "_rm");
+            let Some(right) = TABLE
+                .iter()
+                .find(|f| f.name == right && f.name != left.name)
+            else {
+                continue;
+            };
+            pairs += 1;
+            let (a, b) = (left.action.unwrap(), right.action.unwrap());
+            assert_eq!((a.unit, a.both_ways), (b.unit, b.both_ways));
+            assert_eq!((left.step, left.largest), (right.step, right.largest));
+            let mirrored = match a.direction {
+                // Both eyes look left.
+                Direction::Left if a.unit == Unit::Angle => Direction::Left,
+                Direction::Left => Direction::Right,
+                Direction::Right => Direction::Left,
+                other => other,
+            };
+            assert_eq!(b.direction, mirrored, "{}", left.name);
+            assert_eq!(a.point.0, b.point.0);
+            assert_eq!(a.point.1 + 1, b.point.1, "{}", left.name);
+        }
+        // Of 66 parameters 46 come in pairs.
+        assert_eq!(pairs, 23);
+    }
+}

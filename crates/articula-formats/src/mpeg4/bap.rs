@@ -1,0 +1,127 @@
+//! BAP text: body animation parameters, frame by frame, and the body that they drive.
+//!
+//! Source: the reference encoder's form, versions 3.1 and 3.2 (`docs/formats/mpeg4.md`). 186
+//! parameters have a meaning ([`TABLE`]); 110 more are extensions that only their maker knows.
+
+use super::parameter_text::{self, Frame, Layout, Reader};
+use crate::{Limits, Read, ReadError, Warning};
+
+pub use super::bap_body::{character, figure};
+pub use super::bap_sample::{Residual, SampleError, Sampled, sample};
+pub use super::bap_table::{BAPS, Bap, Motion, TABLE};
+pub use super::fap::Absent;
+
+/// Parameters with extensions.
+pub const WITH_EXTENSIONS: usize = 296;
+const VERSIONS: [&str; 2] = ["3.1", "3.2"];
+
+const LAYOUT: Layout = Layout {
+    format: "BAP",
+    widths: &[BAPS, WITH_EXTENSIONS],
+    fields: |_| 1,
+};
+
+/// The body at one moment, every parameter with its value.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct BapFrame {
+    /// Time in frames; grows from frame to frame, but may skip.
+    pub number: u32,
+    /// BAP 1 at index 0, and so on: 186 values or, with extensions, 296. Turns are in 1e-5
+    /// rad, shifts in millimetres.
+    pub values: Vec<i32>,
+}
+
+/// The motion of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BapClip {
+    /// Name as the header has it.
+    pub name: String,
+    /// Frames a second.
+    pub rate_hz: f32,
+    /// Parameters that the mask of at least one frame names, as many as a frame has values.
+    pub coded: Vec<bool>,
+    /// The frames, in order of their numbers; all have as many values.
+    pub frames: Vec<BapFrame>,
+}
+
+impl BapClip {
+    /// Parameters that are other than 0 in at least one frame, as many as a frame has values.
+    pub fn moving(&self) -> Vec<bool> {
+        let mut moving = vec![false; self.coded.len()];
+        for frame in &self.frames {
+            for (moves, value) in moving.iter_mut().zip(&frame.values) {
+                *moves |= *value != 0;
+            }
+        }
+        moving
+    }
+}
+
+/// Reads a file.
+///
+/// # Errors
+/// [`ReadError`] with the line, if the text is not of this form or exceeds the limits.
+pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Read<BapClip>, ReadError> {
+    let (mut reader, header) = Reader::new(bytes, &LAYOUT, limits)?;
+    parameter_text::check_version(&header, &VERSIONS, &mut reader.warnings);
+    let mut clip = BapClip {
+        name: header.name,
+        rate_hz: header.rate_hz,
+        coded: vec![false; BAPS],
+        frames: Vec::new(),
+    };
+    let (mut raw, mut body) = (Frame::default(), BapFrame::default());
+    while reader.next(&mut raw)? {
+        if clip.frames.is_empty() {
+            clip.coded = vec![false; raw.mask.len()];
+            body.values = vec![0; raw.mask.len()];
+        }
+        if absent == Absent::Zero {
+            body.values.fill(0);
+        }
+        body.number = raw.number;
+        let mut fields = raw.fields.iter();
+        for (index, set) in raw.mask.iter().enumerate() {
+            if *set {
+                clip.coded[index] = true;
+                body.values[index] = fields.next().copied().unwrap_or(0);
+            }
+        }
+        clip.frames.push(body.clone());
+    }
+    let mut warnings = reader.warnings;
+    let extensions = clip.moving().iter().skip(BAPS).filter(|m| **m).count();
+    if extensions > 0 {
+        let what = format!(
+            "{extensions} of the extension parameters 187 to {WITH_EXTENSIONS} move; they are kept, but no joint is known to follow them"
+        );
+        warnings.push(Warning::new("values", what));
+    }
+    Ok(Read {
+        value: clip,
+        warnings,
+    })
+}
+
+/// Writes a file; every frame names the parameters that move at all. Version 3.2 if one of the
+/// extensions does, else 3.1.
+pub fn write(clip: &BapClip) -> Vec<u8> {
+    let mut mask = clip.moving();
+    let extended = mask.iter().skip(BAPS).any(|moves| *moves);
+    let (version, width) = if extended {
+        (VERSIONS[1], WITH_EXTENSIONS)
+    } else {
+        (VERSIONS[0], BAPS)
+    };
+    mask.resize(width, false);
+    let line = parameter_text::mask_line(&mask);
+    let mut text = String::new();
+    let frames = clip.frames.len();
+    parameter_text::write_header(&mut text, version, &clip.name, clip.rate_hz, frames);
+    for frame in &clip.frames {
+        let set = frame.values.iter().zip(&mask).filter(|(_, set)| **set);
+        let values = set.map(|(value, _)| *value);
+        parameter_text::write_frame(&mut text, &line, frame.number, values);
+    }
+    text.into_bytes()
+}

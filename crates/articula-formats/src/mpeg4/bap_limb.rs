@@ -1,0 +1,139 @@
+//! Knees and elbows as hinges: how the upper limb turns so that the lower one gets where it should.
+//!
+//! BAP lets a knee or an elbow bend and twist, but not lean to the side. A rig whose hinge lies
+//! otherwise would be off by its lean times the length of the shank. Turning the upper limb
+//! about itself moves no joint but lays the hinge right: feet and hands come to their places,
+//! and only the upper limb's own twist pays.
+
+use super::bap_split::nearest_two;
+use super::bap_table;
+use articula_core::hanim_table::{JOINTS, find};
+use glam::{DQuat, DVec3};
+
+/// How much a twist of the upper limb costs beside a lean of the lower one, both in radians
+/// squared: it keeps a straight limb, whose twist moves nothing, from spinning.
+const TWIST_COST: f64 = 0.03;
+/// Steps of Gauss and Newton towards the best twist.
+const STEPS: usize = 4;
+/// Upper joint, hinge, and the end of the lower limb.
+const LIMBS: [[&str; 3]; 4] = [
+    ["l_hip", "l_knee", "l_ankle"],
+    ["r_hip", "r_knee", "r_ankle"],
+    ["l_shoulder", "l_elbow", "l_wrist"],
+    ["r_shoulder", "r_elbow", "r_wrist"],
+];
+
+/// A limb of the standard humanoid at rest.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limb {
+    /// Joint above the upper limb.
+    pub(super) upper: usize,
+    /// The hinge.
+    pub(super) hinge: usize,
+    /// From the upper joint to the hinge, of length 1.
+    along_upper: DVec3,
+    /// From the hinge to the end, of length 1.
+    along_lower: DVec3,
+    /// Axes of the hinge: it bends, then twists.
+    bend: DVec3,
+    twist: DVec3,
+}
+
+/// The four limbs.
+pub(super) fn limbs() -> Vec<Limb> {
+    let limb = |names: &[&str; 3]| {
+        let [upper, hinge, end] = names.map(find);
+        let (upper, hinge, end) = (upper?, hinge?, end?);
+        let way = |from: usize, to: usize| {
+            let way = JOINTS[to].center - JOINTS[from].center;
+            way.as_dvec3().normalize()
+        };
+        let turns = bap_table::turns(JOINTS[hinge].name);
+        let [(_, bend), (_, twist)] = turns[..] else {
+            return None;
+        };
+        Some(Limb {
+            upper,
+            hinge,
+            along_upper: way(upper, hinge),
+            along_lower: way(hinge, end),
+            bend: bend.as_dvec3(),
+            twist: twist.as_dvec3(),
+        })
+    };
+    LIMBS.iter().filter_map(limb).collect()
+}
+
+impl Limb {
+    /// The turn of the upper limb since rest, twisted so that its hinge can point the lower
+    /// one where `lower` points it. What the hinge can do as it stands changes nothing.
+    pub(super) fn aimed(&self, upper: DQuat, lower: DQuat) -> DQuat {
+        let target = upper.inverse() * lower;
+        let about = |twist: f64| DQuat::from_axis_angle(self.along_upper, twist);
+        let mut twist = 0.0;
+        for _ in 0..STEPS {
+            let target = about(-twist) * target;
+            let seen = target * self.along_lower;
+            let [_, own] = nearest_two(target, self.bend, self.twist);
+            let possible = DQuat::from_axis_angle(self.twist, own) * self.along_lower;
+            let lean = (seen - possible).dot(self.bend);
+            let change = self.along_upper.cross(seen).dot(self.bend);
+            twist += (lean * change - TWIST_COST * twist) / (change * change + TWIST_COST);
+        }
+        upper * about(twist)
+    }
+
+    /// The bend after which the lower limb, twisted by so much, points as nearly as it can
+    /// where `target`, the hinge's whole turn, points it.
+    pub(super) fn bend_angle(&self, target: DQuat, twist: f64) -> f64 {
+        let from = DQuat::from_axis_angle(self.twist, twist) * self.along_lower;
+        let to = target * self.along_lower;
+        let (a, b) = (from.reject_from(self.bend), to.reject_from(self.bend));
+        a.cross(b).dot(self.bend).atan2(a.dot(b))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_leaning_shank_is_reached_by_a_twist_of_the_thigh() {
+        for limb in limbs() {
+            let upper = DQuat::from_rotation_z(0.2);
+            // Bent by a radian about an axis that lies 20 degrees off the hinge's.
+            let off = DQuat::from_rotation_y(0.35);
+            let bent = DQuat::from_axis_angle(off * limb.bend, 1.0);
+            let lower = upper * bent;
+            let aimed = limb.aimed(upper, lower);
+            let along = |q: DQuat| q * limb.along_upper;
+            assert!(
+                along(aimed).distance(along(upper)) < 1e-12,
+                "the hinge stays"
+            );
+            let target = aimed.inverse() * lower;
+            let [_, twist] = nearest_two(target, limb.bend, limb.twist);
+            let bend = limb.bend_angle(target, twist);
+            let about = DQuat::from_axis_angle;
+            let hinge = about(limb.bend, bend) * about(limb.twist, twist);
+            let reached = aimed * hinge * limb.along_lower;
+            let plain = limb.bend_angle(bent, 0.0);
+            let plain = upper * DQuat::from_axis_angle(limb.bend, plain) * limb.along_lower;
+            let wanted = lower * limb.along_lower;
+            let (near, far) = (reached.angle_between(wanted), plain.angle_between(wanted));
+            assert!(near < 0.1 * far && far > 0.2, "{near} {far}");
+        }
+    }
+
+    #[test]
+    fn a_straight_limb_does_not_spin() {
+        for limb in limbs() {
+            for lean in [0.01, -0.1, 0.3] {
+                let sideways = DQuat::from_rotation_z(lean);
+                let aimed = limb.aimed(DQuat::IDENTITY, sideways);
+                let spun = aimed.angle_between(DQuat::IDENTITY);
+                assert!(spun < 6.0 * lean.abs(), "{lean}: {spun}");
+            }
+        }
+    }
+}

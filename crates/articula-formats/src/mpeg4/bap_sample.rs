@@ -1,0 +1,300 @@
+//! From any humanoid's motion to body animation parameters.
+//!
+//! Each joint's turn since rest, in model space, is what the standard humanoid's joint should
+//! show. From parents to children it is split into the turns that the joint has: three are
+//! exact, two or one the nearest there is. A child starts from what its parent shows, so it
+//! makes good what the parent could not; one that the rig lacks does so too (a subtalar joint
+//! rolls the foot, which the ankle cannot). For knees and elbows places come before turns, see
+//! `bap_limb`.
+//!
+//! A turn since rest means the same on two bodies only if they rest alike, so figures whose
+//! limbs do not hang as the standard's do are refused.
+
+use super::bap::{BAPS, BapClip, BapFrame};
+use super::bap_body::{METRES, RADIANS, rotation, shifts};
+use super::bap_limb::{Limb, limbs};
+use super::bap_split::{near, split};
+use super::bap_table;
+use crate::Limits;
+use crate::sampled::{self, Place, WriteError};
+use articula_core::articulation::Articulation;
+use articula_core::hanim_table::{BODY_JOINTS, JOINTS, find};
+use articula_core::source::Character;
+use glam::{DQuat, Vec3};
+use thiserror::Error;
+
+/// Limbs may rest this far from the standard's.
+const APART_DEGREES: f32 = 30.0;
+/// Residuals below this are rounding.
+const ROUNDING_RADIANS: f32 = 1e-4;
+/// Ends of the limbs whose directions are compared.
+const LIMBS: [(&str, &str); 8] = [
+    ("l_shoulder", "l_elbow"),
+    ("l_elbow", "l_wrist"),
+    ("l_hip", "l_knee"),
+    ("l_knee", "l_ankle"),
+    ("r_shoulder", "r_elbow"),
+    ("r_elbow", "r_wrist"),
+    ("r_hip", "r_knee"),
+    ("r_knee", "r_ankle"),
+];
+
+/// How far a joint is from where it should be, because its parameters cannot say it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Residual {
+    /// H-Anim name of the joint.
+    pub joint: &'static str,
+    /// Largest angle over the frames.
+    pub max_radians: f32,
+    /// Mean angle over the frames.
+    pub mean_radians: f32,
+}
+
+/// A motion as parameters, and what they could not say.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sampled {
+    /// The motion, 186 values a frame, numbered from 0.
+    pub clip: BapClip,
+    /// Joints that are off by more than rounding, the worst first.
+    pub residuals: Vec<Residual>,
+}
+
+/// Why a motion cannot be told in body animation parameters.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SampleError {
+    /// There is no such clip, or the rate is no positive number.
+    #[error(transparent)]
+    Write(#[from] WriteError),
+    /// The clip has more frames than a reader would take.
+    #[error("{found} frames, the limit is {limit}")]
+    TooLong {
+        /// Frames at the rate asked for.
+        found: u64,
+        /// The limit.
+        limit: u64,
+    },
+    /// No joint is known to be the root of the humanoid.
+    #[error("no joint is known as humanoid_root; BAP drives humanoids only")]
+    NoRoot,
+    /// The articulation is of another skeleton.
+    #[error("{found} joints in the articulation, {expected} in the skeleton")]
+    Articulation {
+        /// Joints of the articulation.
+        found: usize,
+        /// Joints of the skeleton.
+        expected: usize,
+    },
+    /// The figure rests in another pose.
+    #[error(
+        "{joint} rests {degrees:.0} degrees off the standard humanoid, whose arms hang; BAP counts from there"
+    )]
+    Rest {
+        /// H-Anim name of the joint above the limb.
+        joint: &'static str,
+        /// Angle between the limb and the standard's.
+        degrees: f32,
+    },
+}
+
+/// Tells a clip in body animation parameters at a rate.
+///
+/// # Errors
+/// [`SampleError`] if the clip is not there, the character is no humanoid, or rests in another
+/// pose than the standard.
+pub fn sample(
+    character: &Character,
+    articulation: &Articulation,
+    clip: usize,
+    rate_hz: f32,
+) -> Result<Sampled, SampleError> {
+    let clip = WriteError::clip(character, clip)?;
+    WriteError::check(&[("rate_hz", rate_hz)])?;
+    let last = (f64::from(clip.duration_secs.max(0.0)) * f64::from(rate_hz)).round() as u64;
+    let limit = Limits::default().frames;
+    if last >= limit {
+        let found = last.saturating_add(1);
+        return Err(SampleError::TooLong { found, limit });
+    }
+    let body = Body::new(character, articulation)?;
+    let mut state = State::default();
+    let mut frames = Vec::new();
+    sampled::each_frame(&character.skeleton, clip, rate_hz, |places| {
+        let number = frames.len() as u32;
+        let values = body.values(places, &mut state);
+        frames.push(BapFrame { number, values });
+    });
+    let clip = BapClip {
+        name: clip.name.clone(),
+        rate_hz,
+        coded: vec![true; BAPS],
+        frames,
+    };
+    Ok(Sampled {
+        residuals: state.residuals(clip.frames.len()),
+        clip,
+    })
+}
+
+/// What is told of a joint: its turns, and the rig's joint that shows what it should.
+struct Told {
+    turns: Vec<(usize, Vec3)>,
+    source: Option<usize>,
+}
+
+/// The humanoid of a character.
+struct Body {
+    /// The rig's joints at rest.
+    rest: Vec<Place>,
+    root: usize,
+    /// One for each body joint of the standard.
+    joints: Vec<Told>,
+    /// Limbs of which the rig has both joints.
+    limbs: Vec<Limb>,
+    shifts: Vec<(usize, Vec3)>,
+}
+
+impl Body {
+    fn new(character: &Character, articulation: &Articulation) -> Result<Self, SampleError> {
+        let joints = &character.skeleton.joints;
+        let (found, expected) = (articulation.joints.len(), joints.len());
+        if found != expected {
+            return Err(SampleError::Articulation { found, expected });
+        }
+        let source = |name: &str| {
+            let mut names = articulation.joints.iter().map(|j| j.hanim.as_deref());
+            names.position(|known| known == Some(name))
+        };
+        let root = source(JOINTS[0].name).ok_or(SampleError::NoRoot)?;
+        let rest = sampled::rest(&character.skeleton);
+        for (above, below) in LIMBS {
+            let (Some(a), Some(b)) = (source(above), source(below)) else {
+                continue;
+            };
+            let degrees = apart_degrees(rest[b].position - rest[a].position, limb(above, below));
+            if degrees > APART_DEGREES {
+                let joint = above;
+                return Err(SampleError::Rest { joint, degrees });
+            }
+        }
+        let told = JOINTS[..BODY_JOINTS].iter().map(|joint| Told {
+            turns: bap_table::turns(joint.name),
+            source: source(joint.name),
+        });
+        let joints: Vec<Told> = told.collect();
+        let has = |joint: usize| joints[joint].source.is_some();
+        let limbs = limbs().into_iter();
+        Ok(Self {
+            limbs: limbs.filter(|l| has(l.upper) && has(l.hinge)).collect(),
+            joints,
+            shifts: shifts(JOINTS[0].name),
+            rest,
+            root,
+        })
+    }
+
+    /// The parameters of one frame, whose joints stand at these places.
+    fn values(&self, places: &[Place], state: &mut State) -> Vec<i32> {
+        let mut values = vec![0; BAPS];
+        let moved = places[self.root].position - self.rest[self.root].position;
+        for (index, axis) in &self.shifts {
+            values[*index] = (f64::from(moved.dot(*axis)) / METRES).round() as i32;
+        }
+        let wanted = self.wanted(places);
+        let mut goals = wanted.clone();
+        for limb in &self.limbs {
+            goals[limb.upper] = limb.aimed(wanted[limb.upper], wanted[limb.hinge]);
+        }
+        let mut shown: Vec<DQuat> = Vec::with_capacity(BODY_JOINTS);
+        for (joint, told) in self.joints.iter().enumerate() {
+            let parent = JOINTS[joint].parent.map_or(DQuat::IDENTITY, |p| shown[p]);
+            let target = parent.inverse() * goals[joint];
+            let last = state.last[joint];
+            let mut angles = split(target, &told.turns, last);
+            if let Some(limb) = self.limbs.iter().find(|l| l.hinge == joint) {
+                angles[0] = limb.bend_angle(target, angles[1]);
+                angles = near(angles, last);
+            }
+            state.last[joint] = angles;
+            for ((index, _), angle) in told.turns.iter().zip(angles) {
+                values[*index] = (angle / RADIANS).round() as i32;
+            }
+            let turned = (parent * rotation(&told.turns, &values)).normalize();
+            if told.source.is_some() {
+                state.off[joint].add(turned.angle_between(wanted[joint]) as f32);
+            }
+            shown.push(turned);
+        }
+        values
+    }
+
+    /// The turn since rest that each joint should show, in model space; a joint that the rig
+    /// lacks goes with its parent.
+    fn wanted(&self, places: &[Place]) -> Vec<DQuat> {
+        let mut wanted: Vec<DQuat> = Vec::with_capacity(BODY_JOINTS);
+        for (joint, told) in self.joints.iter().enumerate() {
+            let parent = JOINTS[joint].parent.map_or(DQuat::IDENTITY, |p| wanted[p]);
+            let own = told.source.map(|source| {
+                let turn = places[source].rotation * self.rest[source].rotation.inverse();
+                turn.as_dquat().normalize()
+            });
+            wanted.push(own.unwrap_or(parent));
+        }
+        wanted
+    }
+}
+
+/// What is remembered from frame to frame, for each body joint of the standard.
+struct State {
+    /// Angles of the frame before, so that the next are near them.
+    last: Vec<[f64; 3]>,
+    off: Vec<Off>,
+}
+
+/// Angles by which a joint was off.
+#[derive(Debug, Clone, Copy, Default)]
+struct Off {
+    max: f32,
+    sum: f64,
+}
+
+impl Off {
+    fn add(&mut self, angle: f32) {
+        self.max = self.max.max(angle);
+        self.sum += f64::from(angle);
+    }
+}
+
+impl Default for State {
+    fn default() -> Self {
+        Self {
+            last: vec![[0.0; 3]; BODY_JOINTS],
+            off: vec![Off::default(); BODY_JOINTS],
+        }
+    }
+}
+
+impl State {
+    fn residuals(&self, frames: usize) -> Vec<Residual> {
+        let all = JOINTS.iter().zip(&self.off).map(|(joint, off)| Residual {
+            joint: joint.name,
+            max_radians: off.max,
+            mean_radians: (off.sum / frames.max(1) as f64) as f32,
+        });
+        let mut list: Vec<Residual> = all.filter(|r| r.max_radians > ROUNDING_RADIANS).collect();
+        list.sort_by(|a, b| b.max_radians.total_cmp(&a.max_radians));
+        list
+    }
+}
+
+/// Direction of a limb of the standard humanoid.
+fn limb(above: &str, below: &str) -> Vec3 {
+    let center = |name: &str| find(name).map_or(Vec3::ZERO, |j| JOINTS[j].center);
+    center(below) - center(above)
+}
+
+fn apart_degrees(a: Vec3, b: Vec3) -> f32 {
+    let (Some(a), Some(b)) = (a.try_normalize(), b.try_normalize()) else {
+        return 0.0;
+    };
+    a.dot(b).clamp(-1.0, 1.0).acos().to_degrees()
+}

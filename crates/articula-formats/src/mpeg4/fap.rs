@@ -1,0 +1,258 @@
+//! FAP text: facial animation parameters, frame by frame.
+//!
+//! Source: the reference encoder's form, versions 2.1 and 2.2 (`docs/formats/mpeg4.md`); the
+//! meaning of each parameter is the table of [`articula_core::fap_table`].
+
+use super::parameter_text::{self, Frame, Layout, Reader};
+use crate::{Limits, Read, ReadError, Warning};
+use articula_core::fap_table::{FAPS, TABLE};
+
+/// High-level parameters, which stand before the others.
+const HIGH: usize = 2;
+/// Low-level parameters: FAP 3 to 68.
+pub const LOW: usize = FAPS - HIGH;
+const VERSIONS: [&str; 2] = ["2.1", "2.2"];
+/// Highest viseme, expression, and weight of either.
+const HIGHEST: (i32, i32, i32) = (14, 6, 63);
+
+const LAYOUT: Layout = Layout {
+    format: "FAP",
+    widths: &[FAPS],
+    fields: |index| match index {
+        0 => 4,
+        1 => 6,
+        _ => 1,
+    },
+};
+
+/// FAP 1: a blend of two visemes; all zero is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Viseme {
+    /// First viseme, 0 to 14.
+    pub select1: u8,
+    /// Second viseme, 0 to 14.
+    pub select2: u8,
+    /// Share of the first in 63rds; the second has the rest.
+    pub blend: u8,
+    /// Whether the low-level parameters of the frame define the viseme.
+    pub defines: bool,
+}
+
+/// FAP 2: a sum of two expressions; all zero is none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Expression {
+    /// First expression, 0 to 6.
+    pub select1: u8,
+    /// Its strength in 63rds.
+    pub intensity1: u8,
+    /// Second expression, 0 to 6.
+    pub select2: u8,
+    /// Its strength in 63rds.
+    pub intensity2: u8,
+    /// Whether the neutral face is set by the low-level parameters first.
+    pub init_face: bool,
+    /// Whether the low-level parameters of the frame define the expression.
+    pub defines: bool,
+}
+
+/// The face at one moment, every parameter with its value.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FapFrame {
+    /// Time in frames; grows from frame to frame, but may skip.
+    pub number: u32,
+    /// FAP 1.
+    pub viseme: Viseme,
+    /// FAP 2.
+    pub expression: Expression,
+    /// FAP 3 at index 0 up to FAP 68, each in its unit.
+    pub low: [i32; LOW],
+}
+
+impl Default for FapFrame {
+    fn default() -> Self {
+        Self {
+            number: 0,
+            viseme: Viseme::default(),
+            expression: Expression::default(),
+            low: [0; LOW],
+        }
+    }
+}
+
+impl FapFrame {
+    /// Whether a parameter (index 0 is FAP 1) is other than in the neutral face.
+    fn moves(&self, index: usize) -> bool {
+        match index {
+            0 => self.viseme != Viseme::default(),
+            1 => self.expression != Expression::default(),
+            _ => self.low[index - HIGH] != 0,
+        }
+    }
+}
+
+/// The motion of a face.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FapClip {
+    /// Name as the header has it; some writers put a whole path there.
+    pub name: String,
+    /// Frames a second.
+    pub rate_hz: f32,
+    /// Parameters that the mask of at least one frame names; index 0 is FAP 1.
+    pub coded: [bool; FAPS],
+    /// The frames, in order of their numbers.
+    pub frames: Vec<FapFrame>,
+}
+
+impl FapClip {
+    /// Parameters that are other than neutral in at least one frame; index 0 is FAP 1.
+    pub fn moving(&self) -> [bool; FAPS] {
+        std::array::from_fn(|index| self.frames.iter().any(|frame| frame.moves(index)))
+    }
+
+    /// Smallest and largest value of a low-level parameter, by its number (3 to 68).
+    ///
+    /// # Panics
+    /// If there is no low-level parameter of that number.
+    pub fn range(&self, fap: usize) -> Option<(i32, i32)> {
+        let values = || self.frames.iter().map(|frame| frame.low[fap - 1 - HIGH]);
+        Some((values().min()?, values().max()?))
+    }
+
+    /// Time of the last frame, in seconds after the first.
+    pub fn duration_secs(&self) -> f32 {
+        let ends = self.frames.first().zip(self.frames.last());
+        ends.map_or(0.0, |(a, b)| (b.number - a.number) as f32 / self.rate_hz)
+    }
+}
+
+/// What a parameter does in a frame whose mask leaves it out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Absent {
+    /// It keeps its value: mask types 0 and 1 of the standard.
+    #[default]
+    Hold,
+    /// It is neutral: what the reference encoder takes.
+    Zero,
+}
+
+/// Reads a file.
+///
+/// # Errors
+/// [`ReadError`] with the line, if the text is not of this form or exceeds the limits.
+pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Read<FapClip>, ReadError> {
+    let (mut reader, header) = Reader::new(bytes, &LAYOUT, limits)?;
+    parameter_text::check_version(&header, &VERSIONS, &mut reader.warnings);
+    let mut clip = FapClip {
+        name: header.name,
+        rate_hz: header.rate_hz,
+        coded: [false; FAPS],
+        frames: Vec::new(),
+    };
+    let (mut raw, mut face) = (Frame::default(), FapFrame::default());
+    while reader.next(&mut raw)? {
+        if absent == Absent::Zero {
+            face = FapFrame::default();
+        }
+        face.number = raw.number;
+        apply(&raw, &mut face)?;
+        for (coded, set) in clip.coded.iter_mut().zip(&raw.mask) {
+            *coded |= set;
+        }
+        clip.frames.push(face.clone());
+    }
+    let mut warnings = reader.warnings;
+    warnings.extend(one_way(&clip));
+    Ok(Read {
+        value: clip,
+        warnings,
+    })
+}
+
+/// Puts the values of a frame into the face.
+fn apply(raw: &Frame, face: &mut FapFrame) -> Result<(), ReadError> {
+    let mut fields = raw.fields.iter().copied();
+    let mut next = |highest: i32, what: &str| {
+        let value = fields.next().unwrap_or(0);
+        let small = u8::try_from(value).ok().filter(|_| value <= highest);
+        small.ok_or_else(|| {
+            let what = format!("{what} {value} found, 0 to {highest} expected");
+            ReadError::malformed(format!("line {}", raw.line), what)
+        })
+    };
+    let (viseme, expression, weight) = HIGHEST;
+    if raw.mask[0] {
+        face.viseme = Viseme {
+            select1: next(viseme, "viseme")?,
+            select2: next(viseme, "viseme")?,
+            blend: next(weight, "viseme blend")?,
+            defines: next(1, "viseme_def")? == 1,
+        };
+    }
+    if raw.mask[1] {
+        face.expression = Expression {
+            select1: next(expression, "expression")?,
+            intensity1: next(weight, "expression intensity")?,
+            select2: next(expression, "expression")?,
+            intensity2: next(weight, "expression intensity")?,
+            init_face: next(1, "init_face")? == 1,
+            defines: next(1, "expression_def")? == 1,
+        };
+    }
+    for (value, set) in face.low.iter_mut().zip(&raw.mask[HIGH..]) {
+        if *set {
+            *value = fields.next().unwrap_or(0);
+        }
+    }
+    Ok(())
+}
+
+/// Values below zero of parameters that only go one way.
+fn one_way(clip: &FapClip) -> Vec<Warning> {
+    let goes_back = |&(index, fap): &(usize, &articula_core::fap_table::Fap)| {
+        let one_way = fap.action.is_some_and(|action| !action.both_ways);
+        one_way && clip.range(index + 1).is_some_and(|(low, _)| low < 0)
+    };
+    let found = TABLE.iter().enumerate().filter(goes_back);
+    found
+        .map(|(index, fap)| {
+            let what = "goes below 0, where it has no meaning; kept as it is";
+            Warning::new(format!("FAP {} {}", index + 1, fap.name), what)
+        })
+        .collect()
+}
+
+/// Writes a file of version 2.1; every frame names the parameters that move at all.
+pub fn write(clip: &FapClip) -> Vec<u8> {
+    let mask = clip.moving();
+    let line = parameter_text::mask_line(&mask);
+    let mut text = String::new();
+    parameter_text::write_header(
+        &mut text,
+        VERSIONS[0],
+        &clip.name,
+        clip.rate_hz,
+        clip.frames.len(),
+    );
+    for frame in &clip.frames {
+        parameter_text::write_frame(&mut text, &line, frame.number, fields(frame, &mask));
+    }
+    text.into_bytes()
+}
+
+fn fields(frame: &FapFrame, mask: &[bool; FAPS]) -> Vec<i32> {
+    let mut fields: Vec<i32> = Vec::new();
+    if mask[0] {
+        let v = frame.viseme;
+        let all = [v.select1, v.select2, v.blend, v.defines.into()];
+        fields.extend(all.map(i32::from));
+    }
+    if mask[1] {
+        let e = frame.expression;
+        let first = [e.select1, e.intensity1, e.select2, e.intensity2];
+        fields.extend(first.map(i32::from));
+        fields.extend([e.init_face, e.defines].map(i32::from));
+    }
+    let low = frame.low.iter().zip(&mask[HIGH..]);
+    fields.extend(low.filter(|(_, set)| **set).map(|(value, _)| value));
+    fields
+}

@@ -1,0 +1,20 @@
+//! The text forms around MPEG-4 face and body animation (ISO/IEC 14496-2, annex C).
+//!
+//! - [`fap`]: facial animation parameters, in and out
+//! - [`bap`]: body animation parameters, in and out; they drive the standard humanoid
+//! - [`epf`]: parameters of the encoder, read as data
+//! - [`fdp`]: Xface's description of a face, read as data
+//!
+//! The standard defines bits, not text: these forms are those of its reference encoder and of
+//! Xface, see `docs/formats/mpeg4.md`.
+
+pub mod bap;
+mod bap_body;
+mod bap_limb;
+mod bap_sample;
+mod bap_split;
+mod bap_table;
+pub mod epf;
+pub mod fap;
+pub mod fdp;
+mod parameter_text;

@@ -1,0 +1,120 @@
+//! Whatever happens to a file, reading gives a value or an error.
+//!
+//! The stable twin of the fuzz target `mpeg4`: truncation at every byte and seeded mutations.
+
+use crate::dice::Dice;
+use crate::texts;
+use articula_formats::mpeg4::{bap, epf, fap, fdp};
+use articula_formats::{Limits, profile};
+
+/// Mutations tried on each file.
+const TRIES: u64 = 3000;
+
+/// The words that the forms know, put in anywhere.
+const WORDS: [&str; 16] = [
+    "0",
+    "1",
+    "-1",
+    "2147483648",
+    "1e9",
+    "NaN",
+    "2.1",
+    "#",
+    "FBM 1",
+    "FMT",
+    "TC",
+    "<fdp>",
+    "</fdp>",
+    "&amp;",
+    "<!DOCTYPE a>",
+    "\"",
+];
+
+fn reads_fap(bytes: &[u8]) -> bool {
+    let Ok(read) = fap::read(bytes, fap::Absent::Hold, &Limits::default()) else {
+        return false;
+    };
+    let numbers: Vec<u32> = read.value.frames.iter().map(|f| f.number).collect();
+    assert!(numbers.windows(2).all(|w| w[0] < w[1]));
+    assert!(read.value.duration_secs().is_finite());
+    fap::write(&read.value);
+    true
+}
+
+fn reads_bap(bytes: &[u8]) -> bool {
+    let Ok(read) = bap::read(bytes, bap::Absent::Zero, &Limits::default()) else {
+        return false;
+    };
+    let character = bap::character(&read.value);
+    for channel in character.clips.iter().flat_map(|c| &c.channels) {
+        assert!(channel.times_secs.windows(2).all(|w| w[0] < w[1]));
+        assert!(channel.values.iter().all(|v| v.is_finite()));
+    }
+    if !character.clips.is_empty() && character.clips[0].duration_secs < 10.0 {
+        let map = profile::map(&character.skeleton, profile::builtin(), None);
+        bap::sample(&character, &map.articulation, 0, 10.0).unwrap();
+    }
+    bap::write(&read.value);
+    true
+}
+
+fn reads_epf(bytes: &[u8]) -> bool {
+    epf::read(bytes, &Limits::default()).is_ok()
+}
+
+fn reads_fdp(bytes: &[u8]) -> bool {
+    fdp::read(bytes, &Limits::default()).is_ok_and(|read| read.value.faps() <= 68)
+}
+
+fn mutated(good: &str, dice: &mut Dice) -> Vec<u8> {
+    let mut bytes = good.as_bytes().to_vec();
+    for _ in 0..=dice.roll(4) {
+        let at = dice.roll(bytes.len());
+        match dice.roll(5) {
+            0 => bytes.truncate(at),
+            1 => bytes.insert(at, dice.roll(256) as u8),
+            2 => bytes.extend_from_within(at..),
+            3 => {
+                let word = WORDS[dice.roll(WORDS.len())].bytes();
+                bytes.splice(at..at, [b' '].into_iter().chain(word).chain([b' ']));
+            }
+            _ => {
+                let end = (at + dice.roll(12)).min(bytes.len());
+                bytes.drain(at..end);
+            }
+        }
+    }
+    bytes
+}
+
+fn check(good: &str, read: impl Fn(&[u8]) -> bool) {
+    assert!(read(good.as_bytes()), "the unharmed file is good");
+    for length in 0..good.len() {
+        read(&good.as_bytes()[..length]);
+    }
+    let mut dice = Dice(20071);
+    let good_ones = (0..TRIES)
+        .filter(|_| read(&mutated(good, &mut dice)))
+        .count();
+    assert!(good_ones < TRIES as usize, "no mutation was noticed");
+}
+
+#[test]
+fn fap_files() {
+    check(&texts::fap(), reads_fap);
+}
+
+#[test]
+fn bap_files() {
+    check(&texts::bap(), reads_bap);
+}
+
+#[test]
+fn epf_files() {
+    check(texts::EPF, reads_epf);
+}
+
+#[test]
+fn fdp_files() {
+    check(texts::FDP, reads_fdp);
+}
