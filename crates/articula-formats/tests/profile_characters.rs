@@ -98,10 +98,29 @@ fn skeleton(json: &Value) -> (Skeleton, Vec<usize>) {
     (skeleton, joint_of)
 }
 
+/// Node and human bone of a VRM file, by a second reader.
+fn humanoid(json: &Value) -> Option<Vec<(usize, String)>> {
+    let extensions = ["VRM", "VRMC_vrm", "VRMC_vrm_animation"];
+    let bones = extensions.map(|e| &json["extensions"][e]["humanoid"]["humanBones"]);
+    let bones = bones.into_iter().find(|bones| !bones.is_null())?;
+    let node = |bone: &Value| bone["node"].as_u64().unwrap() as usize;
+    Some(match bones.as_array() {
+        Some(list) => list
+            .iter()
+            .map(|b| (node(b), b["bone"].as_str().unwrap().to_owned()))
+            .collect(),
+        None => bones
+            .as_object()?
+            .iter()
+            .map(|(name, b)| (node(b), name.clone()))
+            .collect(),
+    })
+}
+
 fn mapped(name: &str) -> (Skeleton, Mapping) {
     let json = document(name);
     let (skeleton, joint_of) = skeleton(&json);
-    let given = profile::vrm_humanoid(&json).map(|bones| {
+    let given = humanoid(&json).map(|bones| {
         let joint = |(node, bone): (usize, String)| (joint_of[node], bone);
         bones.into_iter().map(joint).collect::<Vec<_>>()
     });

@@ -107,13 +107,7 @@ pub(crate) fn opened(bytes: &[u8], format: Format, path: &Path, told: Told) -> R
     let mut beside = |uri: &str| std::fs::read(folder.join(uri)).map_err(|e| e.to_string());
     let read = gltf::read(bytes, &limits, &mut beside)?;
     let file = read.value;
-    let given = profile::vrm_humanoid(&file.document.json).map(|bones| {
-        let joint = |node: usize| file.node_of_joint.iter().position(|n| *n == node);
-        let known = bones.into_iter();
-        let known = known.filter_map(|(node, bone)| Some((joint(node)?, bone)));
-        known.collect::<Vec<_>>()
-    });
-    let mut opened = figure(file.character.clone(), given.as_deref());
+    let mut opened = figure(file.character.clone(), file.humanoid.as_deref());
     opened.behind = Some(file);
     opened.warnings = read.warnings.len();
     Ok(opened)

@@ -117,7 +117,17 @@ impl Subject {
         nodes
             .map(|&node| &positions[node])
             .map(|p| Vec3::new(axis(p, 0), axis(p, 1), axis(p, 2)))
+            .map(|p| self.turned(p))
             .collect()
+    }
+
+    /// The judge shows a VRM 0.x character as its file has it, which faces -Z.
+    fn turned(&self, place: Vec3) -> Vec3 {
+        let version = self.file.version.as_deref().unwrap_or_default();
+        if version.starts_with("VRM 0") {
+            return Vec3::new(-place.x, place.y, -place.z);
+        }
+        place
     }
 
     fn positions(&self, local: &LocalPose) -> Vec<Vec3> {

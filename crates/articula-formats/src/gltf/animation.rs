@@ -104,6 +104,15 @@ fn read_target(
         reader.warn(&target, what);
         return Ok(None);
     };
+    let expression = skeletal.expression_of_node.get(&node);
+    if let (Some(&target), "translation") = (expression, path) {
+        // Only the way along x counts; the array still has three floats a key.
+        return Ok(Some(Target {
+            target,
+            property: Property::Expression,
+            width: 3,
+        }));
+    }
     let (property, width) = match path {
         "translation" => (Property::Translation, 3),
         "rotation" => (Property::Rotation, 4),
@@ -176,6 +185,10 @@ fn read_sampler(
         values,
     };
     drop_unordered_keys(reader, sampler, floats, &mut channel);
+    if target.property == Property::Expression {
+        let keys = channel.values.as_chunks::<3>().0;
+        channel.values = keys.iter().map(|key| key[0]).collect();
+    }
     if target.property == Property::Rotation {
         mend_rotations(reader, sampler, parts, &mut channel.values);
     }
@@ -201,9 +214,9 @@ fn read_values(
 ) -> Result<Vec<f32>, ReadError> {
     let accessor = reader.accessor(index)?;
     let (kind, width) = match target.property {
-        Property::Translation | Property::Scale => ("VEC3", 3),
+        Property::Translation | Property::Scale | Property::Expression => ("VEC3", 3),
         Property::Rotation => ("VEC4", 4),
-        Property::Weights | Property::Expression => ("SCALAR", 1),
+        Property::Weights => ("SCALAR", 1),
     };
     accessor.expect_type(&[kind])?;
     accessor.expect_count(floats / width, "values belong to the key times")?;

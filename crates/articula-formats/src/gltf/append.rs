@@ -66,6 +66,15 @@ impl Document {
         }
     }
 
+    /// Puts an extension on the document itself.
+    pub(super) fn extend(&mut self, name: &str, value: Value) {
+        let extensions = object(&mut self.json)
+            .entry("extensions")
+            .or_insert_with(|| json!({}));
+        set(extensions, name, value);
+        self.use_extension(name);
+    }
+
     /// Number of entries of a top-level array.
     pub(super) fn count(&self, key: &str) -> usize {
         self.json

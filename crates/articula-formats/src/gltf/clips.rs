@@ -3,9 +3,13 @@
 use super::append::{exact, float_bytes, object, push, set};
 use super::articulation::NAME;
 use super::document::Document;
+use super::khr_character::named;
+use super::vrm::expression_nodes;
+use super::vrm::facing::{faces_back, parents, turned_back};
 use super::write::WriteError;
 use articula_core::source::{Channel, Clip, Interpolation, Property};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::collections::HashMap;
 
 impl Document {
@@ -16,8 +20,11 @@ impl Document {
     /// [`GltfFile`](super::GltfFile). Arrays and bytes that only the old animations used are
     /// dropped, unless the document has extensions that might refer to them. A clip keeps the
     /// extras and unknown extensions of the old animation with its name; motion tables
-    /// describe old keys and go. Channels without keys, channels that drive expressions, and
-    /// clips without channels, which glTF cannot express, are left out.
+    /// describe old keys and go. Expressions are written where the document has nodes for them,
+    /// which only VRM animations do. Other channels that drive expressions, channels without
+    /// keys, and clips without channels, which glTF cannot express, are left out. Expressions of
+    /// KHR_character follow their animation, or go with it. A VRM 0.x character that was turned
+    /// when it was read is turned back.
     ///
     /// # Errors
     /// [`WriteError::Mismatch`] if a channel drives a joint or mesh without node, or has
@@ -31,18 +38,21 @@ impl Document {
         let nodes = Nodes {
             of_joint: node_of_joint,
             of_mesh: node_of_mesh,
+            of_expression: &expression_nodes(&self.json),
+            is_turned: self.turned_nodes(),
             count: self.count("nodes"),
         };
         for (i, channel) in clips.iter().flat_map(|clip| &clip.channels).enumerate() {
-            if channel.property != Property::Expression {
+            if channel.property != Property::Expression || nodes.node(channel).is_some() {
                 nodes.check(i, channel)?;
             }
         }
+        let known = named(self.json.get("animations").and_then(Value::as_array));
         let mut old = self.take_animations();
         for clip in clips {
-            let fits =
-                |c: &&Channel| !c.times_secs.is_empty() && c.property != Property::Expression;
-            let channels: Vec<_> = clip.channels.iter().filter(fits).collect();
+            let fits = |c: &&Channel| !c.times_secs.is_empty() && nodes.node(c).is_some();
+            let channels = clip.channels.iter().filter(fits);
+            let channels: Vec<_> = channels.map(|c| nodes.as_stored(c)).collect();
             if channels.is_empty() {
                 continue;
             }
@@ -52,10 +62,24 @@ impl Document {
             }
             push(&mut self.json, "animations", animation);
         }
+        self.follow_animations(&known);
         Ok(())
     }
 
-    fn animation(&mut self, clip: &Clip, channels: &[&Channel], nodes: &Nodes<'_>) -> Value {
+    /// Which nodes were turned when they were read; none but of VRM 0.x.
+    fn turned_nodes(&self) -> Vec<bool> {
+        if !faces_back(&self.json) {
+            return Vec::new();
+        }
+        parents(&self.json).iter().map(Option::is_none).collect()
+    }
+
+    fn animation(
+        &mut self,
+        clip: &Clip,
+        channels: &[Cow<'_, Channel>],
+        nodes: &Nodes<'_>,
+    ) -> Value {
         let mut arrays = Arrays {
             view: self.count("bufferViews"),
             bytes: Vec::new(),
@@ -85,18 +109,38 @@ impl Document {
 struct Nodes<'a> {
     of_joint: &'a [usize],
     of_mesh: &'a [usize],
+    of_expression: &'a [Option<usize>],
+    is_turned: Vec<bool>,
     count: usize,
 }
 
 impl Nodes<'_> {
     fn node(&self, channel: &Channel) -> Option<usize> {
-        let list = match channel.property {
-            Property::Weights => self.of_mesh,
-            _ => self.of_joint,
+        let node = match channel.property {
+            Property::Weights => self.of_mesh.get(channel.target).copied(),
+            Property::Expression => self.of_expression.get(channel.target).copied().flatten(),
+            _ => self.of_joint.get(channel.target).copied(),
         };
-        list.get(channel.target)
-            .copied()
-            .filter(|&n| n < self.count)
+        node.filter(|&n| n < self.count)
+    }
+
+    /// The channel with the keys that the file is to have.
+    fn as_stored<'c>(&self, channel: &'c Channel) -> Cow<'c, Channel> {
+        let is_turned = |node: usize| self.is_turned.get(node) == Some(&true);
+        match channel.property {
+            // The value of an expression is the way of its node along x.
+            Property::Expression => {
+                let mut stored = channel.clone();
+                stored.values = channel.values.iter().flat_map(|x| [*x, 0.0, 0.0]).collect();
+                Cow::Owned(stored)
+            }
+            Property::Translation | Property::Rotation
+                if self.node(channel).is_some_and(is_turned) =>
+            {
+                Cow::Owned(turned_back(channel))
+            }
+            _ => Cow::Borrowed(channel),
+        }
     }
 
     fn check(&self, i: usize, channel: &Channel) -> Result<(), WriteError> {
@@ -109,7 +153,11 @@ impl Nodes<'_> {
             Interpolation::CubicSpline => 3,
             _ => 1,
         };
-        let unit = channel.times_secs.len() * parts * element_width(channel.property);
+        let width = match channel.property {
+            Property::Expression => 1,
+            property => element_width(property),
+        };
+        let unit = channel.times_secs.len() * parts * width;
         let found = channel.values.len();
         let fits = match channel.property {
             Property::Weights => unit == 0 || found > 0 && found.is_multiple_of(unit),
@@ -160,9 +208,9 @@ impl Arrays {
 /// Floats in one element of the output accessor.
 fn element_width(property: Property) -> usize {
     match property {
-        Property::Translation | Property::Scale => 3,
+        Property::Translation | Property::Scale | Property::Expression => 3,
         Property::Rotation => 4,
-        Property::Weights | Property::Expression => 1,
+        Property::Weights => 1,
     }
 }
 
@@ -176,10 +224,10 @@ fn element_type(width: usize) -> &'static str {
 
 fn path(property: Property) -> &'static str {
     match property {
-        Property::Translation => "translation",
+        Property::Translation | Property::Expression => "translation",
         Property::Rotation => "rotation",
         Property::Scale => "scale",
-        Property::Weights | Property::Expression => "weights",
+        Property::Weights => "weights",
     }
 }
 

@@ -11,7 +11,14 @@ const READ: &[&str] = &[
     "KHR_texture_transform",
     "VRM",
 ];
-const READ_FAMILIES: &[&str] = &["KHR_materials_", "VRMC_"];
+const READ_FAMILIES: &[&str] = &[
+    "KHR_avatar",
+    "KHR_character",
+    "KHR_materials_",
+    "KHR_node_",
+    "KHR_xmp",
+    "VRMC_",
+];
 
 /// Refuses a document that demands what is not read, and says how to mend it.
 pub(super) fn check(root: &Place<'_>, notes: &mut Notes) -> Result<(), ReadError> {

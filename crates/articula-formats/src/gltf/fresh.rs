@@ -18,7 +18,8 @@ impl Document {
     /// skin that no mesh uses (a skeleton without mesh has only such) are named by a skin of
     /// their own, so that they stay joints and can carry their articulation. Pictures of an
     /// unknown kind, primitives without triangles and clips without channels, which glTF
-    /// cannot express, are left out.
+    /// cannot express, are left out; so are expressions, with the
+    /// channels that drive them (`articula-build` writes those out as weights and joints first).
     ///
     /// # Errors
     /// [`WriteError::Mismatch`] if the character is not consistent: a joint, material or
@@ -50,6 +51,9 @@ impl Document {
         document.add_loose_joints(character);
         let node_of_joint: Vec<usize> = (0..character.skeleton.joints.len()).collect();
         document.replace_clips(&character.clips, &node_of_joint, &node_of_mesh)?;
+        if let Some(credits) = &character.credits {
+            document.set_credits(credits);
+        }
         if let Some(articulation) = &character.articulation {
             document.set_articulation(articulation, &node_of_joint)?;
         }

@@ -10,6 +10,7 @@
 //! - `node`, `skeleton`, `skin`: from nodes to joints
 //! - `material`, `mesh`, `primitive`, `influences`: what is seen
 //! - `animation`: what moves
+//! - `vrm`, `khr_character`, `credits`: what is said of a human, and who made it
 //! - [`articulation`]: the extension `ARTICULA_articulation`
 //! - `append`, `clips`, `prune`: a document changed
 //! - `fresh`, `geometry`: a document made from a character
@@ -23,11 +24,13 @@ mod append;
 pub mod articulation;
 mod clips;
 mod container;
+mod credits;
 mod document;
 mod extension;
 mod fresh;
 mod geometry;
 mod influences;
+mod khr_character;
 mod material;
 mod mesh;
 mod node;
@@ -37,14 +40,18 @@ mod prune;
 mod reader;
 mod skeleton;
 mod skin;
+mod vrm;
 mod write;
 
 pub use document::Document;
+pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
+pub use vrm::Kept;
 pub use write::WriteError;
 
 use crate::error::{Read, ReadError};
 use crate::{Limits, Resolver};
 use articula_core::source::Character;
+use glam::Vec3A;
 use place::Place;
 use reader::{Notes, Reader};
 
@@ -59,6 +66,32 @@ pub struct GltfFile {
     pub node_of_joint: Vec<usize>,
     /// Node of each mesh of the character.
     pub node_of_mesh: Vec<usize>,
+    /// Format of human extensions and its version, such as `VRM 1.0`.
+    pub version: Option<String>,
+    /// Joint and VRM human bone, if the file says which is which. Names are those of its version
+    /// (the two differ in the thumb).
+    pub humanoid: Option<Vec<(usize, String)>>,
+    /// What the draft KHR_character family says.
+    pub khr_character: Option<KhrCharacter>,
+    /// What stays in the document but changes nothing here, such as spring bones.
+    pub kept: Vec<Kept>,
+}
+
+impl GltfFile {
+    /// Height of the hips above the ground at rest, metres; what motions are scaled by between
+    /// humans of different size. `None` if no joint is said to be the hips.
+    pub fn hips_height_metres(&self) -> Option<f32> {
+        let bones = self.humanoid.as_ref()?;
+        let (hips, _) = bones.iter().find(|(_, bone)| bone == "hips")?;
+        let joints = &self.character.skeleton.joints;
+        let mut place = Vec3A::ZERO;
+        let mut at = Some(*hips);
+        while let Some(j) = at {
+            place = joints[j].rest.to_affine().transform_point3a(place);
+            at = joints[j].parent;
+        }
+        Some(place.y)
+    }
 }
 
 /// Reads a GLB or glTF 2.0 file (VRM 0 and 1 and VRMA included) as one character.
@@ -72,6 +105,8 @@ pub struct GltfFile {
 /// - *Meshes* are one for each node of a scene that shows one. A skinned mesh ignores its node's own
 ///   transform, as the format demands.
 /// - *Clips* are the animations in order: clip `i` is `animations[i]`.
+/// - *Expressions* are those of VRM, else those of KHR_character.
+/// - A VRM 0.x character, which faces -Z in its file, is turned to +Z.
 ///
 /// ```
 /// use articula_formats::{Limits, gltf};
@@ -100,12 +135,23 @@ pub fn read(
     let mut reader = Reader::new(&document, limits, notes);
     let tree = node::read_tree(&reader)?;
     let skins = skin::read_all(&mut reader, tree.len())?;
-    let skeletal = skeleton::read(&mut reader, &tree, &skins)?;
+    let human = vrm::read_nodes(&mut reader, tree.len());
+    let skeletal = skeleton::read(&mut reader, &tree, &skins, &human)?;
     let look = material::read_all(&mut reader)?;
     let shown = mesh::read_all(&mut reader, &skeletal, &skins, &look.texcoord_sets)?;
     let clips = animation::read_all(&mut reader, &skeletal, &shown)?;
     let articulation = articulation::read(&mut reader, &skeletal)?;
-    let character = Character {
+    let mut expressions = vrm::read_expressions(&mut reader, &shown)?;
+    let mut responses = Vec::new();
+    if expressions.is_empty() {
+        let found = khr_character::read_expressions(&mut reader, &skeletal, &shown, &clips)?;
+        (expressions, responses) = (found.expressions, found.clips);
+    }
+    let khr_character = khr_character::read(&mut reader, &skeletal, &expressions, responses);
+    let joint = |(node, bone): (usize, String)| Some((skeletal.joint_of_node[node]?, bone));
+    let humanoid: Vec<_> = human.bones.into_iter().filter_map(joint).collect();
+    let kept = vrm::read_kept(&reader.root, &expressions);
+    let mut character = Character {
         name: name(&reader.root),
         skeleton: skeletal.skeleton,
         articulation,
@@ -113,14 +159,28 @@ pub fn read(
         clips,
         materials: look.materials,
         images: look.images,
-        ..Character::default()
+        expressions,
+        credits: credits::read(&reader.root),
     };
+    if vrm::facing::faces_back(&document.json) {
+        vrm::facing::turn(&mut character);
+    }
+    let draft = || {
+        khr_character
+            .as_ref()
+            .map(|_| "KHR_character (draft)".to_owned())
+    };
+    let version = vrm::version(&reader.root).or_else(draft);
     let warnings = reader.notes.into_list();
     let value = GltfFile {
         document,
         character,
         node_of_joint: skeletal.node_of_joint,
         node_of_mesh: shown.node_of_mesh,
+        version,
+        humanoid: (!humanoid.is_empty()).then_some(humanoid),
+        khr_character,
+        kept,
     };
     Ok(Read { value, warnings })
 }

@@ -22,7 +22,14 @@ const HARMLESS: &[&str] = &[
     "MSFT_lod",
     "VRM",
 ];
-const HARMLESS_FAMILIES: &[&str] = &["KHR_materials_", "VRMC_"];
+const HARMLESS_FAMILIES: &[&str] = &[
+    "KHR_avatar",
+    "KHR_character",
+    "KHR_materials_",
+    "KHR_node_",
+    "KHR_xmp",
+    "VRMC_",
+];
 
 impl Document {
     /// Takes all animations out, with what only they used.

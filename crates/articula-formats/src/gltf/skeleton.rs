@@ -5,15 +5,10 @@ use super::node::{self, Tree};
 use super::place::Place;
 use super::reader::Reader;
 use super::skin::NodeSkin;
+use super::vrm::HumanNodes;
 use crate::error::ReadError;
 use articula_core::source::{Joint, Skeleton};
-
-/// Humanoid extensions that name bones by node: where, and under which member.
-const HUMANOIDS: &[&[&str]] = &[
-    &["extensions", "VRMC_vrm", "humanoid"],
-    &["extensions", "VRM", "humanoid"],
-    &["extensions", "VRMC_vrm_animation", "humanoid"],
-];
+use std::collections::HashMap;
 
 /// The skeleton and the way between its joints and the nodes.
 #[derive(Debug)]
@@ -24,6 +19,8 @@ pub(super) struct Skeletal {
     pub(super) joint_of_node: Vec<Option<usize>>,
     /// Whether a scene shows each node.
     pub(super) in_scene: Vec<bool>,
+    /// Index of the expression that each of these nodes drives by its way along x.
+    pub(super) expression_of_node: HashMap<usize, usize>,
 }
 
 /// Picks the nodes that matter and makes joints of them.
@@ -31,13 +28,19 @@ pub(super) fn read(
     reader: &mut Reader<'_>,
     tree: &Tree,
     skins: &[NodeSkin],
+    human: &HumanNodes,
 ) -> Result<Skeletal, ReadError> {
     let mut in_skin = vec![false; tree.len()];
     for joint in skins.iter().flat_map(|skin| &skin.joints) {
         in_skin[*joint] = true;
     }
-    mark_human_bones(reader, &mut in_skin);
-    let kept = kept_nodes(reader, tree, &in_skin)?;
+    for (node, _) in &human.bones {
+        in_skin[*node] = true;
+    }
+    // A node that only carries the value of an expression is no joint.
+    let mut expression_of_node = human.expressions.clone();
+    expression_of_node.retain(|node, _| !in_skin[*node]);
+    let kept = kept_nodes(reader, tree, &in_skin, &expression_of_node)?;
     let mut joint_of_node = vec![None; tree.len()];
     let mut node_of_joint = Vec::new();
     let mut joints = Vec::new();
@@ -57,6 +60,7 @@ pub(super) fn read(
         node_of_joint,
         joint_of_node,
         in_scene: tree.in_scene.clone(),
+        expression_of_node,
     })
 }
 
@@ -65,8 +69,14 @@ pub(super) fn node_place<'a>(reader: &Reader<'a>, n: usize) -> Result<Place<'a>,
     reader.root.entry("nodes", n).ok_or_else(missing)
 }
 
-fn kept_nodes(reader: &Reader<'_>, tree: &Tree, in_skin: &[bool]) -> Result<Vec<bool>, ReadError> {
+fn kept_nodes(
+    reader: &Reader<'_>,
+    tree: &Tree,
+    in_skin: &[bool],
+    expression_of_node: &HashMap<usize, usize>,
+) -> Result<Vec<bool>, ReadError> {
     let mut kept = animation::animated_nodes(reader, tree.len())?;
+    expression_of_node.keys().for_each(|n| kept[*n] = false);
     for (n, node) in reader.root.entries("nodes")?.iter().enumerate() {
         let is_rigid = node.get("mesh").is_some() && node.get("skin").is_none();
         kept[n] |= in_skin[n] || is_rigid && tree.in_scene[n];
@@ -83,32 +93,4 @@ fn kept_nodes(reader: &Reader<'_>, tree: &Tree, in_skin: &[bool]) -> Result<Vec<
         }
     }
     Ok(kept)
-}
-
-/// VRM names its bones in an object (1.0, VRMA) or in a list (0.x). A broken entry is only a
-/// warning, since the extension stands outside the format.
-fn mark_human_bones(reader: &mut Reader<'_>, in_skin: &mut [bool]) {
-    for keys in HUMANOIDS {
-        let Some(bones) = reader.root.dig(keys).and_then(|h| h.get("humanBones")) else {
-            continue;
-        };
-        let listed = reader
-            .root
-            .dig(keys)
-            .and_then(|h| h.entries("humanBones").ok())
-            .unwrap_or_default();
-        let named = bones.members().into_iter().map(|(_, bone)| bone);
-        for bone in listed.into_iter().chain(named) {
-            match bone.index("node", in_skin.len()) {
-                Ok(Some(node)) => in_skin[node] = true,
-                // VRM 0.x writes -1 for a bone that is not there.
-                Ok(None) => {}
-                Err(_)
-                    if bone
-                        .get("node")
-                        .is_some_and(|n| n.value().as_i64() == Some(-1)) => {}
-                Err(error) => reader.warn(&bone, format!("human bone left out: {error}")),
-            }
-        }
-    }
 }

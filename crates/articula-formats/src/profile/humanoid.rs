@@ -1,30 +1,6 @@
-//! The humanoid map of a VRM file: which node is which human bone.
+//! The human bones of VRM: the names that a file's own humanoid map uses.
 //!
-//! Source: VRM 0.x (`extensions.VRM`), VRM 1.0 (`extensions.VRMC_vrm`) and VRM animation 1.0
-//! (`extensions.VRMC_vrm_animation`), member `humanoid.humanBones`.
-
-use serde_json::Value;
-
-/// Reads the humanoid map of a glTF document: node index and human bone name, in the order of
-/// the file. `None` if the document has no such extension; entries without a node are left out.
-pub fn vrm_humanoid(json: &Value) -> Option<Vec<(usize, String)>> {
-    let bones = |extension: &str| {
-        json.get("extensions")?
-            .get(extension)?
-            .get("humanoid")?
-            .get("humanBones")
-    };
-    let node = |bone: &Value| bone.get("node")?.as_u64()?.try_into().ok();
-    if let Some(list) = bones("VRM").and_then(Value::as_array) {
-        let entry = |b: &Value| Some((node(b)?, b.get("bone")?.as_str()?.to_owned()));
-        return Some(list.iter().filter_map(entry).collect());
-    }
-    let named = bones("VRMC_vrm")
-        .or_else(|| bones("VRMC_vrm_animation"))?
-        .as_object()?;
-    let entry = |(name, bone): (&String, &Value)| Some((node(bone)?, name.clone()));
-    Some(named.iter().filter_map(entry).collect())
-}
+//! Source: VRM 1.0 `humanoid`; VRM 0.x differs in the thumb.
 
 /// Name of the built-in profile that explains the bones of a humanoid map: the two versions
 /// differ in what they call the joints of the thumb.
@@ -35,23 +11,60 @@ pub(super) fn profile_of(bones: &[(usize, String)]) -> &'static str {
     if old { "vrm-0" } else { "vrm-1" }
 }
 
+/// Bones of the trunk and head; the limbs have a side.
+const MIDDLE: [&str; 7] = [
+    "hips",
+    "spine",
+    "chest",
+    "upperChest",
+    "neck",
+    "head",
+    "jaw",
+];
+const LIMBS: [&str; 9] = [
+    "Eye", "UpperLeg", "LowerLeg", "Foot", "Toes", "Shoulder", "UpperArm", "LowerArm", "Hand",
+];
+const FINGERS: [&str; 4] = ["Index", "Middle", "Ring", "Little"];
+const PARTS: [&str; 3] = ["Proximal", "Intermediate", "Distal"];
+
+/// Whether VRM 1.0 has a human bone of exactly this name.
+pub fn is_vrm_bone(name: &str) -> bool {
+    let Some(part) = name
+        .strip_prefix("left")
+        .or_else(|| name.strip_prefix("right"))
+    else {
+        return MIDDLE.contains(&name);
+    };
+    let thumb = part.strip_prefix("Thumb");
+    let finger = FINGERS.iter().find_map(|finger| part.strip_prefix(finger));
+    LIMBS.contains(&part)
+        || thumb.is_some_and(|p| ["Metacarpal", "Proximal", "Distal"].contains(&p))
+        || finger.is_some_and(|p| PARTS.contains(&p))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use serde_json::json;
 
     #[test]
-    fn three_forms_are_read() {
-        let wanted = Some(vec![(3, "hips".to_owned())]);
-        let old = json!({"extensions": {"VRM": {"humanoid": {"humanBones": [
-            {"bone": "hips", "node": 3}, {"bone": "spine"}, 7]}}}});
-        assert_eq!(vrm_humanoid(&old), wanted);
-        for name in ["VRMC_vrm", "VRMC_vrm_animation"] {
-            let bones = json!({"hips": {"node": 3}, "spine": {"node": -1}});
-            let new = json!({"extensions": {name: {"humanoid": {"humanBones": bones}}}});
-            assert_eq!(vrm_humanoid(&new), wanted);
+    fn names_of_vrm_1() {
+        for name in [
+            "hips",
+            "leftEye",
+            "rightThumbMetacarpal",
+            "leftLittleDistal",
+        ] {
+            assert!(is_vrm_bone(name), "{name}");
         }
-        assert_eq!(vrm_humanoid(&json!({"extensions": {}})), None);
-        assert_eq!(vrm_humanoid(&json!(1)), None);
+        for name in [
+            "Hips",
+            "left",
+            "leftHips",
+            "rightThumbIntermediate",
+            "leftIndex",
+            "",
+        ] {
+            assert!(!is_vrm_bone(name), "{name}");
+        }
     }
 }

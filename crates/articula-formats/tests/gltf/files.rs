@@ -1,6 +1,7 @@
 //! Every real file: the counts that its makers state, and round trips.
 
 use articula_core::articulation::{Articulation, JointArticulation, Region};
+use articula_core::source::{Clip, Property};
 use articula_formats::gltf::{self, Document, GltfFile};
 use articula_formats::{Limits, Read, ReadError};
 use std::path::{Path, PathBuf};
@@ -146,7 +147,7 @@ fn comes_back_the_same(name: &str, file: &GltfFile) {
     let anew = again(&Document::from_character(&described).unwrap()).character;
     assert_eq!(anew.skeleton, file.character.skeleton, "{name}");
     assert_eq!(anew.meshes, file.character.meshes, "{name}");
-    assert_eq!(anew.clips, file.character.clips, "{name}");
+    assert_eq!(anew.clips, without_expressions(file), "{name}");
     assert_eq!(anew.materials, file.character.materials, "{name}");
     assert_eq!(anew.images, file.character.images, "{name}");
     let Some(articulation) = anew.articulation else {
@@ -159,6 +160,15 @@ fn comes_back_the_same(name: &str, file: &GltfFile) {
             assert_eq!(articulation.joints[j], wanted[j], "{name} joint {j}");
         }
     }
+}
+
+/// A new document has no place for what drives expressions.
+fn without_expressions(file: &GltfFile) -> Vec<Clip> {
+    let mut clips = file.character.clips.clone();
+    for clip in &mut clips {
+        clip.channels.retain(|c| c.property != Property::Expression);
+    }
+    clips
 }
 
 fn invented(joints: usize) -> Articulation {

@@ -3,7 +3,6 @@
 use super::{Loaded, Source};
 use crate::files;
 use articula_formats::gltf::{self, Document};
-use articula_formats::profile;
 
 /// The document of a glTF file, and which of its nodes the character came from.
 #[derive(Debug)]
@@ -18,14 +17,7 @@ pub(super) fn load(source: &Source<'_>) -> anyhow::Result<Loaded> {
     let mut fetch = files::beside(source.path, source.limits.bytes);
     let read = gltf::read(source.bytes, &source.limits, &mut fetch)?;
     let file = read.value;
-    let given = profile::vrm_humanoid(&file.document.json).map(|bones| {
-        let joint = |node: usize| file.node_of_joint.iter().position(|n| *n == node);
-        let known = bones
-            .into_iter()
-            .filter_map(|(node, bone)| Some((joint(node)?, bone)));
-        known.collect::<Vec<_>>()
-    });
-    let mut loaded = source.loaded(file.character, read.warnings, given.as_deref());
+    let mut loaded = source.loaded(file.character, read.warnings, file.humanoid.as_deref());
     loaded.behind = Some(Behind {
         document: file.document,
         node_of_joint: file.node_of_joint,

@@ -1,0 +1,217 @@
+//! Character, skeleton mapping and reference pose written into a document.
+//!
+//! Source: the schemas `KHR_character`, `KHR_character_skeleton_mapping` (role to node index) and
+//! `KHR_character_reference_pose`; the guideline `vrmHumanoid`, which leaves eyes and jaw to
+//! expressions.
+
+use super::super::append::{entries_mut, float_bytes, index, object, push, set, shorts};
+use super::super::document::Document;
+use super::super::place::Place;
+use super::super::vrm::facing::{faces_back, parents, rest};
+use super::super::write::WriteError;
+use super::{CHARACTER, REFERENCE_POSE, SKELETON_MAPPING};
+use articula_core::math::Transform;
+use articula_core::source::Credits;
+use serde_json::{Map, Value, json};
+
+/// Bones that the rig `vrmHumanoid` does not have.
+const NO_ROLES: [&str; 3] = ["leftEye", "rightEye", "jaw"];
+
+impl Document {
+    /// Writes the draft extensions KHR_character, KHR_character_skeleton_mapping (to
+    /// `vrmHumanoid`) and, as a new animation, KHR_character_reference_pose; and the credits as
+    /// KHR_xmp_json_ld.
+    ///
+    /// `bones` are nodes and human bones of VRM, of either version; the reference pose is their
+    /// rest, and `kind` says which it is (`TPose`, `APose`, `IPose`). If several nodes stand at
+    /// the root, or a VRM 0.x character faces -Z, a new root node comes above them; it turns the
+    /// latter to +Z. So this comes last: clips are not to be replaced afterwards. A document that
+    /// has a reference pose keeps it.
+    ///
+    /// # Errors
+    /// [`WriteError::Mismatch`] if a bone's node is not there, or `bones` has no `hips`; the
+    /// document is unchanged then.
+    pub fn set_khr_character(
+        &mut self,
+        bones: &[(usize, String)],
+        kind: &str,
+        credits: Option<&Credits>,
+    ) -> Result<(), WriteError> {
+        let count = self.count("nodes");
+        let mut roles: Vec<(usize, String)> = Vec::new();
+        for (node, bone) in bones {
+            if *node >= count {
+                let what = format!("node {node}, but there are {count}");
+                return Err(WriteError::mismatch(format!("bone \"{bone}\""), what));
+            }
+            let role = role(bones, bone);
+            let is_new = roles.iter().all(|(_, known)| *known != role);
+            if is_new && !NO_ROLES.contains(&role.as_str()) {
+                roles.push((*node, role));
+            }
+        }
+        if roles.iter().all(|(_, role)| role != "hips") {
+            let what = "no \"hips\" among them; a human character is needed";
+            return Err(WriteError::mismatch("bones", what));
+        }
+        let root = self.common_root();
+        self.extend(CHARACTER, json!({"rootNode": root}));
+        let named = roles.iter().map(|(node, role)| (role.clone(), json!(node)));
+        let rig: Map<String, Value> = named.collect();
+        let rigs = json!({"skeletalRigMappings": {"vrmHumanoid": rig}});
+        self.extend(SKELETON_MAPPING, rigs);
+        if !self.has_reference_pose() {
+            self.add_reference_pose(&roles, kind);
+        }
+        if let Some(credits) = credits {
+            self.set_credits(credits);
+        }
+        Ok(())
+    }
+
+    /// The node above all others; a new one if there is none, or the character is to be turned.
+    fn common_root(&mut self) -> usize {
+        let parents = parents(&self.json);
+        let turns = faces_back(&self.json);
+        let roots: Vec<usize> = (0..parents.len())
+            .filter(|n| parents[*n].is_none())
+            .collect();
+        if let ([root], false) = (&roots[..], turns) {
+            return *root;
+        }
+        let mut node = json!({"name": "character", "children": roots});
+        if turns {
+            set(&mut node, "rotation", json!([0.0, 1.0, 0.0, 0.0]));
+        }
+        let new = push(&mut self.json, "nodes", node);
+        if self.count("scenes") == 0 {
+            self.json["scenes"] = json!([{"nodes": []}]);
+            set(&mut self.json, "scene", 0);
+        }
+        for scene in entries_mut(&mut self.json, "scenes") {
+            set(scene, "nodes", json!([new]));
+        }
+        new
+    }
+
+    fn has_reference_pose(&self) -> bool {
+        let root = Place::root(&self.json);
+        !super::reference_poses(&root).is_empty()
+    }
+
+    /// One key of each bone: its rotation, and the place of the hips.
+    fn add_reference_pose(&mut self, roles: &[(usize, String)], kind: &str) {
+        let mut poses: Vec<(usize, bool, Transform)> = Vec::new();
+        for (node, role) in roles {
+            // A node with a matrix cannot be animated; one that is no transform has no pose.
+            if let Some(rest) = self.split_matrix(*node) {
+                poses.push((*node, role == "hips", rest));
+            }
+        }
+        let times = self.key("SCALAR", &[0.0]);
+        set(&mut self.json["accessors"][times], "min", json!([0.0]));
+        set(&mut self.json["accessors"][times], "max", json!([0.0]));
+        let (mut channels, mut samplers) = (Vec::new(), Vec::new());
+        for (node, is_hips, rest) in poses {
+            let rotation = ("rotation", self.key("VEC4", &rest.rotation.to_array()));
+            let place = is_hips.then(|| {
+                (
+                    "translation",
+                    self.key("VEC3", &rest.translation.to_array()),
+                )
+            });
+            for (path, output) in std::iter::once(rotation).chain(place) {
+                let target = json!({"node": node, "path": path});
+                channels.push(json!({"sampler": samplers.len(), "target": target}));
+                samplers.push(json!({"input": times, "interpolation": "STEP", "output": output}));
+            }
+        }
+        let pose = json!({
+            "name": kind,
+            "channels": channels,
+            "samplers": samplers,
+            "extensions": {REFERENCE_POSE: {"poseType": kind}},
+        });
+        push(&mut self.json, "animations", pose);
+        self.use_extension(REFERENCE_POSE);
+    }
+
+    /// The rest of a node as translation, rotation and scale, in which it is stored from now on.
+    fn split_matrix(&mut self, node: usize) -> Option<Transform> {
+        let node = &mut self.json["nodes"][node];
+        let split = Transform::from_matrix(rest(node).into())?;
+        if object(node).shift_remove("matrix").is_some() {
+            set(node, "translation", shorts(&split.translation.to_array()));
+            set(node, "rotation", shorts(&split.rotation.to_array()));
+            set(node, "scale", shorts(&split.scale.to_array()));
+            return Some(split);
+        }
+        // What stands there is kept to the digit.
+        let place = Place::root(node);
+        let rotation = place.floats::<4>("rotation").ok().flatten();
+        Some(Transform {
+            rotation: rotation.map_or(split.rotation, glam::Quat::from_array),
+            ..split
+        })
+    }
+
+    fn key(&mut self, kind: &str, numbers: &[f32]) -> usize {
+        let view = self.add_buffer_view(&float_bytes(numbers));
+        self.add_accessor(json!({
+            "bufferView": view,
+            "componentType": 5126,
+            "count": 1,
+            "type": kind,
+        }))
+    }
+
+    /// Lets the expressions of KHR_character_expression follow their animations, which were
+    /// written anew; `names` are those of the old ones. An expression whose animation is gone, or
+    /// has another number of channels, goes too.
+    pub(in super::super) fn follow_animations(&mut self, old: &[(String, usize)]) {
+        let animations = self.json.get("animations").and_then(Value::as_array);
+        let new: Vec<(String, usize)> = super::named(animations);
+        let moved = |entry: &Value| -> Option<usize> {
+            let at = index(entry, "animation")?;
+            let animation = old.get(at)?;
+            // Of animations with one name, the first stays the first.
+            let before = old[..at].iter().filter(|a| *a == animation).count();
+            let same = new.iter().enumerate().filter(|(_, a)| *a == animation);
+            same.map(|(i, _)| i).nth(before)
+        };
+        let Some(expression) = self
+            .json
+            .get_mut("extensions")
+            .and_then(|extensions| extensions.get_mut(super::EXPRESSION))
+        else {
+            return;
+        };
+        let Some(Value::Array(entries)) = expression.get_mut("expressions") else {
+            return;
+        };
+        entries.retain_mut(|entry| {
+            let moved = moved(entry);
+            if let Some(animation) = moved {
+                set(entry, "animation", animation);
+            }
+            moved.is_some()
+        });
+        if entries.is_empty() {
+            object(&mut self.json["extensions"]).shift_remove(super::EXPRESSION);
+        }
+    }
+}
+
+/// What VRM 1.0 calls a bone. The first thumb joint of VRM 0.x is the second name of VRM 1.0.
+fn role(bones: &[(usize, String)], bone: &str) -> String {
+    let is_old = |(_, bone): &(usize, String)| bone.ends_with("ThumbIntermediate");
+    if bones.iter().any(is_old) {
+        if let Some(side) = bone.strip_suffix("ThumbProximal") {
+            return format!("{side}ThumbMetacarpal");
+        }
+        if let Some(side) = bone.strip_suffix("ThumbIntermediate") {
+            return format!("{side}ThumbProximal");
+        }
+    }
+    bone.to_owned()
+}
