@@ -7,6 +7,8 @@
     reason = "a test opens real files, writes what the judges are to read, and may fail loudly"
 )]
 
+mod program;
+
 use articula_build::character;
 use articula_build::clip::ClipOptions;
 use articula_core::clip::Clip;
@@ -298,6 +300,44 @@ fn what_we_write_is_valid() {
             write(name, "through", &file.document);
         }
     }
+    let (verdict, good) = ask("validate.mjs", &written);
+    assert!(good, "{}", faults_of(&verdict));
+}
+
+/// Motions and the characters that they are put onto.
+const RETARGETS: &[(&str, &str)] = &[
+    ("bvh/cmu_12_01_walk.bvh", "glb/KayKit_Knight.glb"),
+    (
+        "bvh/fair1_dab.bvh",
+        "glb/Quaternius_modular_women__Casual.glb",
+    ),
+    ("vrm/idle_loop.vrma", "vrm/Godette_vrm_v4.vrm"),
+    (
+        "glb/kaykit_mannequin/Med_MovementBasic.glb",
+        "glb/mh_female_default163_arkit52.glb",
+    ),
+];
+
+#[test]
+fn what_is_retargeted_is_valid() {
+    if !judges_are_here() || !data_is_here() {
+        return;
+    }
+    let here = program::folder("valid-retargets");
+    let human = program::word(program::human()).to_owned();
+    let mut written = Vec::new();
+    let mut convert = |motion: &str, onto: &str| {
+        let out = here.join(format!("{}.glb", written.len()));
+        let out = program::word(&out).to_owned();
+        program::json(&here, &["convert", motion, &out, "--onto", onto]);
+        written.push(out);
+    };
+    for (motion, onto) in RETARGETS {
+        let (motion, onto) = (data_folder().join(motion), data_folder().join(onto));
+        convert(program::word(&motion), program::word(&onto));
+    }
+    let motions = data_folder().join("bvh");
+    convert(program::word(&motions), &human);
     let (verdict, good) = ask("validate.mjs", &written);
     assert!(good, "{}", faults_of(&verdict));
 }

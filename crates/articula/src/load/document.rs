@@ -5,7 +5,7 @@ use crate::files;
 use articula_formats::gltf::{self, Document};
 
 /// The document of a glTF file, and which of its nodes the character came from.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Behind {
     pub(crate) document: Document,
     pub(crate) node_of_joint: Vec<usize>,

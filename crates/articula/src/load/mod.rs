@@ -16,7 +16,7 @@ use articula_formats::{Limits, Warning};
 use std::path::{Path, PathBuf};
 
 /// A file as it was read.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Loaded {
     pub(crate) path: PathBuf,
     pub(crate) format: Format,

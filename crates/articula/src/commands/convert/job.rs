@@ -1,52 +1,181 @@
 //! One file of a conversion: read, changed as asked for, written.
 
-use super::plan::Job;
-use super::report::Report;
+use super::onto::{self, Hero, NoClip};
+use super::plan::{Input, Job};
+use super::report::{Onto, Report};
 use super::{ConvertArgs, reduction, written};
 use crate::load::{self, Format, Loaded, Writes};
 use crate::table::counted;
 use crate::{fault, files};
-use anyhow::Context;
+use anyhow::{Context, bail};
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+use std::path::PathBuf;
 
-/// Reads, changes and writes one file.
-pub(super) fn run(job: &Job, args: &ConvertArgs) -> anyhow::Result<Report> {
+/// What became of one job.
+#[derive(Debug)]
+pub(super) struct Done {
+    /// The file that was written, if any was.
+    pub(super) report: Option<Report>,
+    /// Files that were not used, and why.
+    pub(super) faults: Vec<(PathBuf, anyhow::Error)>,
+}
+
+/// What one job writes.
+struct Work {
+    loaded: Loaded,
+    /// Whether the clips are other than the document of the character has.
+    changed: bool,
+    /// Clips that were dropped because the format holds one.
+    dropped: usize,
+    report: Report,
+}
+
+/// Runs one job; the bar moves on for every file that was read.
+pub(super) fn run(job: &Job, args: &ConvertArgs, hero: Option<&Hero>, bar: &ProgressBar) -> Done {
+    let mut faults = Vec::new();
+    let work = match hero {
+        None => {
+            let read = read(job, args);
+            bar.inc(1);
+            read.map(Some)
+        }
+        Some(hero) => gathered(job, args, hero, bar, &mut faults),
+    };
+    let report = work.and_then(|work| work.map(|work| finished(job, args, work)).transpose());
+    let report = report.unwrap_or_else(|fault| {
+        faults.push((job.inputs[0].path.clone(), fault));
+        None
+    });
+    Done { report, faults }
+}
+
+/// One file as it is.
+fn read(job: &Job, args: &ConvertArgs) -> anyhow::Result<Work> {
     let input = &job.inputs[0];
     let mut loaded = load::character(&input.path, &args.names)?;
     check_pair(loaded.format, job.format)?;
     let place = loaded.place();
     if input.found && files::same(&input.path, &job.out) {
-        anyhow::bail!("{place}: it would be replaced by what is made of it; name another folder");
+        bail!("{place}: it would be replaced by what is made of it; name another folder");
     }
-    let dropped = choose_clips(args, &mut loaded, job.format).context(place.clone())?;
-    let reduction = reduction::apply(args, &mut loaded)?;
-    let reduced = reduction.is_some();
-    let changed = dropped > 0 || reduced;
-    let mut made = written::written(&mut loaded, &job.out, job.format, changed).context(place)?;
+    let dropped = choose_clips(args, &mut loaded, job.format).context(place)?;
+    let mut report = Report::new(job, loaded.place());
+    report.format_in = loaded.format.name().to_owned();
+    report.bytes_in = loaded.bytes;
+    report.warnings = loaded.warnings();
+    Ok(Work {
+        changed: dropped > 0,
+        dropped: if args.clip.is_none() { dropped } else { 0 },
+        loaded,
+        report,
+    })
+}
+
+/// The character with the motions of several files; none if no file could be used.
+fn gathered(
+    job: &Job,
+    args: &ConvertArgs,
+    hero: &Hero,
+    bar: &ProgressBar,
+    faults: &mut Vec<(PathBuf, anyhow::Error)>,
+) -> anyhow::Result<Option<Work>> {
+    check_pair(hero.loaded.format, job.format)?;
+    let mut report = Report::new(job, job.named.clone());
+    report.warnings = hero.loaded.warnings();
+    let motions = |input: &Input| {
+        let motions = hero.motions(input, args);
+        bar.inc(1);
+        motions
+    };
+    let results: Vec<_> = job.inputs.par_iter().map(motions).collect();
+    let mut all = Vec::new();
+    for (input, motions) in job.inputs.iter().zip(results) {
+        match motions {
+            Ok(motions) => all.push(motions),
+            Err(fault) if input.found && fault.downcast_ref::<NoClip>().is_some() => {
+                let place = files::shown(&input.path);
+                report.left_out.push(format!("{place} (it has no clip)"));
+            }
+            Err(fault) => faults.push((input.path.clone(), fault)),
+        }
+    }
+    if all.is_empty() {
+        return Ok(None);
+    }
+    let mut loaded = hero.loaded.clone();
+    let clips = &mut loaded.character.clips;
+    if !args.keep_clips {
+        clips.clear();
+    }
+    onto::distinct(clips, &mut all);
+    let mut formats: Vec<&str> = all.iter().map(|m| m.report.format).collect();
+    formats.dedup();
+    report.format_in = formats.join(", ");
+    report.bytes_in = all.iter().map(|m| m.report.bytes).sum();
+    let kept = clips.len();
+    report
+        .warnings
+        .extend(all.iter_mut().flat_map(|m| m.warnings.drain(..)));
+    report.onto = Some(Onto {
+        character: hero.loaded.place(),
+        clips_kept: kept,
+        motions: Vec::new(),
+    });
+    for motions in all {
+        clips.extend(motions.clips);
+        if let Some(onto) = &mut report.onto {
+            onto.motions.push(motions.report);
+        }
+    }
+    let mut dropped = 0;
+    if written::holds_one_clip(job.format) {
+        // The motion is what was asked for, not what the character had before.
+        dropped = clips.len() - 1;
+        *clips = vec![clips.swap_remove(kept)];
+    }
+    Ok(Some(Work {
+        loaded,
+        changed: true,
+        dropped,
+        report,
+    }))
+}
+
+/// Changes what is asked for, and writes.
+fn finished(job: &Job, args: &ConvertArgs, work: Work) -> anyhow::Result<Report> {
+    let Work {
+        mut loaded,
+        changed,
+        dropped,
+        mut report,
+    } = work;
+    let place = loaded.place();
+    report.reduction = reduction::apply(args, &mut loaded)?;
+    let reduced = report.reduction.is_some();
+    let made = written::written(&mut loaded, &job.out, job.format, changed || reduced);
+    let made = made.context(place)?;
     for (path, bytes) in &made.files {
         files::write(path, bytes)?;
     }
-    if dropped > 0 && args.clip.is_none() {
+    report.left_out.extend(made.left_out);
+    if dropped > 0 {
         let dropped = counted(dropped, "clip", "clips");
         let format = job.format.name();
-        made.left_out.push(format!(
+        report.left_out.push(format!(
             "{dropped} (a .{format} file holds one; --clip NAME chooses)"
         ));
     }
-    let beside = made.files[1..].iter();
+    if reduced && job.format == Format::Bvh {
+        let what = "a BVH file stores every joint in every frame, so it gets no smaller; write .glb to save bytes";
+        report.warnings.push(what.into());
+    }
     let clips = loaded.character.clips.iter();
-    Ok(Report {
-        input: loaded.place(),
-        out: files::shown(&job.out),
-        format_in: loaded.format.name(),
-        format_out: job.format.name(),
-        bytes_in: loaded.bytes,
-        bytes_out: made.files.iter().map(|(_, bytes)| bytes.len()).sum(),
-        beside: beside.map(|(path, _)| files::shown(path)).collect(),
-        clips: clips.map(|c| c.name.clone()).collect(),
-        reduction,
-        left_out: made.left_out,
-        warnings: warnings(&loaded, job.format, reduced),
-    })
+    report.clips = clips.map(|c| c.name.clone()).collect();
+    report.bytes_out = made.files.iter().map(|(_, bytes)| bytes.len()).sum();
+    let beside = made.files[1..].iter();
+    report.beside = beside.map(|(path, _)| files::shown(path)).collect();
+    Ok(report)
 }
 
 fn check_pair(input: Format, out: Format) -> anyhow::Result<()> {
@@ -80,13 +209,4 @@ fn choose_clips(args: &ConvertArgs, loaded: &mut Loaded, out: Format) -> anyhow:
     let dropped = clips.len() - 1;
     *clips = vec![clips.swap_remove(index)];
     Ok(dropped)
-}
-
-fn warnings(loaded: &Loaded, out: Format, reduced: bool) -> Vec<String> {
-    let mut list = loaded.warnings();
-    if reduced && out == Format::Bvh {
-        let what = "a BVH file stores every joint in every frame, so it gets no smaller; write .glb to save bytes";
-        list.push(what.into());
-    }
-    list
 }

@@ -1,6 +1,8 @@
-//! `articula convert IN... OUT`: between formats, and to a reduced animation; one file or many.
+//! `articula convert IN... OUT`: between formats, onto another character, and to a reduced
+//! animation; one file or many.
 
 mod job;
+mod onto;
 mod plan;
 mod reduction;
 mod report;
@@ -14,10 +16,11 @@ use crate::table::counted;
 use crate::{fault, files};
 use articula_core::joint_state::PassivePolicy;
 use clap::Args;
-use indicatif::ProgressBar;
-use plan::{Job, Plan};
+use job::Done;
+use onto::Hero;
+use plan::Plan;
 use rayon::prelude::*;
-use report::{Batch, Failure, Report};
+use report::{Batch, Failure};
 use std::path::PathBuf;
 
 /// Arguments of `convert`.
@@ -32,6 +35,16 @@ pub(crate) struct ConvertArgs {
     /// Format of the files in an output folder [default: glb]
     #[arg(long, value_name = "FORMAT", value_parser = format)]
     to: Option<Format>,
+    /// Put the motions onto this character, by the H-Anim map: OUT is the character's file with
+    /// them as its clips
+    #[arg(long, value_name = "CHARACTER")]
+    onto: Option<PathBuf>,
+    /// With --onto: keep the clips that the character already has
+    #[arg(long, requires = "onto")]
+    keep_clips: bool,
+    /// With --onto: list where the motion of every joint comes from
+    #[arg(long, requires = "onto")]
+    map: bool,
     /// Keep this clip alone [default: all; .bvh the first]
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
@@ -51,70 +64,85 @@ pub(crate) struct ConvertArgs {
     names: ReadArgs,
 }
 
-/// Reads, reduces if asked to, and writes.
+/// Reads, changes what is asked for, and writes.
 pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     args.check()?;
     let plan = Plan::of(args)?;
+    let hero = Hero::new(args)?;
     let bar = console.progress("converting", plan.inputs());
+    let one = |job| job::run(job, args, hero.as_ref(), &bar);
+    let done: Vec<Done> = plan.jobs.par_iter().map(one).collect();
+    bar.finish_and_clear();
     match &plan.folder {
-        None => {
-            let report = job::run(&plan.jobs[0], args)?;
-            bar.finish_and_clear();
-            console.result(&report, Report::text)
-        }
-        Some(folder) => {
-            let done = all(&plan.jobs, args, &bar);
-            bar.finish_and_clear();
-            folder_report(files::shown(folder), done, &plan.jobs, console)
-        }
+        None => one_file(args, &plan, done, console),
+        Some(folder) => many_files(args, files::shown(folder), done, console),
     }
 }
 
-/// Runs every job whatever becomes of the others; the order is that of the jobs.
-fn all(jobs: &[Job], args: &ConvertArgs, bar: &ProgressBar) -> Vec<anyhow::Result<Report>> {
-    let one = |job: &Job| {
-        let done = job::run(job, args);
-        bar.inc(job.inputs.len() as u64);
-        done
-    };
-    jobs.par_iter().map(one).collect()
-}
-
-/// Says what was written, then what was not and why.
-fn folder_report(
-    out: String,
-    done: Vec<anyhow::Result<Report>>,
-    jobs: &[Job],
+/// Says what was written, then which files could not be used and why.
+fn one_file(
+    args: &ConvertArgs,
+    plan: &Plan,
+    mut done: Vec<Done>,
     console: &Console,
 ) -> anyhow::Result<()> {
-    let mut batch = Batch {
-        out,
-        files: Vec::new(),
-        failed: Vec::new(),
-    };
-    let mut faults = Vec::new();
-    for (job, done) in jobs.iter().zip(done) {
-        match done {
-            Ok(report) => batch.files.push(report),
-            Err(fault) => {
-                let path = &job.inputs[0].path;
-                batch.failed.push(Failure::new(path, &fault));
-                faults.push(fault);
-            }
+    let Done { report, mut faults } = done.swap_remove(0);
+    let Some(mut report) = report else {
+        if faults.len() == 1 {
+            return Err(faults.swap_remove(0).1);
         }
+        report_faults(&faults, console);
+        anyhow::bail!("none of the files could be used; nothing is written");
+    };
+    report.failed = failures(&faults);
+    console.result(&report, |r| r.text(args.map))?;
+    ended(&faults, plan.inputs(), console)
+}
+
+/// The same for a folder of files.
+fn many_files(
+    args: &ConvertArgs,
+    out: String,
+    done: Vec<Done>,
+    console: &Console,
+) -> anyhow::Result<()> {
+    let count = done.len();
+    let mut files = Vec::new();
+    let mut faults = Vec::new();
+    for done in done {
+        files.extend(done.report);
+        faults.extend(done.faults);
     }
-    console.result(&batch, Batch::text)?;
-    ended(&faults, jobs.len(), console)
+    let batch = Batch {
+        out,
+        files,
+        failed: failures(&faults),
+    };
+    console.result(&batch, |b| b.text(args.map))?;
+    ended(&faults, count, console)
+}
+
+fn failures(faults: &[(PathBuf, anyhow::Error)]) -> Vec<Failure> {
+    let failure = |(path, fault): &(PathBuf, anyhow::Error)| Failure::new(path, fault);
+    faults.iter().map(failure).collect()
+}
+
+fn report_faults(faults: &[(PathBuf, anyhow::Error)], console: &Console) {
+    for (_, fault) in faults {
+        console.fault(fault);
+    }
 }
 
 /// One line for each fault, and an error if there is any.
-fn ended(faults: &[anyhow::Error], files: usize, console: &Console) -> anyhow::Result<()> {
+fn ended(
+    faults: &[(PathBuf, anyhow::Error)],
+    files: usize,
+    console: &Console,
+) -> anyhow::Result<()> {
     if faults.is_empty() {
         return Ok(());
     }
-    for fault in faults {
-        console.fault(fault);
-    }
+    report_faults(faults, console);
     let files = counted(files, "file", "files");
     anyhow::bail!("{} of {files} failed; the others are done", faults.len())
 }

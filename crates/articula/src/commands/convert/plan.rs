@@ -19,6 +19,8 @@ pub(super) struct Plan {
 /// One file to write.
 #[derive(Debug, PartialEq)]
 pub(super) struct Job {
+    /// What is read, as the command line names it.
+    pub(super) named: String,
     pub(super) inputs: Vec<Input>,
     pub(super) out: PathBuf,
     pub(super) format: Format,
@@ -67,20 +69,24 @@ fn file_format(args: &ConvertArgs) -> anyhow::Result<Option<Format>> {
     }
 }
 
-fn reads_many(args: &ConvertArgs) -> bool {
+/// Whether more than one file may be read.
+pub(super) fn reads_many(args: &ConvertArgs) -> bool {
     args.inputs.len() > 1 || args.inputs.iter().any(|path| path.is_dir())
 }
 
 fn into_one(args: &ConvertArgs, format: Format) -> anyhow::Result<Plan> {
-    if reads_many(args) {
+    if reads_many(args) && args.onto.is_none() {
         return Err(fault::usage(format!(
-            "several files do not fit into {}; name a folder, such as {}/ --to {}",
+            "several files fit into {} only as motions of one character, --onto CHARACTER; \
+             or name a folder, such as {}/ --to {}",
             files::shown(&args.out),
             files::shown(&args.out.with_extension("")),
             format.name()
         )));
     }
+    let named = args.inputs.iter().map(|path| files::shown(path));
     let job = Job {
+        named: named.collect::<Vec<_>>().join(", "),
         inputs: inputs(args)?,
         out: args.out.clone(),
         format,
@@ -107,6 +113,7 @@ fn into_folder(args: &ConvertArgs) -> anyhow::Result<Plan> {
         name.push(".");
         name.push(format.name());
         Job {
+            named: files::shown(&input.path),
             inputs: vec![input],
             out: args.out.join(name),
             format,
@@ -149,8 +156,10 @@ fn inputs(args: &ConvertArgs) -> anyhow::Result<Vec<Input>> {
             });
         }
     }
-    // What an earlier run wrote into the folder is not its own input.
-    all.retain(|input| !(input.found && files::same(&input.path, &args.out)));
+    // What an earlier run wrote into the folder is not its own input, nor is the character.
+    let onto = args.onto.iter();
+    let apart: Vec<&PathBuf> = onto.chain([&args.out]).collect();
+    all.retain(|input| !input.found || !apart.iter().any(|a| files::same(&input.path, a)));
     Ok(all)
 }
 

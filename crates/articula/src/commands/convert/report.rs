@@ -1,5 +1,7 @@
 //! What a conversion says of itself, for programs and for people.
 
+use super::onto::Motion;
+use super::plan::Job;
 use super::reduction::Reduction;
 use crate::fault::clean;
 use crate::files;
@@ -7,13 +9,16 @@ use crate::table::{Table, counted};
 use serde::Serialize;
 use std::path::Path;
 
+/// Most warnings that are spelled out for people.
+const MOST_LINES: usize = 6;
+
 /// One file that was written.
 #[derive(Debug, Serialize)]
 pub(super) struct Report {
     #[serde(rename = "in")]
     pub(super) input: String,
     pub(super) out: String,
-    pub(super) format_in: &'static str,
+    pub(super) format_in: String,
     pub(super) format_out: &'static str,
     pub(super) bytes_in: usize,
     /// Of all files together.
@@ -21,10 +26,23 @@ pub(super) struct Report {
     /// Files that were written beside `out`.
     pub(super) beside: Vec<String>,
     pub(super) clips: Vec<String>,
+    pub(super) onto: Option<Onto>,
     pub(super) reduction: Option<Reduction>,
     /// What the format of the output cannot hold.
     pub(super) left_out: Vec<String>,
     pub(super) warnings: Vec<String>,
+    /// Motions that were not used, where several go into one file.
+    pub(super) failed: Vec<Failure>,
+}
+
+/// The character that the motions were put onto, and how.
+#[derive(Debug, Serialize)]
+pub(super) struct Onto {
+    pub(super) character: String,
+    /// Clips of its own that it kept.
+    pub(super) clips_kept: usize,
+    /// One for each file that was read.
+    pub(super) motions: Vec<Motion>,
 }
 
 /// A folder of files that were written.
@@ -57,8 +75,27 @@ impl Failure {
 }
 
 impl Report {
-    /// The report for people.
-    pub(super) fn text(&self) -> String {
+    /// A report that says nothing yet but where from and where to.
+    pub(super) fn new(job: &Job, input: String) -> Self {
+        Self {
+            input,
+            out: files::shown(&job.out),
+            format_in: String::new(),
+            format_out: job.format.name(),
+            bytes_in: 0,
+            bytes_out: 0,
+            beside: Vec::new(),
+            clips: Vec::new(),
+            onto: None,
+            reduction: None,
+            left_out: Vec::new(),
+            warnings: Vec::new(),
+            failed: Vec::new(),
+        }
+    }
+
+    /// The report for people; with the map of the joints if it is asked for.
+    pub(super) fn text(&self, map: bool) -> String {
         let mut text = format!(
             "{} ({}, {} bytes) -> {} ({}, {} bytes), {}\n",
             clean(&self.input),
@@ -72,14 +109,52 @@ impl Report {
         for beside in &self.beside {
             text.push_str(&format!("beside it: {}\n", clean(beside)));
         }
+        if let Some(onto) = &self.onto {
+            text.push_str(&onto.text(map));
+        }
         if let Some(reduction) = &self.reduction {
             text.push_str(&reduction.text());
         }
-        for left in &self.left_out {
-            text.push_str(&format!("left out: {}\n", clean(left)));
+        text.push_str(&lines("left out", &self.left_out));
+        text.push_str(&lines("warning", &self.warnings));
+        text
+    }
+}
+
+/// Lines of one kind; where there are many, the first and a count.
+fn lines(what: &str, all: &[String]) -> String {
+    let mut text = String::new();
+    for line in &all[..all.len().min(MOST_LINES)] {
+        text.push_str(&format!("{what}: {}\n", clean(line)));
+    }
+    if all.len() > MOST_LINES {
+        let more = all.len() - MOST_LINES;
+        text.push_str(&format!("{what}: and {more} more (--json lists them)\n"));
+    }
+    text
+}
+
+impl Onto {
+    fn text(&self, map: bool) -> String {
+        let mut text = format!("onto {}", clean(&self.character));
+        if self.clips_kept > 0 {
+            let kept = counted(self.clips_kept, "clip", "clips");
+            text.push_str(&format!(", which keeps {kept} of its own"));
         }
-        for warning in &self.warnings {
-            text.push_str(&format!("warning: {}\n", clean(warning)));
+        text.push('\n');
+        let mut table = Table::new(&[
+            "clip", "from", "secs", "size", "mapped", "shared", "held", "dropped",
+        ]);
+        for motion in &self.motions {
+            for clip in &motion.clips {
+                table.row(motion.row(clip));
+            }
+        }
+        text.push_str(&table.text());
+        if map {
+            for motion in &self.motions {
+                text.push_str(&motion.map());
+            }
         }
         text
     }
@@ -87,7 +162,7 @@ impl Report {
 
 impl Batch {
     /// One line for each file; what is odd about a file is counted, `--json` spells it out.
-    pub(super) fn text(&self) -> String {
+    pub(super) fn text(&self, map: bool) -> String {
         let mut table = Table::new(&["file", "clips", "bytes", "saved", "left out", "warnings"]);
         for file in &self.files {
             let saved = file.reduction.as_ref().map(Reduction::percent);
@@ -111,6 +186,9 @@ impl Batch {
         text.push('\n');
         if !table.is_empty() {
             text.push_str(&table.text());
+        }
+        for onto in self.files.iter().filter_map(|f| f.onto.as_ref()) {
+            text.push_str(&onto.text(map));
         }
         text
     }

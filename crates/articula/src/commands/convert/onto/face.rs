@@ -1,0 +1,131 @@
+//! Morph weights and expressions of one character's clip, on those of the same names of another.
+
+use articula_core::source::{Channel, Character, Clip, Interpolation, Mesh, Property};
+
+/// Channels of the other character; joints are not looked at.
+pub(super) fn channels(from: &Character, clip: &Clip, onto: &Character) -> Vec<Channel> {
+    let mut made = Vec::new();
+    for (target, mesh) in onto.meshes.iter().enumerate() {
+        let weights = clip
+            .channels
+            .iter()
+            .filter(|c| c.property == Property::Weights);
+        // A name may stand in several meshes of the source; the one with most in common drives.
+        let shared = |c: &&Channel| twins(&from.meshes[c.target], mesh).flatten().count();
+        if let Some(channel) = weights.max_by_key(shared)
+            && shared(&channel) > 0
+        {
+            made.push(weights_of(
+                channel,
+                &from.meshes[channel.target],
+                mesh,
+                target,
+            ));
+        }
+    }
+    for channel in clip
+        .channels
+        .iter()
+        .filter(|c| c.property == Property::Expression)
+    {
+        let name = &from.expressions[channel.target].name;
+        let twin = onto.expressions.iter().position(|e| e.name == *name);
+        made.extend(twin.map(|target| Channel {
+            target,
+            ..channel.clone()
+        }));
+    }
+    made
+}
+
+/// For each morph target of `onto` the one of `from` with its name.
+fn twins<'a>(from: &'a Mesh, onto: &'a Mesh) -> impl Iterator<Item = Option<usize>> + 'a {
+    let named = |name: &String| {
+        let same = |n: &String| !name.is_empty() && n == name;
+        from.morph_names.iter().position(same)
+    };
+    onto.morph_names.iter().map(named)
+}
+
+fn weights_of(channel: &Channel, from: &Mesh, onto: &Mesh, target: usize) -> Channel {
+    let twins: Vec<Option<usize>> = twins(from, onto).collect();
+    let width = from.morph_weights.len();
+    let cubic = channel.interpolation == Interpolation::CubicSpline;
+    let mut values = Vec::with_capacity(channel.values.len() / width.max(1) * twins.len());
+    for (row, weights) in channel.values.chunks_exact(width).enumerate() {
+        // Tangents of what has no twin are level.
+        let is_tangent = cubic && row % 3 != 1;
+        for (slot, twin) in twins.iter().enumerate() {
+            let rest = if is_tangent {
+                0.0
+            } else {
+                onto.morph_weights[slot]
+            };
+            values.push(twin.map_or(rest, |t| weights[t]));
+        }
+    }
+    Channel {
+        target,
+        values,
+        ..channel.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::source::Expression;
+
+    fn with_morphs(names: &[&str], rest: f32) -> Character {
+        Character {
+            meshes: vec![Mesh {
+                morph_names: names.iter().map(|n| (*n).to_owned()).collect(),
+                morph_weights: vec![rest; names.len()],
+                ..Mesh::default()
+            }],
+            ..Character::default()
+        }
+    }
+
+    fn driven(property: Property, values: Vec<f32>) -> Clip {
+        Clip {
+            channels: vec![Channel {
+                target: 0,
+                property,
+                interpolation: Interpolation::Linear,
+                times_secs: vec![0.0, 1.0],
+                values,
+            }],
+            ..Clip::default()
+        }
+    }
+
+    #[test]
+    fn weights_follow_their_names_and_others_stay_at_rest() {
+        let from = with_morphs(&["smile", "blink"], 0.0);
+        let onto = with_morphs(&["blink", "frown", "smile"], 0.25);
+        let clip = driven(Property::Weights, vec![0.1, 0.2, 0.3, 0.4]);
+        let made = channels(&from, &clip, &onto);
+        assert_eq!(made.len(), 1);
+        assert_eq!(made[0].values, [0.2, 0.25, 0.1, 0.4, 0.25, 0.3]);
+        assert!(channels(&from, &clip, &with_morphs(&["other"], 0.0)).is_empty());
+    }
+
+    #[test]
+    fn expressions_follow_their_names() {
+        let named = |names: &[&str]| Character {
+            expressions: names
+                .iter()
+                .map(|name| Expression {
+                    name: (*name).to_owned(),
+                    ..Expression::default()
+                })
+                .collect(),
+            ..Character::default()
+        };
+        let clip = driven(Property::Expression, vec![0.0, 1.0]);
+        let made = channels(&named(&["happy"]), &clip, &named(&["sad", "happy"]));
+        assert_eq!((made.len(), made[0].target), (1, 1));
+        assert!(channels(&named(&["happy"]), &clip, &named(&["sad"])).is_empty());
+    }
+}
