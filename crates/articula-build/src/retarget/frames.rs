@@ -7,6 +7,7 @@
 //! Trunk, collars and face have the frame of the body: their rest poses stand upright.
 
 use super::body::Body;
+use super::hinge::Fronts;
 use super::rest::Rest;
 use glam::{Mat3, Quat, Vec3};
 
@@ -40,6 +41,16 @@ impl Axes {
         basis(self.along, self.front)
     }
 
+    /// The same with the front that a motion showed, as far as the rest pose is not sure.
+    fn corrected(self, seen: Option<&Vec3>, sure: f32) -> Self {
+        let front = seen.map_or(self.front, |seen| self.front * sure + *seen * (1.0 - sure));
+        let front = front - self.along * self.along.dot(front);
+        Self {
+            front: front.normalize_or(self.front),
+            ..self
+        }
+    }
+
     /// The same axes, turned on the short way so that they run along another direction.
     fn turned(self, along: Vec3) -> Self {
         Self {
@@ -49,16 +60,16 @@ impl Axes {
     }
 }
 
-/// Finds the frames of a rig.
-pub(super) fn frames(rest: &Rest, body: &Body) -> Frames {
+/// Finds the frames of a rig; `seen` are fronts of upper segments that a motion showed.
+pub(super) fn frames(rest: &Rest, body: &Body, seen: &Fronts) -> Frames {
     let mut frames = Frames {
         own: vec![None; rest.len()],
         part: vec![body.axes; rest.len()],
     };
     let mut known: Vec<Option<(Quat, Option<Quat>)>> = vec![None; rest.len()];
     for side in ['l', 'r'] {
-        arm(rest, body, side, &mut known);
-        leg(rest, body, side, &mut known);
+        arm((rest, body, seen), side, &mut known);
+        leg((rest, body, seen), side, &mut known);
     }
     for (j, known) in known.into_iter().enumerate() {
         match known {
@@ -87,8 +98,9 @@ fn is_trunk(title: &str) -> bool {
 }
 
 type Known = [Option<(Quat, Option<Quat>)>];
+type Figure<'a> = (&'a Rest, &'a Body, &'a Fronts);
 
-fn arm(rest: &Rest, body: &Body, side: char, known: &mut Known) {
+fn arm((rest, body, seen): Figure<'_>, side: char, known: &mut Known) {
     let Some(shoulder) = rest.sided(side, "shoulder") else {
         return;
     };
@@ -106,24 +118,30 @@ fn arm(rest: &Rest, body: &Body, side: char, known: &mut Known) {
     let upper = segment(rest, body, Some(shoulder), elbow.or(wrist));
     let fore = segment(rest, body, elbow, wrist);
     let mut axes = spread.turned(upper.unwrap_or(outward));
+    let mut shown = axes;
     if let (Some(u), Some(f)) = (upper, fore) {
-        axes.front = hinged(axes, f - u * u.dot(f), u.dot(f));
+        let (front, sure) = hinged(axes, f - u * u.dot(f), u.dot(f));
+        axes.front = front;
+        shown = axes.corrected(seen.get(&shoulder), sure);
     }
-    known[shoulder] = Some((body.axes, upper.map(|_| axes.frame())));
+    known[shoulder] = Some((body.axes, upper.map(|_| shown.frame())));
     let mut lower = axes;
     if let Some(elbow) = elbow {
-        lower = axes.turned(fore.unwrap_or(axes.along));
-        known[elbow] = Some((axes.frame(), fore.map(|_| lower.frame())));
+        let along = fore.unwrap_or(axes.along);
+        lower = axes.turned(along);
+        let frame = shown.turned(along).frame();
+        known[elbow] = Some((shown.frame(), fore.map(|_| frame)));
     }
     hand(rest, body, side, lower, known);
 }
 
-/// The front of a limb from the way its lower part bends away, or from `axes` if it is straight.
-fn hinged(axes: Axes, bend: Vec3, cosine: f32) -> Vec3 {
+/// The front of a limb from the way its lower part bends away, or from `axes` if it is straight;
+/// and how sure that is, from 0 to 1.
+fn hinged(axes: Axes, bend: Vec3, cosine: f32) -> (Vec3, f32) {
     let [none, all] = HINGE_SINES;
     let sine = bend.length();
     let t = ((sine - none) / (all - none)).clamp(0.0, 1.0);
-    let weight = if cosine < 0.0 {
+    let sure = if cosine < 0.0 {
         1.0
     } else {
         t * t * (3.0 - 2.0 * t)
@@ -131,9 +149,10 @@ fn hinged(axes: Axes, bend: Vec3, cosine: f32) -> Vec3 {
     let bend = bend.normalize_or_zero();
     // A slight bend to the wrong side is noise; a strong one is how the figure was drawn.
     if bend == Vec3::ZERO || (bend.dot(axes.front) < 0.2 && sine < 2.0 * all) {
-        return axes.front;
+        return (axes.front, 0.0);
     }
-    (axes.front * (1.0 - weight) + bend * weight).normalize_or(axes.front)
+    let front = axes.front * (1.0 - sure) + bend * sure;
+    (front.normalize_or(axes.front), sure)
 }
 
 fn hand(rest: &Rest, body: &Body, side: char, lower: Axes, known: &mut Known) {
@@ -204,7 +223,7 @@ fn finger(rest: &Rest, body: &Body, (side, name): (char, &str), hand: Axes, know
     }
 }
 
-fn leg(rest: &Rest, body: &Body, side: char, known: &mut Known) {
+fn leg((rest, body, seen): Figure<'_>, side: char, known: &mut Known) {
     let leg = body.legs[usize::from(side == 'r')];
     let (up, forward) = (body.up(), body.forward());
     let flat = |v: Vec3| v - up * up.dot(v);
@@ -229,7 +248,9 @@ fn leg(rest: &Rest, body: &Body, side: char, known: &mut Known) {
     let shin = segment(rest, body, leg.knee, leg.ankle);
     let mut axes = hanging.turned(thigh.unwrap_or(-up));
     if let (Some(u), Some(f)) = (thigh, shin) {
-        axes.front = hinged(axes, u * u.dot(f) - f, u.dot(f));
+        let (front, sure) = hinged(axes, u * u.dot(f) - f, u.dot(f));
+        axes.front = front;
+        axes = axes.corrected(seen.get(&leg.hip), sure);
     }
     known[leg.hip] = Some((body.axes, thigh.map(|_| axes.frame())));
     if let Some(knee) = leg.knee {

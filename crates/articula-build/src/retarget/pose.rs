@@ -1,9 +1,7 @@
 //! A pose of the target in model space: rotations from rest, and the places that follow.
 
-use super::motion::Motion;
-use super::plan::{Drive, Plan, Side, Source, swing};
-use articula_core::math::same_hemisphere;
-use glam::{Quat, Vec3};
+use super::plan::{Plan, Side};
+use glam::{Quat, Vec3, Vec3A};
 
 /// One frame of the target.
 #[derive(Debug, Clone)]
@@ -15,40 +13,11 @@ pub(super) struct Pose {
 }
 
 impl Pose {
+    /// The rest pose.
     pub(super) fn new(target: &Side) -> Self {
         Self {
             deltas: vec![Quat::IDENTITY; target.rest.len()],
             positions: target.rest.positions.clone(),
-        }
-    }
-
-    /// Turns every joint as the plan says.
-    pub(super) fn turn(
-        &mut self,
-        plan: &Plan,
-        source: &Side,
-        target: &Side,
-        motion: (&Motion, usize),
-    ) {
-        let (motion, frame) = motion;
-        let read = |s: &Source| {
-            let mut delta = motion.deltas(frame)[s.joint];
-            if let Some((from, to)) = s.along {
-                let places = motion.positions(frame);
-                let now = places[to] - places[from];
-                delta = swing(delta, source.rest.way(from, to), now);
-            }
-            plan.world * delta * s.frame
-        };
-        for j in 0..self.deltas.len() {
-            self.deltas[j] = match &plan.drives[j] {
-                Drive::Held => target.rest.parents[j].map_or(Quat::IDENTITY, |p| self.deltas[p]),
-                Drive::Twin(s) => read(s),
-                Drive::Between(a, b, share) => {
-                    let (a, b) = (read(a), read(b));
-                    a.slerp(same_hemisphere(a, b), *share)
-                }
-            };
         }
     }
 
@@ -81,8 +50,7 @@ impl Pose {
         };
         // The parent's matrix is its rest matrix, turned and moved.
         let way = self.deltas[p].inverse() * (self.positions[j] - self.positions[p]);
-        let local = rest.matrices[p].matrix3.inverse() * glam::Vec3A::from(way);
-        let local = Vec3::from(local);
+        let local = Vec3::from(rest.matrices[p].matrix3.inverse() * Vec3A::from(way));
         if local.is_finite() {
             local
         } else {

@@ -1,6 +1,7 @@
 //! What became of each joint, and how good a retargeted motion is.
 
 use super::plan::{Drive, Plan, Side};
+use super::quality::Quality;
 
 /// Where a target joint's rotation comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,6 +42,8 @@ pub struct RetargetReport {
     pub scale: f32,
     /// Fastest turn of a joint relative to its parent: joint of the target, radians a second.
     pub fastest: Option<(usize, f32)>,
+    /// How good it is.
+    pub quality: Quality,
 }
 
 pub(super) fn report(
@@ -48,6 +51,7 @@ pub(super) fn report(
     target: &Side,
     plan: &Plan,
     fastest: Option<(usize, f32)>,
+    quality: Quality,
 ) -> RetargetReport {
     let mut used = vec![false; source.rest.len()];
     let joints = plan
@@ -86,5 +90,6 @@ pub(super) fn report(
         dropped,
         scale: plan.scale,
         fastest,
+        quality,
     }
 }

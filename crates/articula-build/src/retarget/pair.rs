@@ -1,0 +1,101 @@
+//! Two figures compared once, and clips carried from one to the other.
+
+use super::hinge::{self, Fronts};
+use super::limb::Limb;
+use super::motion::Motion;
+use super::plan::{Plan, Side};
+use super::planted::{Goals, limbs};
+use super::pose::Pose;
+use super::quality::Gauge;
+use super::report::report;
+use super::steps::Steps;
+use super::tracks::Tracks;
+use super::transfer::Transfer;
+use super::{Figure, RetargetOptions, Retargeted};
+use articula_core::Mismatch;
+use articula_core::source::Clip;
+
+/// Two figures that were compared once, for any number of clips.
+#[derive(Debug, Clone)]
+pub struct Retargeter<'a> {
+    figure: Figure<'a>,
+    source: Side,
+    target: Side,
+}
+
+impl<'a> Retargeter<'a> {
+    /// Compares two figures.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if a figure's map is not of its skeleton, if no joint stands for the root
+    /// or a hip, or if a rest transform is not finite.
+    pub fn new(source: Figure<'a>, target: Figure<'_>) -> Result<Self, Mismatch> {
+        let figure = source;
+        let source = Side::new(&source, "source")?;
+        let target = Side::new(&target, "target")?;
+        Ok(Self {
+            figure,
+            source,
+            target,
+        })
+    }
+
+    /// Puts one clip of the source onto the target.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if a channel names a joint that is not there or lacks values, if a pose
+    /// is not finite, or if the clip has more frames than memory should hold.
+    pub fn retarget(&self, clip: &Clip, options: &RetargetOptions) -> Result<Retargeted, Mismatch> {
+        let target = &self.target;
+        let motion = Motion::new(
+            clip,
+            self.figure.skeleton,
+            &self.source.rest,
+            options.rate_hz,
+        )?;
+        let seen = self.seen(&motion);
+        let source = &self.source.with_fronts(&seen);
+        let plan = &Plan::new(source, target);
+        let steps = Steps::new(source, &motion, options.floor_metres);
+        let hinged: Vec<Limb> = (0..2)
+            .flat_map(|i| [Limb::leg(target, i), Limb::arm(target, i)])
+            .flatten()
+            .collect();
+        let transfer = Transfer {
+            source,
+            target,
+            plan,
+            motion: &motion,
+            steps: &steps,
+            limbs: &hinged,
+        };
+        let limbs = limbs(&transfer);
+        let goals = Goals::new(&transfer, &limbs, options.pinning);
+        let mut gauge = Gauge::new(&transfer, &limbs);
+        let mut tracks = Tracks::new(plan, target, &[], motion.frames());
+        let mut pose = Pose::new(target);
+        for frame in 0..motion.frames() {
+            transfer.pose(frame, &mut pose);
+            gauge.before(&transfer, frame, &pose);
+            goals.apply(&transfer, &limbs, frame, &mut pose);
+            gauge.after(&transfer, frame, &pose);
+            tracks.push(target, &pose);
+        }
+        let fastest = tracks.fastest(motion.rate_hz);
+        Ok(Retargeted {
+            clip: tracks.clip(&clip.name, &motion.times_secs),
+            report: report(source, target, plan, fastest, gauge.quality(plan.scale)),
+        })
+    }
+
+    /// What a motion shows of the source's hinges, of limbs that the target has otherwise.
+    fn seen(&self, motion: &Motion) -> Fronts {
+        let mut seen = hinge::seen(&self.source, motion);
+        let alike = |s: usize| {
+            let theirs = self.target.rest.find(self.source.rest.title(s));
+            theirs.is_some_and(|t| self.source.alike(s, &self.target, t))
+        };
+        seen.retain(|upper, _| !alike(*upper));
+        seen
+    }
+}

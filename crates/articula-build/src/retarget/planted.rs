@@ -1,0 +1,210 @@
+//! Feet and hands that rest: their limbs bent, and the hips lowered, so that they do.
+
+use super::contacts::Contact;
+use super::limb::Limb;
+use super::pin::{Goal, Path, goals};
+use super::pose::Pose;
+use super::steps::{Sole, rest_floor, soles};
+use super::transfer::Transfer;
+use glam::Vec3;
+
+/// Most that the hips sink so that both feet reach the floor, in leg lengths.
+const MOST_SINK: f32 = 0.12;
+/// Most that the hips rise so that folded legs have room, in leg lengths.
+const MOST_RISE: f32 = 0.4;
+/// Time over which the hips sink or rise, and back.
+const SINK_SECS: f32 = 0.2;
+/// Share of its length that a leg may have before the hips sink.
+const STRETCH: f32 = 0.999;
+
+/// Which ends of limbs are kept in place while the source's rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Pinning {
+    /// None.
+    Nothing,
+    /// The feet, which also stay above the floor.
+    #[default]
+    Feet,
+    /// Feet, and hands that rest on something.
+    FeetAndHands,
+}
+
+/// One limb with the points of its end that may rest.
+#[derive(Debug, Clone)]
+pub(super) struct Planted {
+    pub(super) limb: Limb,
+    pub(super) points: Vec<(Sole, Vec<Contact>)>,
+    pub(super) is_leg: bool,
+}
+
+/// The limbs of the target, legs first.
+pub(super) fn limbs(transfer: &Transfer<'_>) -> Vec<Planted> {
+    let (target, steps) = (transfer.target, transfer.steps);
+    let mut limbs = Vec::new();
+    for (i, (leg, foot)) in target.body.legs.iter().zip(&steps.feet).enumerate() {
+        if let Some((limb, [heel, toe])) = Limb::leg(target, i).zip(soles(target, leg)) {
+            limbs.push(Planted {
+                limb,
+                points: vec![(heel, foot.heel.clone()), (toe, foot.toe.clone())],
+                is_leg: true,
+            });
+        }
+    }
+    for (i, contacts) in steps.hands.iter().enumerate() {
+        if let Some(limb) = Limb::arm(target, i) {
+            limbs.push(Planted {
+                limb,
+                points: vec![(Sole::default(), contacts.clone())],
+                is_leg: false,
+            });
+        }
+    }
+    limbs
+}
+
+/// Where the ends of the limbs belong and how far the hips sink, frame by frame.
+#[derive(Debug, Clone)]
+pub(super) struct Goals {
+    /// One for each limb that is pinned: its place in the list of limbs, goals of its end.
+    ends: Vec<(usize, Vec<Goal>)>,
+    sinks: Vec<f32>,
+    rises: Vec<f32>,
+    floor: f32,
+}
+
+impl Goals {
+    /// Plans over a whole clip.
+    pub(super) fn new(transfer: &Transfer<'_>, limbs: &[Planted], pinning: Pinning) -> Self {
+        let frames = transfer.motion.frames();
+        let rate_hz = transfer.motion.rate_hz;
+        let floor = rest_floor(transfer.target);
+        let pins = |l: &Planted| match pinning {
+            Pinning::Nothing => false,
+            Pinning::Feet => l.is_leg,
+            Pinning::FeetAndHands => true,
+        };
+        let chosen: Vec<usize> = (0..limbs.len()).filter(|l| pins(&limbs[*l])).collect();
+        let mut paths = vec![Path::default(); chosen.len()];
+        let mut starts = vec![Vec::with_capacity(frames); chosen.len()];
+        let mut pose = Pose::new(transfer.target);
+        if !chosen.is_empty() {
+            for frame in 0..frames {
+                transfer.pose(frame, &mut pose);
+                for (i, l) in chosen.iter().enumerate() {
+                    let limb = &limbs[*l].limb;
+                    paths[i].places.push(pose.positions[limb.end]);
+                    paths[i].deltas.push(pose.deltas[limb.end]);
+                    starts[i].push(pose.positions[limb.upper]);
+                }
+            }
+        }
+        let mut plan = Self {
+            ends: Vec::new(),
+            sinks: vec![0.0; frames],
+            rises: vec![0.0; frames],
+            floor,
+        };
+        for (i, l) in chosen.iter().enumerate() {
+            let planted = &limbs[*l];
+            let points: Vec<(Sole, &[Contact])> = planted
+                .points
+                .iter()
+                .map(|(sole, contacts)| (*sole, contacts.as_slice()))
+                .collect();
+            let mut ends = goals(&paths[i], &points, floor, rate_hz);
+            if planted.is_leg {
+                plan.above_floor(&paths[i], planted, &mut ends);
+                plan.lift(&starts[i], &ends, planted.limb.span());
+            }
+            plan.ends.push((*l, ends));
+        }
+        let leg = transfer.target.body.leg_metres;
+        let reach = (SINK_SECS * rate_hz) as usize;
+        smoothed(&mut plan.sinks, reach, MOST_SINK * leg);
+        smoothed(&mut plan.rises, reach, MOST_RISE * leg);
+        plan
+    }
+
+    /// Lifts a foot whose sole would be below the floor.
+    fn above_floor(&self, path: &Path, planted: &Planted, ends: &mut [Goal]) {
+        for (f, end) in ends.iter_mut().enumerate() {
+            let delta = end.turn * path.deltas[f];
+            let low = |(sole, _): &(Sole, Vec<Contact>)| sole.at(end.place, delta).y;
+            let lowest = planted.points.iter().map(low).fold(f32::MAX, f32::min);
+            end.place.y += (self.floor - lowest).max(0.0);
+        }
+    }
+
+    /// Notes by how much the hips are too high or too low for a leg.
+    fn lift(&mut self, starts: &[Vec3], ends: &[Goal], [least, most]: [f32; 2]) {
+        for (f, (start, end)) in starts.iter().zip(ends).enumerate() {
+            let way = *start - end.place;
+            let flat = Vec3::new(way.x, 0.0, way.z).length();
+            let height = |reach: f32| (reach * reach - flat * flat).max(0.0).sqrt();
+            self.sinks[f] = self.sinks[f].max(way.y - height(STRETCH * most));
+            self.rises[f] = self.rises[f].max(height(least) - way.y);
+        }
+    }
+
+    /// Bends the limbs of a pose that was just carried over.
+    pub(super) fn apply(
+        &self,
+        transfer: &Transfer<'_>,
+        limbs: &[Planted],
+        frame: usize,
+        pose: &mut Pose,
+    ) {
+        if self.ends.is_empty() {
+            return;
+        }
+        let (plan, target) = (transfer.plan, transfer.target);
+        let root =
+            pose.positions[target.body.root] + Vec3::Y * (self.rises[frame] - self.sinks[frame]);
+        pose.place(plan, target, root);
+        for (l, ends) in &self.ends {
+            let goal = ends[frame];
+            limbs[*l].limb.reach(pose, goal.place);
+            limbs[*l].limb.turn_end(pose, goal.turn);
+        }
+        pose.place(plan, target, root);
+    }
+}
+
+/// Widens each need to its neighbourhood and smooths it, so that the hips move gently.
+fn smoothed(sinks: &mut [f32], reach: usize, most: f32) {
+    let reach = reach.max(1);
+    let window = |f: usize| f.saturating_sub(reach)..(f + reach + 1).min(sinks.len());
+    let widest: Vec<f32> = (0..sinks.len())
+        .map(|f| {
+            sinks[window(f)]
+                .iter()
+                .copied()
+                .fold(0.0, f32::max)
+                .min(most)
+        })
+        .collect();
+    // The mean over the same window is nowhere below what the middle frame needs.
+    let means: Vec<f32> = (0..sinks.len())
+        .map(|f| {
+            let around = &widest[window(f)];
+            around.iter().sum::<f32>() / around.len() as f32
+        })
+        .collect();
+    sinks.copy_from_slice(&means);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hips_sink_gently_and_far_enough() {
+        let mut sinks = vec![0.0; 40];
+        sinks[20] = 0.05;
+        smoothed(&mut sinks, 5, 1.0);
+        assert!((sinks[20] - 0.05).abs() < 1e-6, "what is needed is met");
+        assert!(sinks[9] == 0.0 && sinks[31] == 0.0);
+        let steepest = sinks.windows(2).map(|w| (w[1] - w[0]).abs());
+        assert!(steepest.fold(0.0, f32::max) < 0.006);
+    }
+}

@@ -1,0 +1,279 @@
+//! How good a retargeted motion is, in numbers that mean the same on any figure.
+
+use super::contacts::Contact;
+use super::frames;
+use super::planted::Planted;
+use super::pose::Pose;
+use super::steps::{Sole, rest_floor};
+use super::transfer::Transfer;
+use glam::Vec3;
+
+/// Sine of the angle by which a knee or elbow may bend to its wrong side: straight limbs do,
+/// by measurement noise.
+const WRONG_SINE: f32 = 0.1;
+
+/// Distances over which resting feet moved.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Slide {
+    /// Number of contacts of heels and toes.
+    pub contacts: usize,
+    /// Mean over the contacts of the farthest that a point came from where it began, metres.
+    pub mean_metres: f32,
+    /// The farthest of all, metres.
+    pub max_metres: f32,
+}
+
+/// How far ends of limbs are from where the source has them, relative to where the limb begins
+/// and in lengths of the limb.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct EndError {
+    /// Mean over frames and sides.
+    pub mean: f32,
+    /// Largest.
+    pub max: f32,
+}
+
+/// Numbers of quality of one clip.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Quality {
+    /// Slide of the feet as the rotations alone give it.
+    pub slide_before: Slide,
+    /// Slide of the feet in the result.
+    pub slide: Slide,
+    /// Slide of the source's own feet, scaled to the target.
+    pub slide_source: Slide,
+    /// Deepest that a sole is below the floor as the rotations alone give it, metres.
+    pub below_floor_before_metres: f32,
+    /// Deepest that a sole is below the floor in the result, metres.
+    pub below_floor_metres: f32,
+    /// Wrists, from the shoulders.
+    pub hands: EndError,
+    /// Ankles, from the hips.
+    pub feet: EndError,
+    /// Head, from the hips.
+    pub head: EndError,
+    /// Share of frames and sides in which a knee bends forward or an elbow backward.
+    pub hinge_wrong_share: f32,
+}
+
+/// Gathers the numbers while frames are made.
+#[derive(Debug)]
+pub(super) struct Gauge<'a> {
+    limbs: &'a [Planted],
+    ends: Vec<End>,
+    before: Feet,
+    after: Feet,
+    source: Feet,
+    errors: [Error; 3],
+    hinges: Vec<(usize, usize, usize, Vec3, f32)>,
+    wrong: usize,
+    frames: usize,
+}
+
+/// An end of a limb on both sides.
+#[derive(Debug)]
+struct End {
+    kind: usize,
+    source: [usize; 2],
+    target: [usize; 2],
+    lengths: [f32; 2],
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct Error {
+    sum: f32,
+    count: usize,
+    max: f32,
+}
+
+/// Where the contacts of all feet began and how far they came; how deep the soles are.
+#[derive(Debug, Default)]
+struct Feet {
+    starts: Vec<Option<Vec3>>,
+    slides: Vec<f32>,
+    below: f32,
+}
+
+impl Feet {
+    /// Takes the points of one frame: for each point its place and its contacts.
+    fn push<'p>(
+        &mut self,
+        frame: usize,
+        floor: f32,
+        points: impl Iterator<Item = (Vec3, &'p [Contact])>,
+    ) {
+        let mut slot = 0;
+        for (place, contacts) in points {
+            self.below = self.below.max(floor - place.y);
+            for contact in contacts {
+                if self.starts.len() <= slot {
+                    self.starts.push(None);
+                    self.slides.push(0.0);
+                }
+                if contact.frames.contains(&frame) {
+                    let start = *self.starts[slot].get_or_insert(place);
+                    let way = place - start;
+                    let slide = &mut self.slides[slot];
+                    *slide = slide.max(way.x.hypot(way.z));
+                }
+                slot += 1;
+            }
+        }
+    }
+
+    fn slide(&self, scale: f32) -> Slide {
+        let contacts = self.slides.len();
+        Slide {
+            contacts,
+            mean_metres: scale * self.slides.iter().sum::<f32>() / contacts.max(1) as f32,
+            max_metres: scale * self.slides.iter().copied().fold(0.0, f32::max),
+        }
+    }
+}
+
+impl<'a> Gauge<'a> {
+    pub(super) fn new(transfer: &Transfer<'_>, limbs: &'a [Planted]) -> Self {
+        Self {
+            limbs,
+            ends: ends(transfer),
+            before: Feet::default(),
+            after: Feet::default(),
+            source: Feet::default(),
+            errors: [Error::default(); 3],
+            hinges: hinges(transfer),
+            wrong: 0,
+            frames: 0,
+        }
+    }
+
+    /// Looks at a pose before limbs are bent.
+    pub(super) fn before(&mut self, transfer: &Transfer<'_>, frame: usize, pose: &Pose) {
+        let floor = rest_floor(transfer.target);
+        self.before.push(frame, floor, points(self.limbs, pose));
+    }
+
+    /// Looks at a finished pose.
+    pub(super) fn after(&mut self, transfer: &Transfer<'_>, frame: usize, pose: &Pose) {
+        let floor = rest_floor(transfer.target);
+        self.after.push(frame, floor, points(self.limbs, pose));
+        self.frames += 1;
+        let (places, deltas) = (
+            transfer.motion.positions(frame),
+            transfer.motion.deltas(frame),
+        );
+        let feet = transfer.source.body.legs.iter().zip(&transfer.steps.feet);
+        let own = feet.filter_map(|(leg, foot)| {
+            let [heel, toe] = super::steps::soles(transfer.source, leg)?;
+            let ankle = leg.ankle?;
+            let at = |sole: Sole| sole.at(places[ankle], deltas[ankle]);
+            Some([(at(heel), &foot.heel[..]), (at(toe), &foot.toe[..])])
+        });
+        self.source.push(frame, transfer.steps.floor, own.flatten());
+        for end in &self.ends {
+            let way = |[a, b]: [usize; 2], at: &[Vec3]| at[b] - at[a];
+            let wanted = transfer.plan.world * way(end.source, places) / end.lengths[0];
+            let found = way(end.target, &pose.positions) / end.lengths[1];
+            let off = wanted.distance(found);
+            let error = &mut self.errors[end.kind];
+            error.sum += off;
+            error.count += 1;
+            error.max = error.max.max(off);
+        }
+        for (upper, middle, end, front, sign) in &self.hinges {
+            let at = |j: usize| pose.positions[j];
+            let lower = (at(*end) - at(*middle)).normalize_or_zero();
+            let front = pose.deltas[*upper] * *front;
+            self.wrong += usize::from(sign * lower.dot(front) < -WRONG_SINE);
+        }
+    }
+
+    /// The numbers.
+    pub(super) fn quality(&self, scale: f32) -> Quality {
+        let error = |e: &Error| EndError {
+            mean: e.sum / e.count.max(1) as f32,
+            max: e.max,
+        };
+        let [hands, feet, head] = &self.errors;
+        let hinges = self.hinges.len() * self.frames;
+        Quality {
+            slide_before: self.before.slide(1.0),
+            slide: self.after.slide(1.0),
+            slide_source: self.source.slide(scale),
+            below_floor_before_metres: self.before.below,
+            below_floor_metres: self.after.below,
+            hands: error(hands),
+            feet: error(feet),
+            head: error(head),
+            hinge_wrong_share: self.wrong as f32 / hinges.max(1) as f32,
+        }
+    }
+}
+
+/// Soles of a pose with their contacts, legs only.
+fn points<'p>(limbs: &'p [Planted], pose: &'p Pose) -> impl Iterator<Item = (Vec3, &'p [Contact])> {
+    let legs = limbs.iter().filter(|l| l.is_leg);
+    legs.flat_map(move |planted| {
+        let end = planted.limb.end;
+        let at = move |sole: &Sole| sole.at(pose.positions[end], pose.deltas[end]);
+        planted
+            .points
+            .iter()
+            .map(move |(sole, c)| (at(sole), &c[..]))
+    })
+}
+
+/// Wrists, ankles and head that both figures have.
+fn ends(transfer: &Transfer<'_>) -> Vec<End> {
+    let (source, target) = (&transfer.source.rest, &transfer.target.rest);
+    let mut ends = Vec::new();
+    let mut add = |kind: usize, names: &[String]| {
+        let all = |rest: &super::rest::Rest| -> Option<Vec<usize>> {
+            names.iter().map(|n| rest.find(n)).collect()
+        };
+        let Some((s, t)) = all(source).zip(all(target)) else {
+            return;
+        };
+        let length = |rest: &super::rest::Rest, joints: &[usize]| {
+            let ways = joints.windows(2).map(|w| rest.way(w[0], w[1]).length());
+            ways.sum::<f32>().max(1e-4)
+        };
+        let lengths = [length(source, &s), length(target, &t)];
+        let outer = |joints: &[usize]| [joints[0], joints[joints.len() - 1]];
+        ends.push(End {
+            kind,
+            source: outer(&s),
+            target: outer(&t),
+            lengths,
+        });
+    };
+    for side in ['l', 'r'] {
+        let titles = |names: [&str; 3]| names.map(|n| format!("{side}_{n}"));
+        add(0, &titles(["shoulder", "elbow", "wrist"]));
+        add(1, &titles(["hip", "knee", "ankle"]));
+    }
+    for side in ['l', 'r'] {
+        add(2, &[format!("{side}_hip"), "skullbase".to_owned()]);
+    }
+    ends
+}
+
+/// Elbows and knees: the three joints of the limb, its front at rest, and the side of it to
+/// which the lower segment goes.
+fn hinges(transfer: &Transfer<'_>) -> Vec<(usize, usize, usize, Vec3, f32)> {
+    let target = transfer.target;
+    let mut hinges = Vec::new();
+    for side in ['l', 'r'] {
+        for (names, sign) in [
+            (["shoulder", "elbow", "wrist"], 1.0),
+            (["hip", "knee", "ankle"], -1.0),
+        ] {
+            let joints = names.map(|n| target.rest.sided(side, n));
+            if let [Some(upper), Some(middle), Some(end)] = joints {
+                let frames::Frames { own, part } = &target.frames;
+                let frame = own[upper].unwrap_or(part[upper]);
+                hinges.push((upper, middle, end, frame * Vec3::Y, sign));
+            }
+        }
+    }
+    hinges
+}

@@ -1,0 +1,184 @@
+//! What a source motion stands on: the floor, when its feet and hands rest, how flat they lie.
+
+use super::body::Leg;
+use super::contacts::{self, Contact};
+use super::motion::Motion;
+use super::plan::Side;
+use glam::{Quat, Vec3};
+
+/// Length of a foot from ankle to toes where no joint tells, in leg lengths.
+const FOOT: f32 = 0.15;
+/// A foot that is turned by more than this from flat during its contacts was not misdrawn at
+/// rest: it stands on tiptoe, or on something else.
+const LEVEL_RADIANS: f32 = 0.6;
+/// Share of the frames in which a foot may lie below the floor: noise, and feet that dip.
+const BELOW_FLOOR: f32 = 0.05;
+
+/// Feet that are farther below the floor of the rest pose than this, in leg lengths, belong to
+/// a motion with another floor.
+const FAR_BELOW: f32 = 0.1;
+
+/// A point that goes with an end joint: where a sole touches the floor, or the wrist itself.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Sole {
+    /// From the end joint at rest, in model space; it turns with the joint.
+    pub(super) offset: Vec3,
+    /// How far below that, straight down whatever the joint does.
+    pub(super) drop: f32,
+}
+
+impl Sole {
+    /// Where it is, if the end joint is at `place` and turned by `delta` from rest.
+    pub(super) fn at(self, place: Vec3, delta: Quat) -> Vec3 {
+        place + delta * self.offset - Vec3::Y * self.drop
+    }
+}
+
+/// Heel and toe of a foot; without a joint of the toes a foot of usual length is taken.
+pub(super) fn soles(side: &Side, leg: &Leg) -> Option<[Sole; 2]> {
+    let body = &side.body;
+    let ankle = leg.ankle?;
+    let heel = -body.up() * body.ankle_height;
+    let toe = match leg.toe {
+        Some(toe) => Sole {
+            offset: side.rest.way(ankle, toe),
+            // The toes stay flat while the foot rolls over them.
+            drop: body.toe_height,
+        },
+        None => Sole {
+            offset: heel + body.forward() * (FOOT * body.leg_metres),
+            drop: 0.0,
+        },
+    };
+    let heel = Sole {
+        offset: heel,
+        drop: 0.0,
+    };
+    Some([heel, toe])
+}
+
+/// Contacts of one foot.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Foot {
+    pub(super) heel: Vec<Contact>,
+    pub(super) toe: Vec<Contact>,
+}
+
+/// The ground under a motion.
+#[derive(Debug, Clone)]
+pub(super) struct Steps {
+    /// Height of the floor in the source's world, metres.
+    pub(super) floor: f32,
+    /// Contacts of the feet, left and right.
+    pub(super) feet: [Foot; 2],
+    /// Contacts of the wrists, left and right.
+    pub(super) hands: [Vec<Contact>; 2],
+    /// For each source joint, the turn from its rest pose to a foot that is flat on the floor.
+    pub(super) level: Vec<Quat>,
+}
+
+impl Steps {
+    /// Looks at a whole motion; `floor` overrides what would be found.
+    pub(super) fn new(source: &Side, motion: &Motion, floor: Option<f32>) -> Self {
+        let floor = floor.unwrap_or_else(|| found_floor(source, motion));
+        let leg_metres = source.body.leg_metres;
+        let mut steps = Self {
+            floor,
+            feet: Default::default(),
+            hands: Default::default(),
+            level: vec![Quat::IDENTITY; source.rest.len()],
+        };
+        for (i, leg) in source.body.legs.iter().enumerate() {
+            let Some((ankle, [heel, toe])) = leg.ankle.zip(soles(source, leg)) else {
+                continue;
+            };
+            let find = |sole: Sole| {
+                let path = path(motion, ankle, sole);
+                contacts::contacts(&path, motion, leg_metres, floor)
+            };
+            steps.feet[i] = Foot {
+                heel: find(heel),
+                toe: find(toe),
+            };
+            steps.level(source, motion, leg, i);
+        }
+        for (i, side) in ['l', 'r'].into_iter().enumerate() {
+            if let Some(wrist) = source.rest.sided(side, "wrist") {
+                let path = path(motion, wrist, Sole::default());
+                steps.hands[i] = contacts::rests(&path, motion, leg_metres);
+            }
+        }
+        steps
+    }
+
+    /// Finds how a foot lies when heel and toe are both on the floor.
+    fn level(&mut self, source: &Side, motion: &Motion, leg: &Leg, i: usize) {
+        let rest = &source.rest;
+        let foot = &self.feet[i];
+        let on = |contacts: &[Contact], f: usize| {
+            contacts.iter().any(|c| c.on_floor && c.frames.contains(&f))
+        };
+        let flat: Vec<usize> = (0..motion.frames())
+            .filter(|f| on(&foot.heel, *f) && on(&foot.toe, *f))
+            .collect();
+        for part in [leg.ankle, leg.toe].into_iter().flatten() {
+            let up: Vec3 = flat
+                .iter()
+                .map(|f| motion.deltas(*f)[part].inverse() * Vec3::Y)
+                .sum();
+            let up = up.normalize_or_zero();
+            let level = Quat::from_rotation_arc(source.body.up(), up);
+            if up == Vec3::ZERO || level.to_axis_angle().1 > LEVEL_RADIANS {
+                continue;
+            }
+            for j in 0..rest.len() {
+                if j == part || rest.between(part, j).is_some() {
+                    self.level[j] = level;
+                }
+            }
+        }
+    }
+}
+
+/// Path of a point that goes with a joint.
+fn path(motion: &Motion, joint: usize, sole: Sole) -> Vec<Vec3> {
+    (0..motion.frames())
+        .map(|f| sole.at(motion.positions(f)[joint], motion.deltas(f)[joint]))
+        .collect()
+}
+
+/// Height of the floor under a motion: that of the rest pose if it stands on one and the feet
+/// do not go far below it, otherwise where the soles are when they are lowest.
+fn found_floor(source: &Side, motion: &Motion) -> f32 {
+    let body = &source.body;
+    let feet: Vec<(usize, [Sole; 2])> = body
+        .legs
+        .iter()
+        .filter_map(|leg| leg.ankle.zip(soles(source, leg)))
+        .collect();
+    let lowest = |f: usize| {
+        let (places, deltas) = (motion.positions(f), motion.deltas(f));
+        let points = feet
+            .iter()
+            .flat_map(|(ankle, soles)| soles.map(|s| s.at(places[*ankle], deltas[*ankle]).y));
+        points.reduce(f32::min)
+    };
+    let mut lows: Vec<f32> = (0..motion.frames()).filter_map(lowest).collect();
+    lows.sort_by(f32::total_cmp);
+    let at = (lows.len() as f32 * BELOW_FLOOR) as usize;
+    let found = lows.get(at).copied().unwrap_or(0.0);
+    if body.stands_on_floor && found > -FAR_BELOW * body.leg_metres {
+        return 0.0;
+    }
+    found
+}
+
+/// Height of the floor under a figure at rest.
+pub(super) fn rest_floor(side: &Side) -> f32 {
+    if side.body.stands_on_floor {
+        return 0.0;
+    }
+    let ankles = side.body.legs.iter().filter_map(|l| l.ankle);
+    let lowest = ankles.map(|j| side.rest.positions[j].y).reduce(f32::min);
+    lowest.map_or(0.0, |y| y - side.body.ankle_height)
+}
