@@ -7,6 +7,7 @@
 //! - [`gltf`]: GLB and glTF 2.0, VRM files as such, in and out
 //! - [`bvh`]: Biovision hierarchical motion, in and out
 //! - [`mpeg4`]: FAP, BAP, EPF and FDP text
+//! - [`x3d`]: H-Anim figures in X3D and VRML97
 //! - [`profile`]: joint-name profiles, name to H-Anim joint, level and region
 //! - [`loa_profile`]: a saved selection of levels of articulation
 //! - [`motion_table`]: motion-error tables as bytes
@@ -26,6 +27,7 @@ mod sampled;
 mod units;
 mod uri;
 mod words;
+pub mod x3d;
 
 pub use error::{Read, ReadError, Warning};
 pub use limits::Limits;

@@ -2,7 +2,7 @@
 //!
 //! **A new format is one variant, one row of [`ROWS`] and one loader beside this file.**
 
-use super::{Loader, bvh, document};
+use super::{Loader, bvh, document, x3d};
 use serde::Serialize;
 use std::path::Path;
 
@@ -15,6 +15,9 @@ pub(crate) enum Format {
     Vrm,
     Vrma,
     Bvh,
+    X3d,
+    X3dv,
+    Wrl,
 }
 
 /// What is known of one format.
@@ -69,6 +72,24 @@ const ROWS: &[Row] = &[
         load: bvh::load,
         writes: Writes::Any,
     },
+    Row {
+        format: Format::X3d,
+        name: "x3d",
+        load: x3d::load,
+        writes: Writes::Never,
+    },
+    Row {
+        format: Format::X3dv,
+        name: "x3dv",
+        load: x3d::load,
+        writes: Writes::Never,
+    },
+    Row {
+        format: Format::Wrl,
+        name: "wrl",
+        load: x3d::load,
+        writes: Writes::Never,
+    },
 ];
 
 impl Format {
@@ -101,6 +122,12 @@ impl Format {
             gltf(Self::Gltf)
         } else if text.starts_with(b"HIERARCHY") {
             Some(Self::Bvh)
+        } else if text.starts_with(b"#VRML") {
+            Some(Self::Wrl)
+        } else if text.starts_with(b"#X3D") {
+            Some(Self::X3dv)
+        } else if is_x3d(text) {
+            Some(Self::X3d)
         } else {
             // The reader of that format can say best what is wrong with it.
             named
@@ -126,6 +153,15 @@ impl Format {
             .find(|row| row.format == self)
             .unwrap_or(&ROWS[0])
     }
+}
+
+/// Whether text begins as an X3D document does, or bytes as one that was packed.
+fn is_x3d(start: &[u8]) -> bool {
+    const PACKED: [&[u8]; 2] = [b"\x1f\x8b", b"\xe0\x00\x00\x01"];
+    // The root element stands after a declaration, a document type and comments.
+    let near = &start[..start.len().min(4096)];
+    let names_it = near.windows(4).any(|w| w == b"<X3D");
+    start.starts_with(b"<") && names_it || PACKED.iter().any(|p| start.starts_with(p))
 }
 
 /// The extensions of the files that are read, as a sentence lists them.
@@ -169,6 +205,12 @@ mod tests {
         assert_eq!(of(b" \n{\"asset\"", "a"), Some(Format::Gltf));
         assert_eq!(of(b"\xef\xbb\xbfHIERARCHY", "a.txt"), Some(Format::Bvh));
         assert_eq!(of(b"", "a.bvh"), Some(Format::Bvh));
+        let x3d = b"<?xml version='1.0'?>\n<X3D version='4.0'>";
+        assert_eq!(of(x3d, "a.xml"), Some(Format::X3d));
+        assert_eq!(of(b"<svg>", "a.svg"), None);
+        assert_eq!(of(b"#VRML V2.0 utf8", "a"), Some(Format::Wrl));
+        assert_eq!(of(b"#X3D V3.3 utf8", "a.x3d"), Some(Format::X3dv));
+        assert_eq!(of(b"\x1f\x8b", "a.x3dz"), Some(Format::X3d));
         assert_eq!(of(b"\x89PNG", "a.png"), None);
     }
 

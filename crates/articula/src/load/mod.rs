@@ -3,6 +3,7 @@
 mod bvh;
 mod document;
 mod format;
+mod x3d;
 
 pub(crate) use document::Behind;
 pub(crate) use format::{Format, Writes, conversions, readable};

@@ -1,0 +1,267 @@
+//! What the text of a field means: numbers, rotations, strings, nodes.
+//!
+//! Source: ISO/IEC 19775-1, clause 5 (field types); ISO/IEC 19776-1, clause 5 and 19776-2,
+//! clause 5 (how they are written).
+
+use super::scene::{NodeId, Scene, shortened};
+use crate::error::ReadError;
+use crate::limits::Limits;
+use crate::notes::Notes;
+use glam::{DQuat, DVec3};
+use std::borrow::Cow;
+
+/// Larger numbers have no meaning for a character and would overflow when multiplied.
+const LARGEST: f64 = 1e9;
+
+/// A scene being turned into a character.
+#[derive(Debug)]
+pub(super) struct Reader<'a> {
+    pub(super) scene: &'a Scene<'a>,
+    pub(super) limits: &'a Limits,
+    pub(super) notes: Notes,
+    /// Elements decoded so far, all arrays together.
+    spent: u64,
+    /// Nodes visited so far; `USE` can show one node any number of times.
+    visited: u64,
+}
+
+impl<'a> Reader<'a> {
+    pub(super) fn new(scene: &'a Scene<'a>, limits: &'a Limits, notes: Notes) -> Self {
+        Self {
+            scene,
+            limits,
+            notes,
+            spent: 0,
+            visited: 0,
+        }
+    }
+
+    /// Claims room for `elements` before it is allocated.
+    pub(super) fn charge(&mut self, id: NodeId, elements: usize) -> Result<(), ReadError> {
+        self.spent = self.spent.saturating_add(elements as u64);
+        if self.spent <= self.limits.elements {
+            return Ok(());
+        }
+        let (found, limit) = (self.spent, self.limits.elements);
+        Limits::check(&self.scene.at(id), "decoded elements", found, limit)
+    }
+
+    /// Counts one step of a walk through the graph, so that it ends.
+    pub(super) fn visit(&mut self, id: NodeId, depth: usize) -> Result<(), ReadError> {
+        self.visited += 1;
+        let (limits, depth) = (self.limits, depth as u64);
+        // A node is visited a few times at most unless USE multiplies it.
+        let most = limits.nodes.saturating_mul(16);
+        if self.visited <= most && depth <= limits.depth {
+            return Ok(());
+        }
+        let at = self.scene.at(id);
+        Limits::check(&at, "visits of nodes", self.visited, most)?;
+        Limits::check(&at, "levels of nesting", depth, limits.depth)
+    }
+
+    pub(super) fn warn(&mut self, id: NodeId, what: impl Into<String>) {
+        let at = self.scene.at(id);
+        self.notes.add(at, what);
+    }
+
+    pub(super) fn malformed(&self, id: NodeId, what: impl Into<String>) -> ReadError {
+        ReadError::malformed(self.scene.at(id), what)
+    }
+
+    pub(super) fn kind(&self, id: NodeId) -> &'a str {
+        &self.scene.nodes[id].kind
+    }
+
+    /// The text of a field, if the file gives it.
+    pub(super) fn text(&self, id: NodeId, field: &str) -> Option<&'a str> {
+        self.scene.nodes[id].text(field)
+    }
+
+    /// What a node is called: its name field, else its `DEF`.
+    pub(super) fn name(&self, id: NodeId) -> String {
+        let own = self.text(id, "name").map(str::trim).unwrap_or("");
+        let name = if own.is_empty() {
+            self.scene.nodes[id].def.as_ref()
+        } else {
+            own
+        };
+        shortened_name(name)
+    }
+
+    pub(super) fn flag(&self, id: NodeId, field: &str, usual: bool) -> bool {
+        match self.text(id, field).map(str::trim) {
+            Some("true" | "TRUE") => true,
+            Some("false" | "FALSE") => false,
+            _ => usual,
+        }
+    }
+
+    /// The first node in a field.
+    pub(super) fn node(&self, id: NodeId, field: &str) -> Option<NodeId> {
+        self.scene.nodes[id].nodes(field).next()
+    }
+
+    /// The nodes in a field.
+    pub(super) fn nodes(&self, id: NodeId, field: &str) -> Vec<NodeId> {
+        self.scene.nodes[id].nodes(field).collect()
+    }
+
+    /// Numbers, in any count.
+    pub(super) fn numbers(&mut self, id: NodeId, field: &str) -> Result<Vec<f64>, ReadError> {
+        let Some(text) = self.text(id, field) else {
+            return Ok(Vec::new());
+        };
+        let mut numbers = Vec::new();
+        for word in words(text) {
+            let number = word.parse::<f64>().ok().filter(|n| n.abs() <= LARGEST);
+            let Some(number) = number else {
+                let word = shortened(word);
+                let what = format!("{field}: \"{word}\" was found, a number up to 1e9 is expected");
+                return Err(self.malformed(id, what));
+            };
+            numbers.push(number);
+        }
+        self.charge(id, numbers.len())?;
+        Ok(numbers)
+    }
+
+    /// Whole numbers, in any count; what is no index is -1.
+    pub(super) fn indices(&mut self, id: NodeId, field: &str) -> Result<Vec<i64>, ReadError> {
+        let Some(text) = self.text(id, field) else {
+            return Ok(Vec::new());
+        };
+        let mut list = Vec::new();
+        for word in words(text) {
+            let hexadecimal = word.strip_prefix("0x").or_else(|| word.strip_prefix("0X"));
+            let number = match hexadecimal {
+                Some(digits) => i64::from_str_radix(digits, 16).ok(),
+                None => word.parse::<i32>().ok().map(i64::from),
+            };
+            let Some(number) = number else {
+                let word = shortened(word);
+                let what = format!("{field}: \"{word}\" was found, a whole number is expected");
+                return Err(self.malformed(id, what));
+            };
+            list.push(number);
+        }
+        self.charge(id, list.len())?;
+        Ok(list)
+    }
+
+    /// Tuples of numbers; a rest that fills none is left out with a warning.
+    pub(super) fn tuples<const N: usize>(
+        &mut self,
+        id: NodeId,
+        field: &str,
+    ) -> Result<Vec<[f64; N]>, ReadError> {
+        let numbers = self.numbers(id, field)?;
+        let (tuples, rest) = numbers.as_chunks::<N>();
+        if !rest.is_empty() {
+            let what = format!("{field}: {} numbers are no multiple of {N}", numbers.len());
+            self.warn(id, what);
+        }
+        Ok(tuples.to_vec())
+    }
+
+    /// Exactly as many numbers as the field's type has.
+    fn tuple<const N: usize>(
+        &mut self,
+        id: NodeId,
+        field: &str,
+    ) -> Result<Option<[f64; N]>, ReadError> {
+        if self.text(id, field).is_none_or(|t| t.trim().is_empty()) {
+            return Ok(None);
+        }
+        let numbers = self.numbers(id, field)?;
+        let found = numbers.len();
+        match <[f64; N]>::try_from(numbers) {
+            Ok(tuple) => Ok(Some(tuple)),
+            Err(_) => {
+                let what = format!("{field}: {found} numbers were found, {N} are expected");
+                Err(self.malformed(id, what))
+            }
+        }
+    }
+
+    pub(super) fn number(&mut self, id: NodeId, field: &str, usual: f64) -> Result<f64, ReadError> {
+        Ok(self.tuple::<1>(id, field)?.map_or(usual, |[n]| n))
+    }
+
+    pub(super) fn vector(
+        &mut self,
+        id: NodeId,
+        field: &str,
+        usual: DVec3,
+    ) -> Result<DVec3, ReadError> {
+        Ok(self.tuple(id, field)?.map_or(usual, DVec3::from_array))
+    }
+
+    pub(super) fn rotation(&mut self, id: NodeId, field: &str) -> Result<DQuat, ReadError> {
+        let given = self.tuple(id, field)?;
+        Ok(given.map_or(DQuat::IDENTITY, |r| self.turn(r)))
+    }
+
+    /// An axis and an angle as a rotation; without an axis there is none.
+    pub(super) fn turn(&self, [x, y, z, angle]: [f64; 4]) -> DQuat {
+        let axis = DVec3::new(x, y, z).normalize_or_zero();
+        if axis == DVec3::ZERO {
+            return DQuat::IDENTITY;
+        }
+        DQuat::from_axis_angle(axis, angle * self.scene.radians)
+    }
+
+    /// Strings of a field that may hold several.
+    pub(super) fn strings(&mut self, id: NodeId, field: &str) -> Result<Vec<String>, ReadError> {
+        let list = self.text(id, field).map(quoted_strings).unwrap_or_default();
+        self.charge(id, list.iter().map(String::len).sum())?;
+        Ok(list)
+    }
+}
+
+/// Numbers stand between blanks and commas; a `#` begins a comment (classic encoding).
+pub(super) fn words(text: &str) -> impl Iterator<Item = &str> {
+    let plain = text.split_inclusive(['\n', '\r']).map(|line| {
+        let end = line.find('#').unwrap_or(line.len());
+        &line[..end]
+    });
+    plain.flat_map(|line| {
+        line.split(|c: char| c.is_whitespace() || c == ',')
+            .filter(|word| !word.is_empty())
+    })
+}
+
+/// `"a" "b"` is two strings; text without quotation marks is one.
+fn quoted_strings(text: &str) -> Vec<String> {
+    if !text.trim_start().starts_with('"') {
+        return match text.trim() {
+            "" => Vec::new(),
+            plain => vec![plain.to_owned()],
+        };
+    }
+    let mut list = Vec::new();
+    let mut chars = text.chars();
+    while chars.by_ref().any(|c| c == '"') {
+        let mut string = String::new();
+        while let Some(c) = chars.next().filter(|c| *c != '"') {
+            string.extend(if c == '\\' { chars.next() } else { Some(c) });
+        }
+        list.push(string);
+    }
+    list
+}
+
+/// Names may be of any length in a file, not in memory or on a screen.
+fn shortened_name(name: &str) -> String {
+    const LONGEST: usize = 256;
+    let end = name.char_indices().nth(LONGEST);
+    name[..end.map_or(name.len(), |(i, _)| i)].to_owned()
+}
+
+/// The longest common use of names: H-Anim names differ in case only by mistake.
+pub(super) fn folded(name: &str) -> Cow<'_, str> {
+    if name.bytes().any(|b| b.is_ascii_uppercase()) {
+        return Cow::Owned(name.to_ascii_lowercase());
+    }
+    Cow::Borrowed(name)
+}

@@ -1,0 +1,273 @@
+//! Appearances: colours and pictures, reduced to what a preview shows.
+//!
+//! Source: ISO/IEC 19775-1, clause 12 (shape) and 18 (texturing). Colours of `Material` and
+//! `UnlitMaterial` are what the screen shows (sRGB), those of `PhysicalMaterial` are linear. A
+//! picture replaces the colour up to X3D 3 and is multiplied with it from X3D 4 on.
+
+use super::fields::Reader;
+use super::scene::{NodeId, shortened};
+use super::surface::linear;
+use crate::error::ReadError;
+use crate::limits::Limits;
+use crate::{Resolver, uri};
+use articula_core::source::{Image, Material};
+use glam::{DMat2, DVec2, DVec3, Vec4};
+use std::collections::HashMap;
+
+/// How texture coordinates are changed before the picture is looked up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct TextureMove {
+    matrix: DMat2,
+    offset: DVec2,
+}
+
+impl TextureMove {
+    /// The rule of the standard: moved, turned, scaled, each about the center.
+    fn read(reader: &mut Reader<'_>, id: NodeId) -> Result<Self, ReadError> {
+        let two = |reader: &mut Reader<'_>, field: &str, usual: DVec2| {
+            let given = reader.tuples::<2>(id, field)?;
+            Ok::<_, ReadError>(given.first().map_or(usual, |v| DVec2::from_array(*v)))
+        };
+        let center = two(reader, "center", DVec2::ZERO)?;
+        let scale = two(reader, "scale", DVec2::ONE)?;
+        let translation = two(reader, "translation", DVec2::ZERO)?;
+        let angle = reader.number(id, "rotation", 0.0)? * reader.scene.radians;
+        // Tc' = -C · S · R · C · T · Tc
+        let matrix = DMat2::from_diagonal(scale) * DMat2::from_angle(angle);
+        Ok(Self {
+            matrix,
+            offset: matrix * (center + translation) - center,
+        })
+    }
+
+    /// Moves a texture coordinate whose origin is at the bottom.
+    pub(super) fn apply(&self, texcoord: DVec2) -> DVec2 {
+        self.matrix * texcoord + self.offset
+    }
+}
+
+/// How one shape looks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Look {
+    pub(super) material: usize,
+    pub(super) textured: bool,
+    pub(super) texture_move: Option<TextureMove>,
+}
+
+/// What makes two materials one.
+type LookKey = (String, [u32; 4], Option<usize>, u32, bool);
+
+/// Materials and pictures so far, each made once.
+pub(super) struct Looks<'r, 'f> {
+    resolver: &'r mut Resolver<'f>,
+    pub(super) materials: Vec<Material>,
+    pub(super) images: Vec<Image>,
+    made: HashMap<(Option<NodeId>, bool), Look>,
+    /// Appearances are often written out again for each shape.
+    material_of_look: HashMap<LookKey, usize>,
+    /// What became of each texture node.
+    pictures: HashMap<NodeId, Option<usize>>,
+    /// Index of the picture of each address.
+    addresses: HashMap<String, usize>,
+    /// Bytes of all pictures.
+    spent: u64,
+}
+
+impl<'r, 'f> Looks<'r, 'f> {
+    pub(super) fn new(resolver: &'r mut Resolver<'f>) -> Self {
+        Self {
+            resolver,
+            materials: Vec::new(),
+            images: Vec::new(),
+            made: HashMap::new(),
+            material_of_look: HashMap::new(),
+            pictures: HashMap::new(),
+            addresses: HashMap::new(),
+            spent: 0,
+        }
+    }
+
+    /// The look of a shape whose geometry is solid or shows its back.
+    pub(super) fn of(
+        &mut self,
+        reader: &mut Reader<'_>,
+        shape: NodeId,
+        solid: bool,
+    ) -> Result<Look, ReadError> {
+        let appearance = reader.node(shape, "appearance");
+        if let Some(look) = self.made.get(&(appearance, solid)) {
+            return Ok(*look);
+        }
+        let mut material = Material {
+            double_sided: !solid,
+            ..Material::default()
+        };
+        let mut texture = None;
+        let mut texture_move = None;
+        if let Some(id) = appearance {
+            let own = reader.node(id, "material");
+            texture = texture_of(reader, id, own);
+            if let Some(own) = own {
+                material.base_color = base_color(reader, own)?;
+                material.name = reader.name(own);
+            }
+            if reader
+                .text(id, "alphaMode")
+                .is_some_and(|m| m.trim() == "MASK")
+            {
+                material.alpha_cutoff = reader.number(id, "alphaCutoff", 0.5)? as f32;
+            }
+            let moved = reader.node(id, "textureTransform");
+            let moved = moved.filter(|&n| reader.kind(n) == "TextureTransform");
+            texture_move = moved.map(|n| TextureMove::read(reader, n)).transpose()?;
+        }
+        if let Some(texture) = texture {
+            material.base_color_image = self.picture(reader, texture)?;
+            if material.base_color_image.is_some() && reader.scene.version < 4 {
+                let opacity = material.base_color.w;
+                material.base_color = Vec4::ONE.with_w(opacity);
+            }
+        }
+        let look = Look {
+            textured: material.base_color_image.is_some(),
+            texture_move,
+            material: self.material(material),
+        };
+        self.made.insert((appearance, solid), look);
+        Ok(look)
+    }
+
+    /// The index of a material, the same for equal ones.
+    fn material(&mut self, material: Material) -> usize {
+        let key = (
+            material.name.clone(),
+            material.base_color.to_array().map(f32::to_bits),
+            material.base_color_image,
+            material.alpha_cutoff.to_bits(),
+            material.double_sided,
+        );
+        let next = self.materials.len();
+        let index = *self.material_of_look.entry(key).or_insert(next);
+        if index == next {
+            self.materials.push(material);
+        }
+        index
+    }
+
+    /// The picture of a texture node, if there is one that can be had.
+    fn picture(&mut self, reader: &mut Reader<'_>, id: NodeId) -> Result<Option<usize>, ReadError> {
+        if let Some(known) = self.pictures.get(&id) {
+            return Ok(*known);
+        }
+        let mut found = None;
+        if reader.kind(id) == "ImageTexture" {
+            let mut reasons = Vec::new();
+            for address in reader.strings(id, "url")? {
+                match self.fetch(reader, id, &address)? {
+                    Ok(image) => {
+                        found = Some(image);
+                        break;
+                    }
+                    Err(reason) => {
+                        reasons.push(format!("\"{}\": {reason}", shortened(&address)));
+                    }
+                }
+            }
+            if found.is_none() {
+                let reasons = match reasons.is_empty() {
+                    true => "it names none".to_owned(),
+                    false => reasons.join("; "),
+                };
+                reader.warn(id, format!("shown without its picture: {reasons}"));
+            }
+        } else {
+            let what = format!("{} is not read; shown without it", reader.kind(id));
+            reader.warn(id, what);
+        }
+        self.pictures.insert(id, found);
+        Ok(found)
+    }
+
+    /// The picture at one address, or why there is none.
+    fn fetch(
+        &mut self,
+        reader: &mut Reader<'_>,
+        id: NodeId,
+        address: &str,
+    ) -> Result<Result<usize, String>, ReadError> {
+        if let Some(known) = self.addresses.get(address) {
+            return Ok(Ok(*known));
+        }
+        let at = reader.scene.at(id);
+        let (declared, bytes) = match uri::decode_data_uri(address, &at, reader.limits)? {
+            Some(inside) => inside,
+            None => match self.beside(reader, id, address) {
+                Ok(bytes) => (String::new(), bytes),
+                Err(reason) => return Ok(Err(reason)),
+            },
+        };
+        self.spent = self.spent.saturating_add(bytes.len() as u64);
+        Limits::check(&at, "bytes of pictures", self.spent, reader.limits.bytes)?;
+        self.images.push(Image {
+            name: reader.name(id),
+            mime_type: uri::mime_type(&declared, &bytes),
+            bytes,
+        });
+        let index = self.images.len() - 1;
+        // An address may hold a whole picture.
+        if address.len() < 1000 {
+            self.addresses.insert(address.to_owned(), index);
+        }
+        Ok(Ok(index))
+    }
+
+    /// Asks for a picture beside the file. What an address far away names may have been saved
+    /// there as well.
+    fn beside(
+        &mut self,
+        reader: &mut Reader<'_>,
+        id: NodeId,
+        address: &str,
+    ) -> Result<Vec<u8>, String> {
+        if !address.contains("://") {
+            return (self.resolver)(&uri::file_name(address));
+        }
+        let name = uri::file_name(address.rsplit('/').next().unwrap_or(""));
+        let bytes = (self.resolver)(&name)
+            .map_err(|reason| format!("nothing is fetched from afar, and beside this: {reason}"))?;
+        let what = format!(
+            "nothing is fetched from \"{}\"; the picture of that name beside this file is shown",
+            shortened(address)
+        );
+        reader.warn(id, what);
+        Ok(bytes)
+    }
+}
+
+/// The texture that gives the colour: of the material (X3D 4), else of the appearance.
+fn texture_of(reader: &Reader<'_>, appearance: NodeId, material: Option<NodeId>) -> Option<NodeId> {
+    let of_material = material.and_then(|m| {
+        let fields = ["diffuseTexture", "baseTexture", "emissiveTexture"];
+        fields.iter().find_map(|field| reader.node(m, field))
+    });
+    let texture = of_material.or_else(|| reader.node(appearance, "texture"))?;
+    if reader.kind(texture) == "MultiTexture" {
+        return reader.node(texture, "texture");
+    }
+    Some(texture)
+}
+
+fn base_color(reader: &mut Reader<'_>, id: NodeId) -> Result<Vec4, ReadError> {
+    let opacity = 1.0 - reader.number(id, "transparency", 0.0)?.clamp(0.0, 1.0);
+    let (field, usual) = match reader.kind(id) {
+        "PhysicalMaterial" => ("baseColor", 1.0),
+        "UnlitMaterial" => ("emissiveColor", 1.0),
+        _ => ("diffuseColor", 0.8),
+    };
+    let color = reader.vector(id, field, DVec3::splat(usual))?.to_array();
+    let [r, g, b] = match field {
+        "baseColor" => color.map(|c| c.clamp(0.0, 1.0) as f32),
+        _ => color.map(linear),
+    };
+    Ok(Vec4::new(r, g, b, opacity as f32))
+}

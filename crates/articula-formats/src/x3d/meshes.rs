@@ -1,0 +1,322 @@
+//! What is seen: segments that follow one joint, and skin that follows many.
+//!
+//! A displacer becomes a morph target. One of a segment moves the points of the segment's
+//! coordinates, one of a joint those of the skin; displacers of the skin that share a name are
+//! one target, as one expression may move points on several joints.
+//!
+//! Source: ISO/IEC 19774-1, 6.2 (skin), 6.4 (segment), 6.6 (displacer); 19775-1, 26.3.
+//! Differs: displacements are blended in before skinning, where the standard adds those of a
+//! joint after it, turned by that joint alone. The two agree where one joint moves the point.
+
+use super::faces::{self, Faces};
+use super::fields::Reader;
+use super::figure::{Figure, Part, PlacedShape};
+use super::frames::Frames;
+use super::influences::Influences;
+use super::look::Looks;
+use super::polygon::Cutter;
+use super::scene::NodeId;
+use super::surface::surface;
+use crate::error::ReadError;
+use articula_core::source::{Mesh, MorphTarget, Primitive, Skin};
+use glam::{DAffine3, DVec3, Vec3};
+use std::collections::{BTreeMap, HashMap};
+
+/// Meshes, and which of their morph targets each displacer is.
+#[derive(Debug, Default)]
+pub(super) struct Shown {
+    pub(super) meshes: Vec<Mesh>,
+    /// Mesh and morph target.
+    pub(super) target_of_displacer: HashMap<NodeId, (usize, usize)>,
+}
+
+/// One morph target while a mesh is made.
+#[derive(Debug)]
+struct Target {
+    name: String,
+    weight: f32,
+    displacers: Vec<NodeId>,
+    /// Offset of each point that moves, in the space of the coordinates.
+    offsets: BTreeMap<u32, DVec3>,
+}
+
+/// Makes the meshes of a figure: its segments in the order of the file, then its skin.
+pub(super) fn read_all(
+    reader: &mut Reader<'_>,
+    figure: &Figure,
+    frames: &Frames,
+    looks: &mut Looks<'_, '_>,
+) -> Result<Shown, ReadError> {
+    let mut maker = Maker {
+        looks,
+        cutter: Cutter::default(),
+        shown: Shown::default(),
+        unread: BTreeMap::new(),
+    };
+    for part in &figure.parts {
+        maker.part(reader, figure, frames, part)?;
+    }
+    maker.skin(reader, figure, frames)?;
+    for (kind, count) in &maker.unread {
+        let what = format!("{count} shapes of {kind} are left out");
+        reader.notes.add("humanoid", what);
+    }
+    Ok(maker.shown)
+}
+
+struct Maker<'m, 'r, 'f> {
+    looks: &'m mut Looks<'r, 'f>,
+    cutter: Cutter,
+    shown: Shown,
+    /// Kinds of geometry that are not read, with their counts.
+    unread: BTreeMap<String, usize>,
+}
+
+/// A shape with its geometry read.
+struct Solid {
+    shape: PlacedShape,
+    geometry: NodeId,
+    faces: Faces,
+}
+
+impl Maker<'_, '_, '_> {
+    fn part(
+        &mut self,
+        reader: &mut Reader<'_>,
+        figure: &Figure,
+        frames: &Frames,
+        part: &Part,
+    ) -> Result<(), ReadError> {
+        let solids = self.solids(reader, &part.shapes)?;
+        let displacers = match reader.kind(part.id) {
+            "HAnimSegment" => reader.nodes(part.id, "displacers"),
+            _ => Vec::new(),
+        };
+        // Without a coordinate field the displacers can only mean the geometry that is there.
+        let coord = reader.node(part.id, "coord");
+        let coord = coord.or_else(|| solids.first().and_then(|s| s.faces.coord));
+        let targets = targets(reader, &displacers)?;
+        let name = match reader.name(part.id) {
+            name if name.is_empty() => figure.joints[part.joint].name.clone(),
+            name => name,
+        };
+        let mut mesh = Mesh {
+            name,
+            skin: Skin {
+                joints: vec![part.joint + frames.first],
+                inverse_bind: vec![frames.rigid[part.joint]],
+            },
+            ..Mesh::default()
+        };
+        for solid in &solids {
+            let moved = (solid.faces.coord == coord).then_some(&targets[..]);
+            let made = self.primitive(reader, figure, solid, (moved, targets.len()))?;
+            mesh.primitives.extend(made.map(|(mut primitive, points)| {
+                primitive.influences = 1;
+                primitive.joints = vec![0; points.len()];
+                primitive.weights = vec![1.0; points.len()];
+                primitive
+            }));
+        }
+        self.push(mesh, targets);
+        Ok(())
+    }
+
+    fn skin(
+        &mut self,
+        reader: &mut Reader<'_>,
+        figure: &Figure,
+        frames: &Frames,
+    ) -> Result<(), ReadError> {
+        let shapes = figure.shapes(reader, "skin")?;
+        let solids = self.solids(reader, &shapes)?;
+        let mut displacers = reader.nodes(figure.id, "displacers");
+        for joint in &figure.joints {
+            displacers.extend(reader.nodes(joint.id, "displacers"));
+        }
+        if solids.is_empty() {
+            if !displacers.is_empty() {
+                let what = format!("{} displacers move nothing that is seen", displacers.len());
+                reader.warn(figure.id, what);
+            }
+            return Ok(());
+        }
+        let coord = reader.node(figure.id, "skinCoord");
+        let points = match coord {
+            Some(coord) => faces::points(reader, coord)?.len(),
+            None => 0,
+        };
+        let influences = Influences::read(reader, figure, points)?;
+        let targets = targets(reader, &displacers)?;
+        let mut mesh = Mesh {
+            name: "skin".to_owned(),
+            skin: Skin {
+                joints: (0..figure.joints.len()).map(|j| j + frames.first).collect(),
+                inverse_bind: frames.bind.clone(),
+            },
+            ..Mesh::default()
+        };
+        for solid in &solids {
+            let skinned = self.is_skin(reader, solid, coord, points);
+            let moved = skinned.then_some(&targets[..]);
+            let made = self.primitive(reader, figure, solid, (moved, targets.len()))?;
+            if let Some((mut primitive, of_vertex)) = made {
+                let of_vertex = skinned.then_some(&of_vertex[..]);
+                influences.apply(reader, solid.geometry, of_vertex, &mut primitive)?;
+                mesh.primitives.push(primitive);
+            }
+        }
+        self.push(mesh, targets);
+        Ok(())
+    }
+
+    /// Whether a shape's points are those that joints move.
+    fn is_skin(
+        &self,
+        reader: &mut Reader<'_>,
+        solid: &Solid,
+        coord: Option<NodeId>,
+        points: usize,
+    ) -> bool {
+        if coord.is_some() && solid.faces.coord == coord {
+            return true;
+        }
+        let copied = coord.is_some() && solid.faces.points.len() == points;
+        let what = match copied {
+            true => "the coordinates are no USE of skinCoord but as many; taken as those",
+            false => "the coordinates are not those of skinCoord; the shape follows the root",
+        };
+        reader.warn(solid.geometry, what);
+        copied
+    }
+
+    fn push(&mut self, mut mesh: Mesh, targets: Vec<Target>) {
+        if mesh.primitives.is_empty() {
+            return;
+        }
+        let index = self.shown.meshes.len();
+        for (slot, target) in targets.into_iter().enumerate() {
+            let places = target.displacers.into_iter().map(|id| (id, (index, slot)));
+            self.shown.target_of_displacer.extend(places);
+            mesh.morph_names.push(target.name);
+            mesh.morph_weights.push(target.weight);
+        }
+        self.shown.meshes.push(mesh);
+    }
+
+    /// The shapes whose geometry is read.
+    fn solids(
+        &mut self,
+        reader: &mut Reader<'_>,
+        shapes: &[PlacedShape],
+    ) -> Result<Vec<Solid>, ReadError> {
+        let mut solids = Vec::new();
+        for &shape in shapes {
+            let Some(geometry) = reader.node(shape.id, "geometry") else {
+                continue;
+            };
+            let kind = reader.kind(geometry);
+            if !faces::is_read(kind) {
+                *self.unread.entry(kind.to_owned()).or_default() += 1;
+                continue;
+            }
+            let faces = faces::read(reader, geometry, &mut self.cutter)?;
+            solids.push(Solid {
+                shape,
+                geometry,
+                faces,
+            });
+        }
+        Ok(solids)
+    }
+
+    /// One shape as a primitive without influences, and the point that each vertex comes from;
+    /// `None` if it has no triangle. Without targets that move it there are still as many.
+    fn primitive(
+        &mut self,
+        reader: &mut Reader<'_>,
+        figure: &Figure,
+        solid: &Solid,
+        (moved, targets): (Option<&[Target]>, usize),
+    ) -> Result<Option<(Primitive, Vec<u32>)>, ReadError> {
+        let id = solid.geometry;
+        let look = self.looks.of(reader, solid.shape.id, solid.faces.solid)?;
+        let place = figure.world * solid.shape.place;
+        let surface = surface(reader, id, &solid.faces, &place, &look)?;
+        if surface.triangles.is_empty() {
+            return Ok(None);
+        }
+        let vertices = surface.positions.len();
+        reader.charge(id, (3 * vertices).saturating_mul(targets))?;
+        let morph = |target: usize| MorphTarget {
+            positions: match moved {
+                Some(all) => offsets(&all[target], &surface.point_of_vertex, &place),
+                None => vec![Vec3::ZERO; vertices],
+            },
+            normals: Vec::new(),
+        };
+        let primitive = Primitive {
+            positions: surface.positions,
+            normals: surface.normals,
+            texcoords: surface.texcoords,
+            colors: surface.colors,
+            morphs: (0..targets).map(morph).collect(),
+            triangles: surface.triangles,
+            material: Some(look.material),
+            ..Primitive::default()
+        };
+        Ok(Some((primitive, surface.point_of_vertex)))
+    }
+}
+
+fn offsets(target: &Target, point_of_vertex: &[u32], place: &DAffine3) -> Vec<Vec3> {
+    let of = |point: &u32| target.offsets.get(point).copied().unwrap_or_default();
+    let moved = point_of_vertex.iter().map(of);
+    moved
+        .map(|o| place.transform_vector3(o).as_vec3())
+        .collect()
+}
+
+/// Morph targets of displacers, those of one name together.
+fn targets(reader: &mut Reader<'_>, displacers: &[NodeId]) -> Result<Vec<Target>, ReadError> {
+    let mut targets: Vec<Target> = Vec::new();
+    let mut of_name: HashMap<&str, usize> = HashMap::new();
+    for &id in displacers {
+        if reader.kind(id) != "HAnimDisplacer" {
+            continue;
+        }
+        reader.visit(id, 0)?;
+        let own_name = reader.text(id, "name").map(str::trim).unwrap_or("");
+        let slot = match of_name.get(own_name).filter(|_| !own_name.is_empty()) {
+            Some(slot) => *slot,
+            None => {
+                of_name.insert(own_name, targets.len());
+                targets.push(Target {
+                    name: reader.name(id),
+                    weight: reader.number(id, "weight", 0.0)? as f32,
+                    displacers: Vec::new(),
+                    offsets: BTreeMap::new(),
+                });
+                targets.len() - 1
+            }
+        };
+        let indices = reader.indices(id, "coordIndex")?;
+        let displacements = reader.tuples::<3>(id, "displacements")?;
+        if indices.len() != displacements.len() {
+            let what = format!(
+                "{} points and {} displacements; the rest is left out",
+                indices.len(),
+                displacements.len()
+            );
+            reader.warn(id, what);
+        }
+        targets[slot].displacers.push(id);
+        reader.charge(id, 8 * indices.len())?;
+        for (index, offset) in indices.iter().zip(displacements) {
+            if let Ok(point) = u32::try_from(*index) {
+                *targets[slot].offsets.entry(point).or_default() += DVec3::from_array(offset);
+            }
+        }
+    }
+    Ok(targets)
+}
