@@ -1,4 +1,5 @@
-//! The independent judges that run in node: the glTF validator and three.js (folder `oracle`).
+//! The independent judges that run in node: the glTF validator, three.js and meshoptimizer
+//! (folder `oracle`).
 
 use crate::chores::{answer, root, run};
 use crate::steps::{Outcome, lacking};
@@ -12,7 +13,7 @@ const NODE_MAJOR: u32 = 18;
 
 /// Installs the packages that `oracle/package-lock.json` pins, unless they are there already.
 ///
-/// It runs before the tests because `crates/articula/tests/oracle.rs` calls the scripts.
+/// It runs before the tests because tests of `crates/articula` call the scripts.
 pub(crate) fn install() -> Result<Outcome> {
     if let Some(why) = missing() {
         return lacking(why);

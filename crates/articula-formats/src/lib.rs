@@ -5,6 +5,7 @@
 //! nothing here opens a file.
 //!
 //! - [`gltf`]: GLB and glTF 2.0, VRM files as such, in and out
+//! - [`meshopt`]: the codec of compressed glTF buffer views, decoding only
 //! - [`bvh`]: Biovision hierarchical motion, in and out
 //! - [`mpeg4`]: FAP, BAP, EPF and FDP text
 //! - [`x3d`]: H-Anim figures in X3D and VRML97
@@ -13,12 +14,14 @@
 //! - [`motion_table`]: motion-error tables as bytes
 //! - [`error`], [`limits`]: what can be wrong, and how much is too much
 
+pub mod acclaim;
 pub mod bvh;
 pub mod error;
 mod euler;
 pub mod gltf;
 pub mod limits;
 pub mod loa_profile;
+pub mod meshopt;
 pub mod motion_table;
 pub mod mpeg4;
 mod notes;

@@ -27,7 +27,7 @@ pub enum Up {
 /// Heights at rest that need no scale, in metres.
 const METRES: std::ops::RangeInclusive<f32> = 0.5..=3.0;
 /// Heights of joints of adults, in metres.
-const ADULT: std::ops::RangeInclusive<f32> = 1.3..=2.1;
+pub(crate) const ADULT: std::ops::RangeInclusive<f32> = 1.3..=2.1;
 /// Height that a figure of unknown unit is given, in metres.
 const ASSUMED_METRES: f32 = 1.7;
 /// Known units, the most usual first: name and metres.

@@ -1,9 +1,11 @@
-//! Promise: whatever happens to a BVH file or a profile, reading gives a value or an error.
+//! Promise: whatever happens to a text file, reading gives a value or an error.
 //!
-//! The stable twin of the fuzz targets `bvh` and `profile`: seeded mutations of good files.
+//! The stable twin of the fuzz targets `acclaim`, `bvh`, `profile` and `loa_profile`: seeded
+//! mutations of good files.
 
+use articula_core::source::Character;
 use articula_formats::bvh::{self, ReadOptions};
-use articula_formats::{Limits, loa_profile, profile};
+use articula_formats::{Limits, acclaim, loa_profile, profile};
 
 /// Mutations tried on each file.
 const TRIES: u64 = 3000;
@@ -12,6 +14,14 @@ const BVH: &str = "HIERARCHY\nROOT Hips\n{\n OFFSET 0 90 0\n CHANNELS 6 Xpositio
     Zrotation Xrotation Yrotation\n JOINT Head\n {\n  OFFSET 0 60 0\n  CHANNELS 3 Zrotation Xrotation \
     Yrotation\n  End Site\n  {\n   OFFSET 0 20 0\n  }\n }\n}\nMOTION\nFrames: 2\nFrame Time: .0333\n\
     0 90 0 1 2 3 4 5 6\n0 91 -1e-3 1 2 3 4 5 -6\n";
+
+const ASF: &str = ":units\n length 0.45\n angle deg\n:root\n order TX TY TZ RX RY RZ\n axis XYZ\n \
+    position 0 0 0\n orientation 0 5 0\n:bonedata\nbegin\nname hip\ndirection 0 -1 0\nlength 7\naxis 0 0 20 \
+    XYZ\ndof rx ry rz\nlimits (-160 20)\n(-inf inf)\n(0 1)\nend\nbegin\nname head\ndirection 1 0 0\nlength 2\n\
+    axis 0 0 0 XYZ\ndof tx rz l\nend\n:hierarchy\nbegin\nroot hip\nhip head\nend\n";
+
+const AMC: &str = ":FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 1 2 3 4 5\nhip 1 2 3\nhead 1 2 3\n2\nhip 4 5 6\n3\n\
+    root 1 1 1 1 1 1\nhead 0 90 0\n";
 
 const PROFILE: &str = r#"{"name": "x", "title": "t", "source": "s", "scope": "body",
     "prefixes": ["rig"], "suffixes": ["_end"], "joints": {"Hips": "humanoid_root",
@@ -22,7 +32,7 @@ const LOA: &str = r#"{"manual": true, "rule": "sum", "depth": 3, "complexity": "
     "zones": ["torso", "legs"], "joints": {"plus": ["l_knee"], "minus": ["tail"]}}"#;
 
 /// The words that the formats know, put in anywhere.
-const WORDS: [&str; 16] = [
+const WORDS: [&str; 23] = [
     "{",
     "}",
     "ROOT x",
@@ -39,6 +49,13 @@ const WORDS: [&str; 16] = [
     "{side}",
     "null",
     "99999999999999999999",
+    "begin",
+    "end",
+    "dof rx ry rz",
+    "axis 90 90 90 ZYX",
+    "root hip",
+    ":DEGREES",
+    "\n7\n",
 ];
 
 /// Sebastiano Vigna's SplitMix64 (2014): small, and the same everywhere.
@@ -89,18 +106,35 @@ fn bvh_files() {
     check(BVH, |bytes| {
         let read = bvh::read(bytes, &ReadOptions::default(), &Limits::default());
         let Ok(read) = read else { return false };
-        let character = read.value.character;
-        for (index, joint) in character.skeleton.joints.iter().enumerate() {
-            assert!(joint.parent.is_none_or(|p| p < index));
-            assert!(joint.rest.is_finite());
-        }
-        for channel in character.clips.iter().flat_map(|c| &c.channels) {
-            assert!(channel.times_secs.windows(2).all(|w| w[0] < w[1]));
-            assert!(channel.values.iter().all(|v| v.is_finite()));
-        }
-        profile::map(&character.skeleton, profile::builtin(), None);
+        sound(&read.value.character);
         true
     });
+}
+
+/// Whatever was read is a forest of finite joints with rising key times.
+fn sound(character: &Character) {
+    for (index, joint) in character.skeleton.joints.iter().enumerate() {
+        assert!(joint.parent.is_none_or(|p| p < index));
+        assert!(joint.rest.is_finite());
+    }
+    for channel in character.clips.iter().flat_map(|c| &c.channels) {
+        assert!(channel.times_secs.windows(2).all(|w| w[0] < w[1]));
+        assert!(channel.values.iter().all(|v| v.is_finite()));
+    }
+    profile::map(&character.skeleton, profile::builtin(), None);
+}
+
+#[test]
+fn acclaim_pairs() {
+    let read = |asf: &[u8], amc: &[u8]| {
+        let options = acclaim::ReadOptions::default();
+        let read = acclaim::read(asf, Some(amc), &options, &Limits::default());
+        let Ok(read) = read else { return false };
+        sound(&read.value.character);
+        true
+    };
+    check(ASF, |bytes| read(bytes, AMC.as_bytes()));
+    check(AMC, |bytes| read(ASF.as_bytes(), bytes));
 }
 
 #[test]

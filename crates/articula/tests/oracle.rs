@@ -3,10 +3,10 @@
 #![allow(
     clippy::disallowed_methods,
     clippy::unwrap_used,
-    clippy::print_stdout,
     reason = "a test opens real files, writes what the judges are to read, and may fail loudly"
 )]
 
+mod judges;
 mod program;
 
 use articula_build::character;
@@ -21,9 +21,9 @@ use articula_core::source::{self, evaluate};
 use articula_formats::gltf::{self, Document, GltfFile};
 use articula_formats::{Limits, profile};
 use glam::Vec3;
+use judges::{ask, data_folder, data_is_here, judges_are_here};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 /// How far a joint may be from where three.js has it, as a fraction of the figure's height.
 const TOLERANCE: f32 = 1e-4;
@@ -350,55 +350,4 @@ fn faults_of(verdict: &str) -> String {
     let bad = files.iter().filter(|file| file["errors"] != 0);
     bad.map(|file| format!("{}: {}\n", file["file"], file["messages"]))
         .collect()
-}
-
-/// What a script of the folder `oracle` prints, and whether it ended well.
-fn ask(script: &str, words: &[String]) -> (String, bool) {
-    let output = Command::new("node")
-        .arg(oracle_folder().join(script))
-        .args(words)
-        .output()
-        .unwrap();
-    let mut text = String::from_utf8(output.stdout).unwrap();
-    text.push_str(&String::from_utf8_lossy(&output.stderr));
-    (text, output.status.success())
-}
-
-fn oracle_folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle")
-}
-
-fn data_folder() -> PathBuf {
-    std::env::var_os("ARTICULA_DATA").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
-        PathBuf::from,
-    )
-}
-
-fn is_required(variable: &str) -> bool {
-    std::env::var_os(variable).is_some_and(|v| v == "1")
-}
-
-fn data_is_here() -> bool {
-    let here = data_folder().join("MANIFEST.md").is_file();
-    assert!(here || !is_required("ARTICULA_REQUIRE_DATA"), "no data");
-    if !here {
-        println!("skipped: no data");
-    }
-    here
-}
-
-/// Whether node and the judges' packages are there (`cargo xtask test` installs them).
-fn judges_are_here() -> bool {
-    let packages = oracle_folder().join("node_modules/three").is_dir();
-    let node = || Command::new("node").arg("--version").output().is_ok();
-    let here = packages && node();
-    assert!(
-        here || !is_required("ARTICULA_REQUIRE_TOOLS"),
-        "no node oracle"
-    );
-    if !here {
-        println!("skipped: node oracle (no node, or `npm ci` was not run in oracle)");
-    }
-    here
 }

@@ -1,0 +1,65 @@
+//! Asks the scripts of the folder `oracle`, which run in node; says what is skipped without it.
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "each test file uses a part of it, says what it skips, and may panic"
+)]
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// What a script of the folder `oracle` prints, and whether it ended well.
+pub(crate) fn ask(script: &str, words: &[String]) -> (String, bool) {
+    let output = Command::new("node")
+        .arg(oracle_folder().join(script))
+        .args(words)
+        .output()
+        .unwrap();
+    let mut text = String::from_utf8(output.stdout).unwrap();
+    text.push_str(&String::from_utf8_lossy(&output.stderr));
+    (text, output.status.success())
+}
+
+fn oracle_folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../oracle")
+}
+
+/// Where the real files lie.
+pub(crate) fn data_folder() -> PathBuf {
+    std::env::var_os("ARTICULA_DATA").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"),
+        PathBuf::from,
+    )
+}
+
+fn is_required(variable: &str) -> bool {
+    std::env::var_os(variable).is_some_and(|v| v == "1")
+}
+
+/// Whether the real files are there.
+pub(crate) fn data_is_here() -> bool {
+    let here = data_folder().join("MANIFEST.md").is_file();
+    assert!(here || !is_required("ARTICULA_REQUIRE_DATA"), "no data");
+    if !here {
+        println!("skipped: no data");
+    }
+    here
+}
+
+/// Whether node and the judges' packages are there (`cargo xtask test` installs them).
+pub(crate) fn judges_are_here() -> bool {
+    let packages = ["gltf-validator", "meshoptimizer", "three"];
+    let packages = packages.map(|name| oracle_folder().join("node_modules").join(name));
+    let packages = packages.iter().all(|folder| folder.is_dir());
+    let node = || Command::new("node").arg("--version").output().is_ok();
+    let here = packages && node();
+    assert!(
+        here || !is_required("ARTICULA_REQUIRE_TOOLS"),
+        "no node oracle"
+    );
+    if !here {
+        println!("skipped: node oracle (no node, or `npm ci` was not run in oracle)");
+    }
+    here
+}

@@ -1,0 +1,29 @@
+//! Any bytes as a skeleton and, behind the first zero byte, a motion: a value or an error, and
+//! whatever is read can be mapped and written.
+#![no_main]
+
+use articula_formats::acclaim::{self, ReadOptions, WriteOptions};
+use articula_formats::{Limits, profile};
+use libfuzzer_sys::fuzz_target;
+
+/// A clip of hours in few bytes would only cost time.
+const MOST_SECS: f32 = 10.0;
+
+fuzz_target!(|bytes: &[u8]| {
+    let mut parts = bytes.splitn(2, |b| *b == 0);
+    let asf = parts.next().unwrap_or_default();
+    let read = acclaim::read(asf, parts.next(), &ReadOptions::default(), &Limits::default());
+    let Ok(read) = read else { return };
+    let file = read.value;
+    profile::map(&file.character.skeleton, profile::builtin(), None);
+    let clip = file.character.clips.first();
+    let clip = clip.filter(|c| c.duration_secs < MOST_SECS).map(|_| 0);
+    let options = WriteOptions {
+        rate_hz: 30.0,
+        end_sites: file.end_sites,
+    };
+    if let Ok(written) = acclaim::write(&file.character, clip, &options) {
+        let amc = written.amc.as_deref();
+        let _ = acclaim::read(&written.asf, amc, &ReadOptions::default(), &Limits::default());
+    }
+});
