@@ -6,6 +6,7 @@
 //!
 //! - [`gltf`]: GLB and glTF 2.0, VRM files as such, in and out
 //! - [`meshopt`]: the codec of compressed glTF buffer views, decoding only
+//! - [`acclaim`]: ASF skeletons and AMC motions, in and out
 //! - [`bvh`]: Biovision hierarchical motion, in and out
 //! - [`mpeg4`]: FAP, BAP, EPF and FDP text
 //! - [`x3d`]: H-Anim figures in X3D and VRML97

@@ -3,6 +3,7 @@
 use crate::commands::{build, completions, convert, demo, human, inspect, lod};
 use crate::console::{Answer, Console, Progress};
 use articula_core::view::Viewport;
+use articula_formats::bvh::Up;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -85,7 +86,7 @@ impl CharacterArgs {
     }
 }
 
-/// The axis that points up in a BVH file.
+/// The axis that points up in a file that does not say it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum UpAxis {
     /// As most files have it
@@ -100,12 +101,29 @@ pub(crate) struct ReadArgs {
     /// Joint-name profile of your own, asked before the built-in ones (repeatable)
     #[arg(long, value_name = "F.json")]
     pub(crate) profile: Vec<PathBuf>,
-    /// BVH: metres of one unit [default: told from the figure's height]
+    /// BVH, ASF: metres of one unit [default: told from the figure's height]
     #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) unit_metres: Option<f32>,
-    /// BVH: the axis that points up [default: told from where the head is]
+    /// BVH, ASF: the axis that points up [default: told from where the head is]
     #[arg(long, value_enum, value_name = "AXIS")]
     pub(crate) up: Option<UpAxis>,
+    /// AMC: the skeleton of the motion [default: the .asf file beside it that is called alike]
+    #[arg(long, value_name = "F.asf")]
+    pub(crate) skeleton: Option<PathBuf>,
+    /// AMC: frames a second [default: 120, unless the file says it]
+    #[arg(long, value_name = "HZ", value_parser = positive)]
+    pub(crate) amc_rate_hz: Option<f32>,
+}
+
+impl ReadArgs {
+    /// The up axis of a file that does not say it.
+    pub(crate) fn up(&self) -> Up {
+        match self.up {
+            None => Up::Auto,
+            Some(UpAxis::Y) => Up::Y,
+            Some(UpAxis::Z) => Up::Z,
+        }
+    }
 }
 
 /// The picture that pixels are counted in.

@@ -148,15 +148,15 @@ impl<'a> Builder<'a> {
     /// Makes the bone of a joint, and one before it if it does not start at the end of another.
     fn bone(&mut self, joint: usize, parent: Option<usize>, offset: Vec3) {
         let own = &self.skeleton.joints[joint].name;
+        let name = self.unique(own, joint);
+        self.bones.renamed += usize::from(name != *own);
         let mut parent = parent;
         if offset.length() > self.same_metres {
             let above = parent.map_or("root", |p| self.bones.list[p].name.as_str());
-            let name = self.unique(&format!("{above}_to_{own}"), joint);
-            parent = Some(self.push(name, parent, None, offset));
+            let between = self.unique(&format!("{above}_to_{name}"), joint);
+            parent = Some(self.push(between, parent, None, offset));
         }
         let way = self.end(joint);
-        let name = self.unique(own, joint);
-        self.bones.renamed += usize::from(name != *own);
         let bone = self.push(name, parent, Some(joint), way);
         let sites = &self.sites[joint];
         self.bones.sites_left_out += sites.len() - usize::from(sites.contains(&way));

@@ -151,8 +151,8 @@ impl Figure<'_> {
              :documentation\n   Lengths are inches / {LENGTH}: one unit is {} m.\n",
             1.0 / UNITS_PER_METRE
         );
-        if let Some(root) = self.bones.root {
-            let name = &self.skeleton.joints[root].name;
+        let root = self.bones.root.map(|r| &self.skeleton.joints[r].name);
+        if let Some(name) = root.filter(|name| !name.is_empty()) {
             let _ = writeln!(text, "   {ROOT_NAME} {}", name.replace(odd_in_words, "_"));
         }
         text.push_str(
@@ -231,7 +231,9 @@ impl Figure<'_> {
         let at_rest = self.bones.list.iter().filter_map(|b| b.joint);
         let at_rest = at_rest.filter(|&j| joints[j].rest.scale.distance(Vec3::ONE) > SCALED);
         let animated = clip.into_iter().flat_map(|c| &c.channels);
-        let animated = animated.filter(|c| c.property == Property::Scale);
+        let scaling = |v: &f32| (v - 1.0).abs() > SCALED;
+        let animated =
+            animated.filter(|c| c.property == Property::Scale && c.values.iter().any(scaling));
         let scaled: BTreeSet<usize> = at_rest.chain(animated.map(|c| c.target)).collect();
         say(
             scaled.len(),

@@ -2,7 +2,7 @@
 //!
 //! **A new format is one variant, one row of [`ROWS`] and one loader beside this file.**
 
-use super::{Loader, bvh, document, x3d};
+use super::{Loader, acclaim, bvh, document, x3d};
 use serde::Serialize;
 use std::path::Path;
 
@@ -18,6 +18,8 @@ pub(crate) enum Format {
     X3d,
     X3dv,
     Wrl,
+    Asf,
+    Amc,
 }
 
 /// What is known of one format.
@@ -89,6 +91,18 @@ const ROWS: &[Row] = &[
         name: "wrl",
         load: x3d::load,
         writes: Writes::Never,
+    },
+    Row {
+        format: Format::Asf,
+        name: "asf",
+        load: acclaim::load_skeleton,
+        writes: Writes::Any,
+    },
+    Row {
+        format: Format::Amc,
+        name: "amc",
+        load: acclaim::load_motion,
+        writes: Writes::Any,
     },
 ];
 

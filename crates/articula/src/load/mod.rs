@@ -1,5 +1,6 @@
 //! From a file's name to a character: the format is told by the bytes, then by the name.
 
+mod acclaim;
 mod bvh;
 mod document;
 mod format;
@@ -28,7 +29,7 @@ pub(crate) struct Loaded {
     pub(crate) mapping: Mapping,
     /// What stands behind a glTF file, to be passed through; `None` for other formats.
     pub(crate) behind: Option<Behind>,
-    /// Joint and offset of each end site of a BVH file.
+    /// Joint and offset of each end site of a BVH or ASF file.
     pub(crate) end_sites: Vec<(usize, glam::Vec3)>,
     pub(crate) warnings: Vec<Warning>,
 }

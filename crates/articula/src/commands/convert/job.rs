@@ -166,9 +166,11 @@ fn finished(job: &Job, args: &ConvertArgs, work: Work) -> anyhow::Result<Report>
             "{dropped} (a .{format} file holds one; --clip NAME chooses)"
         ));
     }
-    if reduced && job.format == Format::Bvh {
-        let what = "a BVH file stores every joint in every frame, so it gets no smaller; write .glb to save bytes";
-        report.warnings.push(what.into());
+    if reduced && written::holds_one_clip(job.format) {
+        let format = job.format.name();
+        report.warnings.push(format!(
+            "a .{format} file stores every joint in every frame, so it gets no smaller; write .glb to save bytes"
+        ));
     }
     let clips = loaded.character.clips.iter();
     report.clips = clips.map(|c| c.name.clone()).collect();
@@ -201,7 +203,7 @@ fn choose_clips(args: &ConvertArgs, loaded: &mut Loaded, out: Format) -> anyhow:
     let index = match &args.clip {
         Some(name) => load::choose("clip", name, clips.iter().map(|c| c.name.as_str()))?,
         None if written::holds_one_clip(out) && !clips.is_empty() => 0,
-        None if written::holds_one_clip(out) => {
+        None if written::needs_a_clip(out) => {
             anyhow::bail!("clips: there is none to write; give a file that has one")
         }
         None => return Ok(0),

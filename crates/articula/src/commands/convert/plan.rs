@@ -167,6 +167,11 @@ fn inside(folder: &Path) -> anyhow::Result<Vec<Input>> {
     let place = || files::shown(folder);
     let mut paths = files::in_folder(folder).with_context(place)?;
     paths.retain(|path| Format::of_name(path).is_some());
+    // Beside motions, skeletons are not there for themselves.
+    let is = |path: &PathBuf, format| Format::of_name(path) == Some(format);
+    if paths.iter().any(|path| is(path, Format::Amc)) {
+        paths.retain(|path| !is(path, Format::Asf));
+    }
     if paths.is_empty() {
         bail!(
             "{}: no file in this folder is read; read are {}",

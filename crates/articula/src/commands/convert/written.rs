@@ -5,8 +5,8 @@
 use crate::load::{Format, Loaded};
 use crate::table::counted;
 use articula_build::clip::source_rate_hz;
-use articula_formats::bvh;
 use articula_formats::gltf::Document;
+use articula_formats::{acclaim, bvh};
 use std::path::{Path, PathBuf};
 
 /// What will be written.
@@ -20,7 +20,12 @@ pub(super) struct Written {
 
 /// Whether a file of the format holds a single clip.
 pub(super) fn holds_one_clip(format: Format) -> bool {
-    format == Format::Bvh
+    needs_a_clip(format) || format == Format::Asf
+}
+
+/// Whether a file of the format is nothing without a clip.
+pub(super) fn needs_a_clip(format: Format) -> bool {
+    matches!(format, Format::Bvh | Format::Amc)
 }
 
 /// Makes the files; `clips_changed` says whether the clips are other than the document has.
@@ -32,11 +37,41 @@ pub(super) fn written(
 ) -> anyhow::Result<Written> {
     let (bytes, left_out) = match format {
         Format::Bvh => motion(loaded)?,
+        Format::Asf | Format::Amc => return acclaim_pair(loaded, out, format),
         _ => container(loaded, clips_changed)?,
     };
     Ok(Written {
         files: vec![(out.to_owned(), bytes)],
         left_out,
+    })
+}
+
+/// A skeleton and, if there is a clip, a motion; the one that was asked for stands first.
+fn acclaim_pair(loaded: &Loaded, out: &Path, format: Format) -> anyhow::Result<Written> {
+    let clips = &loaded.character.clips;
+    let options = acclaim::WriteOptions {
+        rate_hz: clips.first().map_or(30.0, source_rate_hz),
+        end_sites: loaded.end_sites.clone(),
+    };
+    let clip = (!clips.is_empty()).then_some(0);
+    let made = acclaim::write(&loaded.character, clip, &options)?;
+    let motion = made.amc.map(|amc| (out.with_extension("amc"), amc));
+    let skeleton = Some((out.with_extension("asf"), made.asf));
+    let files = match format {
+        Format::Amc => [motion, skeleton],
+        _ => [skeleton, motion],
+    };
+    let mut files: Vec<_> = files.into_iter().flatten().collect();
+    // The name that was given may be in capitals.
+    files[0].0 = out.to_owned();
+    let meshes = loaded.character.meshes.len();
+    let meshes = left(
+        (meshes, "mesh", "meshes"),
+        "ASF and AMC hold joints and one clip",
+    );
+    Ok(Written {
+        files,
+        left_out: meshes.into_iter().chain(made.left_out).collect(),
     })
 }
 
