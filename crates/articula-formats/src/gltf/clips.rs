@@ -66,6 +66,20 @@ impl Document {
         Ok(())
     }
 
+    /// An animation whose channels name nodes, as the document has them.
+    pub(super) fn animation_of_nodes(&mut self, clip: &Clip) -> Value {
+        let every: Vec<usize> = (0..self.count("nodes")).collect();
+        let nodes = Nodes {
+            of_joint: &every,
+            of_mesh: &[],
+            of_expression: &[],
+            is_turned: Vec::new(),
+            count: every.len(),
+        };
+        let channels: Vec<_> = clip.channels.iter().map(Cow::Borrowed).collect();
+        self.animation(clip, &channels, &nodes)
+    }
+
     /// Which nodes were turned when they were read; none but of VRM 0.x.
     fn turned_nodes(&self) -> Vec<bool> {
         if !faces_back(&self.json) {

@@ -44,7 +44,9 @@ mod vrm;
 mod write;
 
 pub use document::Document;
-pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
+pub use khr_character::{
+    ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping, pose_kind,
+};
 pub use vrm::Kept;
 pub use write::WriteError;
 

@@ -2,6 +2,10 @@
 //!
 //! Source: VRM 1.0 `humanoid`; VRM 0.x differs in the thumb.
 
+use super::file::Target;
+use articula_core::articulation::Articulation;
+use std::collections::HashMap;
+
 /// Name of the built-in profile that explains the bones of a humanoid map: the two versions
 /// differ in what they call the joints of the thumb.
 pub(super) fn profile_of(bones: &[(usize, String)]) -> &'static str {
@@ -42,9 +46,99 @@ pub fn is_vrm_bone(name: &str) -> bool {
         || finger.is_some_and(|p| PARTS.contains(&p))
 }
 
+/// The joints that stand for human bones of VRM 1.0, of a skeleton whose joints are known by
+/// H-Anim names: the way back from [`map`](super::map). Of a spine with several joints the first
+/// is `spine`, the last `upperChest` (`chest` if there are two) and one between them `chest`.
+pub fn vrm_bones(articulation: &Articulation) -> Vec<(usize, String)> {
+    let profile = super::builtin().iter().find(|p| p.name == "vrm-1");
+    let hanim_of = |bone: &str| match profile.and_then(|p| p.target(bone)) {
+        Some(Target::Joint(joint)) => Some(joint.name.clone()),
+        _ => None,
+    };
+    let bones = all_bones().filter_map(|bone| Some((hanim_of(&bone)?, bone)));
+    let bone_of: HashMap<String, String> = bones.collect();
+    let mut found: Vec<(usize, String)> = Vec::new();
+    let mut spine = Vec::new();
+    for (j, joint) in articulation.joints.iter().enumerate() {
+        let hanim = joint.hanim.as_deref().unwrap_or_default();
+        let bone = match hanim.get(..2) {
+            Some("vl" | "vt") => {
+                spine.push(j);
+                None
+            }
+            Some("vc") => Some("neck".to_owned()),
+            _ => bone_of.get(hanim).cloned(),
+        };
+        // Of several neck joints the lowest counts.
+        found.extend(
+            bone.filter(|b| found.iter().all(|(_, f)| f != b))
+                .map(|b| (j, b)),
+        );
+    }
+    let names: &[&str] = match spine.len() {
+        0 => &[],
+        1 => &["spine"],
+        2 => &["spine", "chest"],
+        _ => &["spine", "chest", "upperChest"],
+    };
+    let last = spine.len().saturating_sub(1);
+    let places = [0, if spine.len() == 2 { 1 } else { last / 2 }, last];
+    found.extend(
+        names
+            .iter()
+            .zip(places)
+            .map(|(name, at)| (spine[at], (*name).to_owned())),
+    );
+    found
+}
+
+fn all_bones() -> impl Iterator<Item = String> {
+    let finger = |finger: &'static str| PARTS.map(|part| format!("{finger}{part}"));
+    let thumb = ["Metacarpal", "Proximal", "Distal"].map(|part| format!("Thumb{part}"));
+    let parts = LIMBS.iter().map(|limb| (*limb).to_owned());
+    let parts: Vec<String> = parts
+        .chain(thumb)
+        .chain(FINGERS.iter().flat_map(|f| finger(f)))
+        .collect();
+    let sided = ["left", "right"].into_iter();
+    let sided = sided.flat_map(move |side| {
+        let parts = parts.clone().into_iter();
+        parts.map(move |part| format!("{side}{part}"))
+    });
+    MIDDLE.iter().map(|bone| (*bone).to_owned()).chain(sided)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_standard_has_every_bone() {
+        let standard = super::super::hanim_table().iter();
+        let joints = standard.map(|j| articula_core::articulation::JointArticulation {
+            hanim: Some(j.name.to_owned()),
+            level: j.level,
+            region: j.region,
+        });
+        let articulation = Articulation {
+            profile: String::new(),
+            joints: joints.collect(),
+        };
+        let bones = vrm_bones(&articulation);
+        assert_eq!(bones.len(), 55, "{bones:?}");
+        let hanim = |bone: &str| {
+            let (j, _) = bones.iter().find(|(_, b)| b == bone).unwrap();
+            articulation.joints[*j].hanim.clone().unwrap()
+        };
+        assert_eq!(hanim("hips"), "humanoid_root");
+        assert_eq!(hanim("leftThumbMetacarpal"), "l_thumb1");
+        assert_eq!(
+            (hanim("spine"), hanim("upperChest")),
+            ("vl5".into(), "vt1".into())
+        );
+        assert_eq!(hanim("neck"), "vc7");
+        assert!(all_bones().all(|bone| is_vrm_bone(&bone)));
+    }
 
     #[test]
     fn names_of_vrm_1() {

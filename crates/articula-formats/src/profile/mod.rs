@@ -2,7 +2,7 @@
 //!
 //! - [`builtin`], [`parse`]: the profiles that come along, and the user's own
 //! - [`map`]: the profile that fits a skeleton best, applied
-//! - [`is_vrm_bone`]: the names in the map that a VRM file brings itself
+//! - [`is_vrm_bone`], [`vrm_bones`]: the names in the map that a VRM file brings itself
 //!
 //! Source: thesis 3.1.3; H-Anim 1.1 and 2 (ISO/IEC 19774); the mapping rules are described in
 //! `docs/formats/profile.md`.
@@ -21,7 +21,7 @@ mod standard;
 
 pub use builtin::builtin;
 pub use file::{Profile, Scope, parse};
-pub use humanoid::is_vrm_bone;
+pub use humanoid::{is_vrm_bone, vrm_bones};
 
 use articula_core::articulation::Articulation;
 use articula_core::hanim_table::{self, HanimJoint};

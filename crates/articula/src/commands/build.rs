@@ -94,12 +94,9 @@ fn with_document(mut loaded: Loaded) -> anyhow::Result<Loaded> {
     let file = gltf::read(&glb, &Limits::default(), nothing)
         .context(place)?
         .value;
-    loaded.character = file.character;
-    loaded.behind = Some(Behind {
-        document: file.document,
-        node_of_joint: file.node_of_joint,
-        node_of_mesh: file.node_of_mesh,
-    });
+    let (character, behind) = Behind::split(file);
+    loaded.character = character;
+    loaded.behind = Some(behind);
     Ok(loaded)
 }
 

@@ -4,14 +4,14 @@
 //! `KHR_character_reference_pose`; the guideline `vrmHumanoid`, which leaves eyes and jaw to
 //! expressions.
 
-use super::super::append::{entries_mut, float_bytes, index, object, push, set, shorts};
+use super::super::append::{entries_mut, index, object, push, set, shorts};
 use super::super::document::Document;
 use super::super::place::Place;
 use super::super::vrm::facing::{faces_back, parents, rest};
 use super::super::write::WriteError;
 use super::{CHARACTER, REFERENCE_POSE, SKELETON_MAPPING};
 use articula_core::math::Transform;
-use articula_core::source::Credits;
+use articula_core::source::{Channel, Clip, Credits, Interpolation, Property};
 use serde_json::{Map, Value, json};
 
 /// Bones that the rig `vrmHumanoid` does not have.
@@ -101,37 +101,33 @@ impl Document {
 
     /// One key of each bone: its rotation, and the place of the hips.
     fn add_reference_pose(&mut self, roles: &[(usize, String)], kind: &str) {
-        let mut poses: Vec<(usize, bool, Transform)> = Vec::new();
+        let mut channels = Vec::new();
         for (node, role) in roles {
             // A node with a matrix cannot be animated; one that is no transform has no pose.
-            if let Some(rest) = self.split_matrix(*node) {
-                poses.push((*node, role == "hips", rest));
+            let Some(rest) = self.split_matrix(*node) else {
+                continue;
+            };
+            let mut key = |property, values: &[f32]| {
+                channels.push(Channel {
+                    target: *node,
+                    property,
+                    interpolation: Interpolation::Step,
+                    times_secs: vec![0.0],
+                    values: values.to_vec(),
+                });
+            };
+            key(Property::Rotation, &rest.rotation.to_array());
+            if role == "hips" {
+                key(Property::Translation, &rest.translation.to_array());
             }
         }
-        let times = self.key("SCALAR", &[0.0]);
-        set(&mut self.json["accessors"][times], "min", json!([0.0]));
-        set(&mut self.json["accessors"][times], "max", json!([0.0]));
-        let (mut channels, mut samplers) = (Vec::new(), Vec::new());
-        for (node, is_hips, rest) in poses {
-            let rotation = ("rotation", self.key("VEC4", &rest.rotation.to_array()));
-            let place = is_hips.then(|| {
-                (
-                    "translation",
-                    self.key("VEC3", &rest.translation.to_array()),
-                )
-            });
-            for (path, output) in std::iter::once(rotation).chain(place) {
-                let target = json!({"node": node, "path": path});
-                channels.push(json!({"sampler": samplers.len(), "target": target}));
-                samplers.push(json!({"input": times, "interpolation": "STEP", "output": output}));
-            }
-        }
-        let pose = json!({
-            "name": kind,
-            "channels": channels,
-            "samplers": samplers,
-            "extensions": {REFERENCE_POSE: {"poseType": kind}},
+        let mut pose = self.animation_of_nodes(&Clip {
+            name: kind.to_owned(),
+            duration_secs: 0.0,
+            channels,
         });
+        let is_pose = json!({REFERENCE_POSE: {"poseType": kind}});
+        set(&mut pose, "extensions", is_pose);
         push(&mut self.json, "animations", pose);
         self.use_extension(REFERENCE_POSE);
     }
@@ -153,16 +149,6 @@ impl Document {
             rotation: rotation.map_or(split.rotation, glam::Quat::from_array),
             ..split
         })
-    }
-
-    fn key(&mut self, kind: &str, numbers: &[f32]) -> usize {
-        let view = self.add_buffer_view(&float_bytes(numbers));
-        self.add_accessor(json!({
-            "bufferView": view,
-            "componentType": 5126,
-            "count": 1,
-            "type": kind,
-        }))
     }
 
     /// Lets the expressions of KHR_character_expression follow their animations, which were

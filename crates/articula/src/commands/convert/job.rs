@@ -3,7 +3,8 @@
 use super::onto::{self, Hero, NoClip};
 use super::plan::{Input, Job};
 use super::report::{Onto, Report};
-use super::{ConvertArgs, reduction, written};
+use super::written::{self, Asked};
+use super::{ConvertArgs, reduction};
 use crate::load::{self, Format, Loaded, Writes};
 use crate::table::counted;
 use crate::{fault, files};
@@ -54,7 +55,7 @@ pub(super) fn run(job: &Job, args: &ConvertArgs, hero: Option<&Hero>, bar: &Prog
 fn read(job: &Job, args: &ConvertArgs) -> anyhow::Result<Work> {
     let input = &job.inputs[0];
     let mut loaded = load::character(&input.path, &args.names)?;
-    check_pair(loaded.format, job.format)?;
+    check_pair(loaded.format, job.format, args)?;
     let place = loaded.place();
     if input.found && files::same(&input.path, &job.out) {
         bail!("{place}: it would be replaced by what is made of it; name another folder");
@@ -80,7 +81,7 @@ fn gathered(
     bar: &ProgressBar,
     faults: &mut Vec<(PathBuf, anyhow::Error)>,
 ) -> anyhow::Result<Option<Work>> {
-    check_pair(hero.loaded.format, job.format)?;
+    check_pair(hero.loaded.format, job.format, args)?;
     let mut report = Report::new(job, job.named.clone());
     report.warnings = hero.loaded.warnings();
     let motions = |input: &Input| {
@@ -153,7 +154,11 @@ fn finished(job: &Job, args: &ConvertArgs, work: Work) -> anyhow::Result<Report>
     let place = loaded.place();
     report.reduction = reduction::apply(args, &mut loaded)?;
     let reduced = report.reduction.is_some();
-    let made = written::written(&mut loaded, &job.out, job.format, changed || reduced);
+    let asked = Asked {
+        clips_changed: changed || reduced,
+        khr_character: args.khr_character,
+    };
+    let made = written::written(&loaded, &job.out, job.format, asked);
     let made = made.context(place)?;
     for (path, bytes) in &made.files {
         files::write(path, bytes)?;
@@ -180,7 +185,11 @@ fn finished(job: &Job, args: &ConvertArgs, work: Work) -> anyhow::Result<Report>
     Ok(report)
 }
 
-fn check_pair(input: Format, out: Format) -> anyhow::Result<()> {
+fn check_pair(input: Format, out: Format, args: &ConvertArgs) -> anyhow::Result<()> {
+    if args.khr_character && out != Format::Glb {
+        let what = "--khr-character writes into a .glb file, not into a";
+        return Err(fault::usage(format!("{what} .{}", out.name())));
+    }
     let fits = match out.writes() {
         Writes::Any => true,
         Writes::Back => input == out,

@@ -2,6 +2,7 @@
 //! animation; one file or many.
 
 mod job;
+mod khr_character;
 mod onto;
 mod plan;
 mod reduction;
@@ -60,6 +61,10 @@ pub(crate) struct ConvertArgs {
     /// What held joints show: hold, rest, key-pose, blend-to-rest:SECS [default: key-pose]
     #[arg(long, value_name = "POLICY", value_parser = saved::passive)]
     passive: Option<PassivePolicy>,
+    /// Write the draft glTF extensions for characters: skeleton mapping and reference pose
+    /// (.glb only)
+    #[arg(long)]
+    khr_character: bool,
     #[command(flatten)]
     names: ReadArgs,
 }

@@ -2,6 +2,7 @@
 //!
 //! **A new format is one arm of [`written`] and one function below it.**
 
+use super::khr_character;
 use crate::load::{Format, Loaded};
 use crate::table::counted;
 use articula_build::clip::source_rate_hz;
@@ -28,17 +29,26 @@ pub(super) fn needs_a_clip(format: Format) -> bool {
     matches!(format, Format::Bvh | Format::Amc)
 }
 
-/// Makes the files; `clips_changed` says whether the clips are other than the document has.
+/// What is asked of a container beside the character.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Asked {
+    /// Whether the clips are other than the document has.
+    pub(super) clips_changed: bool,
+    /// Whether the draft extensions for characters are written.
+    pub(super) khr_character: bool,
+}
+
+/// Makes the files.
 pub(super) fn written(
-    loaded: &mut Loaded,
+    loaded: &Loaded,
     out: &Path,
     format: Format,
-    clips_changed: bool,
+    asked: Asked,
 ) -> anyhow::Result<Written> {
     let (bytes, left_out) = match format {
         Format::Bvh => motion(loaded)?,
         Format::Asf | Format::Amc => return acclaim_pair(loaded, out, format),
-        _ => container(loaded, clips_changed)?,
+        _ => container(loaded, asked)?,
     };
     Ok(Written {
         files: vec![(out.to_owned(), bytes)],
@@ -90,19 +100,28 @@ fn motion(loaded: &Loaded) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
 }
 
 /// The document as it was but for its clips, or a new one.
-fn container(loaded: &mut Loaded, clips_changed: bool) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
-    let Some(behind) = &mut loaded.behind else {
-        let bytes = Document::from_character(&loaded.character)?.write_glb()?;
-        let sites = loaded.end_sites.len();
-        let sites = left((sites, "end site", "end sites"), "GLB has no such thing");
-        return Ok((bytes, sites.into_iter().collect()));
+fn container(loaded: &Loaded, asked: Asked) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
+    let (mut document, nodes, left_out) = match &loaded.behind {
+        None => {
+            let document = Document::from_character(&loaded.character)?;
+            let sites = loaded.end_sites.len();
+            let sites = left((sites, "end site", "end sites"), "GLB has no such thing");
+            let nodes = (0..loaded.character.skeleton.joints.len()).collect();
+            (document, nodes, sites)
+        }
+        Some(behind) => {
+            let mut document = behind.document.clone();
+            if asked.clips_changed {
+                let (joints, meshes) = (&behind.node_of_joint, &behind.node_of_mesh);
+                document.replace_clips(&loaded.character.clips, joints, meshes)?;
+            }
+            (document, behind.node_of_joint.clone(), None)
+        }
     };
-    if clips_changed {
-        let (joints, meshes) = (&behind.node_of_joint, &behind.node_of_mesh);
-        let clips = &loaded.character.clips;
-        behind.document.replace_clips(clips, joints, meshes)?;
+    if asked.khr_character {
+        khr_character::write(loaded, &mut document, &nodes)?;
     }
-    Ok((behind.document.write_glb()?, Vec::new()))
+    Ok((document.write_glb()?, left_out.into_iter().collect()))
 }
 
 fn left((count, one, many): (usize, &str, &str), why: &str) -> Option<String> {

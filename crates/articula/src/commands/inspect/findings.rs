@@ -1,6 +1,7 @@
 //! What `inspect` reports. The field names are a promise to scripts (`docs/commands.md`).
 
 use super::extent::{Extent, Measure};
+use super::human::{self, Human};
 use super::skeletons;
 use crate::console::Console;
 use crate::motion_tables::Stored;
@@ -36,6 +37,8 @@ pub(super) struct Findings {
     pub(super) bounds_of_joints: bool,
     /// Whether the file stores levels and regions of its own.
     pub(super) articulation_stored: bool,
+    #[serde(flatten)]
+    pub(super) human: Human,
     pub(super) map: Vec<Joint>,
     pub(super) warnings: Vec<Warning>,
 }
@@ -89,6 +92,8 @@ pub(super) struct Clip {
     /// Joints that have keys, moving or not.
     pub(super) joints_keyed: usize,
     pub(super) morphs_animated: usize,
+    /// Expressions that it drives.
+    pub(super) expressions_keyed: usize,
     pub(super) keys: usize,
     pub(super) bounds: Option<Extent>,
     /// Bytes of the motion tables that the file has for it; null where meshes are left out.
@@ -151,6 +156,7 @@ pub(super) fn of(prepared: &Prepared, clips: &[usize], console: &Console) -> Fin
         bounds,
         bounds_of_joints: asset.mesh.is_empty(),
         articulation_stored: character.articulation.is_some(),
+        human: human::of(loaded),
         map: joints_of(&asset.rig),
         warnings: warnings_of(prepared),
     };
@@ -249,6 +255,11 @@ fn clip_of(
         joints_animated: moving.len(),
         joints_keyed: keyed.len(),
         morphs_animated: moving_targets(built.morphs()).count(),
+        expressions_keyed: source
+            .channels
+            .iter()
+            .filter(|c| c.property == source::Property::Expression)
+            .count(),
         keys: source.channels.iter().map(|c| c.times_secs.len()).sum(),
         bounds,
         motion_tables: None,

@@ -2,6 +2,7 @@
 
 mod extent;
 mod findings;
+mod human;
 mod skeletons;
 mod text;
 

@@ -22,6 +22,7 @@ pub(super) fn of(found: &Findings, map: bool) -> String {
             face.morphs, face.faps
         ));
     }
+    text.push_str(&found.human.body());
     section(&mut text, "clips", clips(found), found.clips.len());
     section(&mut text, "meshes", meshes(found), found.meshes.len());
     if map {
@@ -47,6 +48,7 @@ fn head(found: &Findings) -> String {
         text.push_str(&format!(", \"{}\"", clean(&found.name)));
     }
     text.push('\n');
+    text.push_str(&found.human.head());
     if let (Some(height), Some(bounds)) = (found.height_m, &found.bounds) {
         let what = if found.bounds_of_joints {
             "joints"
@@ -118,7 +120,10 @@ fn clips(found: &Findings) -> Table {
         "name", "length", "fps", "frames", "moving", "keyed", "morphs", "keys", "height",
     ];
     let tables = any.then_some("segs / posekeys");
-    let headings: Vec<&str> = headings.into_iter().chain(tables).collect();
+    let face = found.clips.iter().any(|c| c.expressions_keyed > 0);
+    let expressions = face.then_some("expressions");
+    let headings = headings.into_iter().chain(expressions).chain(tables);
+    let headings: Vec<&str> = headings.collect();
     let mut table = Table::new(&headings);
     for clip in found.clips.iter().take(MOST_ROWS) {
         let height = clip.bounds.map(|b| format!("{:.2} m", b.size().y));
@@ -133,6 +138,9 @@ fn clips(found: &Findings) -> Table {
             clip.keys.to_string(),
             height.unwrap_or("-".into()),
         ];
+        if face {
+            cells.push(clip.expressions_keyed.to_string());
+        }
         if any {
             let bytes = stored(clip).map(|t| format!("{} / {} bytes", t.segs, t.posekeys));
             cells.push(bytes.unwrap_or("-".into()));
