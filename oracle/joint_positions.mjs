@@ -4,58 +4,8 @@
 // `nodes` are the names in the file and `positions` the world positions by node index, null for
 // a node outside the scene. Pictures are left out, so no browser is needed.
 
-import { readFile } from "node:fs/promises";
-import { dirname, resolve } from "node:path";
-
-// The loader expects a browser's global names.
-globalThis.self ??= globalThis;
-globalThis.ProgressEvent ??= class extends Event {};
-
-const { AnimationMixer, LoopOnce } = await import("three");
-const { GLTFLoader } = await import("three/addons/loaders/GLTFLoader.js");
-
-const GLB_MAGIC = 0x46546c67;
-const CHUNK_JSON = 0x4e4f534a;
-
-/** Document and binary chunk (or null) of a GLB or glTF file. */
-function open(bytes) {
-  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
-  if (view.getUint32(0, true) !== GLB_MAGIC) {
-    return { document: JSON.parse(new TextDecoder().decode(bytes)), binary: null };
-  }
-  const chunks = [];
-  for (let at = 12; at + 8 <= bytes.length; ) {
-    const length = view.getUint32(at, true);
-    chunks.push({ kind: view.getUint32(at + 4, true), bytes: bytes.subarray(at + 8, at + 8 + length) });
-    at += 8 + length;
-  }
-  const json = chunks.find((chunk) => chunk.kind === CHUNK_JSON);
-  return {
-    document: JSON.parse(new TextDecoder().decode(json.bytes)),
-    binary: chunks.find((chunk) => chunk.kind !== CHUNK_JSON)?.bytes ?? null,
-  };
-}
-
-/** Takes pictures and looks out of the document: decoding them needs a browser. */
-function withoutPictures(document) {
-  const { images, textures, samplers, ...rest } = document;
-  return { ...rest, materials: document.materials?.map(({ name }) => ({ name })) };
-}
-
-/** Puts every buffer into the document, so that the loader fetches nothing. */
-async function withBuffers(document, binary, folder) {
-  const buffers = [];
-  for (const buffer of document.buffers ?? []) {
-    if (buffer.uri?.startsWith("data:")) {
-      buffers.push(buffer);
-      continue;
-    }
-    const bytes = buffer.uri ? await readFile(resolve(folder, decodeURIComponent(buffer.uri))) : binary;
-    const base64 = Buffer.from(bytes).toString("base64");
-    buffers.push({ ...buffer, uri: `data:application/octet-stream;base64,${base64}` });
-  }
-  return { ...document, buffers };
-}
+import { AnimationMixer, LoopOnce } from "three";
+import { openScene } from "./scene.mjs";
 
 /** World position of every node that hangs in the scene. */
 function worldPositions(scene, nodes) {
@@ -89,13 +39,7 @@ if (!file || !usable || times.some((time) => !Number.isFinite(time))) {
   console.error("usage: node joint_positions.mjs FILE (CLIP_INDEX TIME... | rest)");
   process.exit(2);
 }
-const { document, binary } = open(new Uint8Array(await readFile(file)));
-const whole = await withBuffers(withoutPictures(document), binary, dirname(file));
-const gltf = await new GLTFLoader().parseAsync(JSON.stringify(whole), "");
-const count = document.nodes?.length ?? 0;
-const nodes = await Promise.all(
-  Array.from({ length: count }, (_, index) => gltf.parser.getDependency("node", index)),
-);
+const { document, gltf, nodes } = await openScene(file);
 const clip = clipText === "rest" ? null : gltf.animations[clipIndex];
 if (clip === undefined) {
   console.error(`${file} has ${gltf.animations.length} clips, not one of index ${clipIndex}`);

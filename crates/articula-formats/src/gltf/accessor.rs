@@ -133,7 +133,10 @@ impl<'a> Reader<'a> {
     pub(super) fn accessor(&self, index: &Place<'_>) -> Result<Accessor<'a>, ReadError> {
         let i = index.index_below(self.root.count("accessors"))?;
         let missing = || index.malformed("no such accessor");
-        let place = self.root.entry("accessors", i).ok_or_else(missing)?;
+        self.accessor_at(self.root.entry("accessors", i).ok_or_else(missing)?)
+    }
+
+    fn accessor_at(&self, place: Place<'a>) -> Result<Accessor<'a>, ReadError> {
         let component = component(&place)?;
         let width = width(&place)?;
         let count = place.require("count")?.whole()?;
@@ -179,6 +182,22 @@ impl<'a> Reader<'a> {
             return self.decode(accessor, |b| component.normalized(b));
         }
         self.decode(accessor, |b| component.float(b))
+    }
+
+    /// The least and greatest of each number of an accessor's elements, as they are stored.
+    pub(super) fn bounds(&mut self, place: &Place<'a>) -> Result<(Vec<f32>, Vec<f32>), ReadError> {
+        let accessor = self.accessor_at(place.clone())?;
+        let component = accessor.component;
+        let numbers = self.decode(&accessor, |b| component.float(b))?;
+        let mut least = vec![f32::INFINITY; accessor.width];
+        let mut greatest = vec![f32::NEG_INFINITY; accessor.width];
+        for element in numbers.chunks_exact(accessor.width) {
+            for (c, number) in element.iter().enumerate() {
+                least[c] = least[c].min(*number);
+                greatest[c] = greatest[c].max(*number);
+            }
+        }
+        Ok((least, greatest))
     }
 
     /// Decodes an accessor of unsigned integers.
@@ -306,24 +325,32 @@ impl<'a> Reader<'a> {
         let i = index.index_below(self.root.count("bufferViews"))?;
         let missing = || index.malformed("no such buffer view");
         let view = self.root.entry("bufferViews", i).ok_or_else(missing)?;
-        let buffers = &self.document.buffers;
-        let buffer = view.require("buffer")?.index_below(buffers.len())?;
-        let bytes = &buffers[buffer];
-        let offset = view.whole_or("byteOffset", 0)?;
-        let length = view.require("byteLength")?.whole()?;
-        let end = offset
-            .checked_add(length)
-            .filter(|end| *end <= bytes.len() as u64);
-        let Some(end) = end else {
-            let what = format!(
-                "{length} bytes from byte {offset} of a buffer of {}",
-                bytes.len()
-            );
-            return Err(view.malformed(what));
-        };
+        let bytes = bytes_of(&view, &self.document.buffers)?;
         let stride = view.get("byteStride").map(|s| s.whole()).transpose()?;
-        Ok((&bytes[offset as usize..end as usize], stride))
+        Ok((bytes, stride))
     }
+}
+
+/// The bytes of a buffer that `buffer`, `byteOffset` and `byteLength` of a place name.
+pub(super) fn bytes_of<'a>(
+    view: &Place<'_>,
+    buffers: &'a [Vec<u8>],
+) -> Result<&'a [u8], ReadError> {
+    let buffer = view.require("buffer")?.index_below(buffers.len())?;
+    let bytes = &buffers[buffer];
+    let offset = view.whole_or("byteOffset", 0)?;
+    let length = view.require("byteLength")?.whole()?;
+    let end = offset
+        .checked_add(length)
+        .filter(|end| *end <= bytes.len() as u64);
+    let Some(end) = end else {
+        let what = format!(
+            "{length} bytes from byte {offset} of a buffer of {}",
+            bytes.len()
+        );
+        return Err(view.malformed(what));
+    };
+    Ok(&bytes[offset as usize..end as usize])
 }
 
 fn put<T>(element: &mut [T], bytes: &[u8], size: usize, number: impl Fn(&[u8]) -> T) {

@@ -75,6 +75,19 @@ impl Document {
         self.use_extension(name);
     }
 
+    /// Takes a name out of `extensionsUsed` and `extensionsRequired`.
+    pub(super) fn disuse_extension(&mut self, name: &str) {
+        for list in ["extensionsUsed", "extensionsRequired"] {
+            let Some(names) = self.json.get_mut(list).and_then(Value::as_array_mut) else {
+                continue;
+            };
+            names.retain(|n| n != name);
+            if names.is_empty() {
+                object(&mut self.json).shift_remove(list);
+            }
+        }
+    }
+
     /// Number of entries of a top-level array.
     pub(super) fn count(&self, key: &str) -> usize {
         self.json

@@ -1,7 +1,9 @@
 //! The whole glTF document: its JSON as it stands, its buffers and its pictures.
 //!
-//! Nothing is thrown away, so unknown extensions and extras pass through untouched.
+//! Nothing is thrown away, so unknown extensions and extras pass through untouched. Compressed
+//! buffer views alone become plain ones as the document is opened.
 
+use super::compression;
 use super::container;
 use super::extension;
 use super::place::Place;
@@ -15,7 +17,8 @@ use serde_json::Value;
 /// A glTF 2.0 document with everything that it refers to.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Document {
-    /// The JSON document, an object; key order as in the file.
+    /// The JSON document, an object; key order as in the file. Views that were compressed are
+    /// plain here, and the extension that said so is gone.
     pub json: Value,
     /// Bytes of each entry of `buffers`, as many as its `byteLength` says.
     pub buffers: Vec<Vec<u8>>,
@@ -34,7 +37,6 @@ impl Document {
     ) -> Result<Self, ReadError> {
         let (json, binary) = container::open(bytes, limits, notes)?;
         let root = Place::root(&json);
-        // Before anything is fetched: compressed files have buffers without bytes.
         extension::check(&root, notes)?;
         let mut fetch = Fetch {
             limits,
@@ -43,11 +45,14 @@ impl Document {
         };
         let buffers = fetch.buffers(&root, binary)?;
         let pictures = fetch.pictures(&root, notes)?;
-        Ok(Self {
+        let fetched = fetch.spent;
+        let mut document = Self {
             json,
             buffers,
             pictures,
-        })
+        };
+        compression::expand(&mut document, fetched, limits, notes)?;
+        Ok(document)
     }
 }
 
@@ -65,12 +70,17 @@ impl Fetch<'_, '_> {
         root: &Place<'_>,
         binary: Option<&[u8]>,
     ) -> Result<Vec<Vec<u8>>, ReadError> {
+        let is_placeholder = compression::placeholders(root)?;
         let mut out = Vec::new();
         for (i, buffer) in root.entries("buffers")?.iter().enumerate() {
             let mut bytes = match (buffer.get("uri"), binary) {
                 (None, Some(binary)) if i == 0 => {
                     self.charge(buffer, binary.len())?;
                     binary.to_vec()
+                }
+                _ if is_placeholder[i] => {
+                    out.push(Vec::new());
+                    continue;
                 }
                 (None, _) => {
                     let what = "the buffer has no \"uri\" and the file no binary chunk for it";

@@ -7,7 +7,9 @@ use crate::error::ReadError;
 /// Extensions that change nothing that is read here, or that are read.
 const READ: &[&str] = &[
     "ARTICULA_articulation",
+    "EXT_meshopt_compression",
     "KHR_mesh_quantization",
+    "KHR_meshopt_compression",
     "KHR_texture_transform",
     "VRM",
 ];
@@ -73,16 +75,10 @@ fn check_version(root: &Place<'_>, notes: &mut Notes) -> Result<(), ReadError> {
 }
 
 fn mend(name: &str) -> String {
-    let without = match name {
-        "KHR_draco_mesh_compression" => "Draco",
-        "EXT_meshopt_compression" | "KHR_meshopt_compression" => "meshopt compression",
-        other => {
-            return format!(
-                "re-export without {}",
-                other.chars().take(80).collect::<String>()
-            );
-        }
-    };
-    // Measured: `copy` of glTF-Transform decodes both and leaves the extension out.
-    format!("re-export without {without}, or run `gltf-transform copy in.glb out.glb`")
+    if name != "KHR_draco_mesh_compression" {
+        let name: String = name.chars().take(80).collect();
+        return format!("re-export without {name}");
+    }
+    // Measured: `copy` of glTF-Transform decodes it and leaves the extension out.
+    "re-export without Draco, or run `gltf-transform copy in.glb out.glb`".to_owned()
 }

@@ -5,6 +5,7 @@
 //! written. In the order of the line:
 //!
 //! - `container`, `document`: from bytes to JSON, buffers and pictures
+//! - `compression`: compressed buffer views made plain
 //! - `place`, `reader`, `accessor`: values that know their path, limits, arrays
 //! - `extension`: which required extensions are read
 //! - `node`, `skeleton`, `skin`: from nodes to joints
@@ -23,6 +24,7 @@ mod animation;
 mod append;
 pub mod articulation;
 mod clips;
+mod compression;
 mod container;
 mod credits;
 mod document;

@@ -1,13 +1,14 @@
-//! Arrays and bytes that only the old animations used, dropped.
+//! Arrays and bytes that nothing uses any longer, dropped.
 //!
-//! Only bytes that animations name are ever dropped, and only if nothing else names them. An
-//! extension that is not known to leave accessors and buffer views alone keeps everything.
+//! Only what the old animations or compressed views named is ever dropped, and only if nothing
+//! else names it. For animations, an extension that is not known to leave accessors and buffer
+//! views alone keeps everything.
 
 use super::append::{entries_mut, index, object, set};
 use super::articulation::NAME;
 use super::document::Document;
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Extensions that name neither accessors nor buffer views.
 const HARMLESS: &[&str] = &[
@@ -74,25 +75,55 @@ impl Document {
         let gone = remove(&mut self.json, "bufferViews", dropped);
         let new = renumbered(dropped);
         each_view_reference(&mut self.json, &mut |i| new(i));
-        let buffers: BTreeSet<usize> = gone.iter().filter_map(|v| index(v, "buffer")).collect();
-        for b in buffers {
-            if b >= self.buffers.len() {
+        self.drop_ranges(&gone);
+    }
+
+    /// Takes out the bytes that these name as views do, but for those that a view still names.
+    pub(super) fn drop_ranges(&mut self, gone: &[Value]) {
+        let kept = ranges(entries_mut(&mut self.json, "bufferViews"));
+        let mut all_cuts = BTreeMap::new();
+        for (b, gone) in ranges(gone) {
+            let Some(buffer) = self.buffers.get_mut(b) else {
                 continue;
+            };
+            let kept = kept.get(&b).map_or(&[][..], Vec::as_slice);
+            let cuts = cuts(&gone, kept, buffer.len());
+            if !cuts.is_empty() {
+                *buffer = without(buffer, &cuts);
+                all_cuts.insert(b, cuts);
             }
-            let kept = entries_mut(&mut self.json, "bufferViews");
-            let cuts = cuts(&ranges(&gone, b), &ranges(kept, b), self.buffers[b].len());
-            if cuts.is_empty() {
-                continue;
-            }
-            for view in kept.iter_mut().filter(|v| index(v, "buffer") == Some(b)) {
+        }
+        for view in entries_mut(&mut self.json, "bufferViews") {
+            if let Some(cuts) = index(view, "buffer").and_then(|b| all_cuts.get(&b)) {
                 let offset = index(view, "byteOffset").unwrap_or(0);
-                set(view, "byteOffset", moved(&cuts, offset));
+                set(view, "byteOffset", moved(cuts, offset));
             }
-            self.buffers[b] = without(&self.buffers[b], &cuts);
-            let length = self.buffers[b].len();
-            if let Some(buffer) = entries_mut(&mut self.json, "buffers").get_mut(b) {
-                set(buffer, "byteLength", length);
-            }
+        }
+        let buffers = entries_mut(&mut self.json, "buffers").iter_mut();
+        for (b, buffer) in buffers
+            .enumerate()
+            .filter(|(b, _)| all_cuts.contains_key(b))
+        {
+            set(buffer, "byteLength", self.buffers[b].len());
+        }
+    }
+
+    /// Drops the buffers that no view names.
+    pub(super) fn drop_unused_buffers(&mut self) {
+        let views = entries_mut(&mut self.json, "bufferViews").iter();
+        let used: BTreeSet<usize> = views.filter_map(|view| index(view, "buffer")).collect();
+        let unused: BTreeSet<usize> = (0..self.buffers.len())
+            .filter(|b| !used.contains(b))
+            .collect();
+        remove(&mut self.json, "buffers", &unused);
+        let mut i = 0;
+        self.buffers.retain(|_| {
+            i += 1;
+            used.contains(&(i - 1))
+        });
+        let new = renumbered(&unused);
+        for view in entries_mut(&mut self.json, "bufferViews") {
+            change(view, "buffer", &mut |b| new(b));
         }
     }
 }
@@ -217,26 +248,29 @@ struct Cut {
     total: usize,
 }
 
-/// The ranges of views in a buffer, sorted and merged.
-fn ranges(views: &[Value], buffer: usize) -> Vec<Range> {
-    let in_buffer = views.iter().filter(|v| index(v, "buffer") == Some(buffer));
-    let mut all: Vec<Range> = in_buffer
-        .map(|view| {
-            let start = index(view, "byteOffset").unwrap_or(0);
-            let length = index(view, "byteLength").unwrap_or(0);
-            let end = start.saturating_add(length);
-            Range { start, end }
-        })
-        .collect();
-    all.sort_by_key(|r| r.start);
-    let mut merged: Vec<Range> = Vec::new();
-    for range in all {
-        match merged.last_mut() {
-            Some(last) if range.start <= last.end => last.end = last.end.max(range.end),
-            _ => merged.push(range),
-        }
+/// The ranges of views by their buffer, sorted and merged.
+fn ranges(views: &[Value]) -> BTreeMap<usize, Vec<Range>> {
+    let mut all: BTreeMap<usize, Vec<Range>> = BTreeMap::new();
+    for view in views {
+        let Some(buffer) = index(view, "buffer") else {
+            continue;
+        };
+        let start = index(view, "byteOffset").unwrap_or(0);
+        let length = index(view, "byteLength").unwrap_or(0);
+        let end = start.saturating_add(length);
+        all.entry(buffer).or_default().push(Range { start, end });
     }
-    merged
+    for list in all.values_mut() {
+        list.sort_by_key(|r| r.start);
+        list.dedup_by(|range, last| {
+            let touches = range.start <= last.end;
+            if touches {
+                last.end = last.end.max(range.end);
+            }
+            touches
+        });
+    }
+    all
 }
 
 /// What of `gone` no kept range covers, each piece a multiple of 4 long, so that whatever

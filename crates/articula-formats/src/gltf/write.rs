@@ -87,7 +87,7 @@ impl Document {
         if starts.len() > 1 {
             for view in entries_mut(&mut json, "bufferViews") {
                 rebase(view, &starts);
-                // Compressed views name a second buffer inside their extension.
+                // An unknown extension of a view may name a second buffer.
                 let extensions = view.get_mut("extensions").and_then(Value::as_object_mut);
                 for (_, extension) in extensions.into_iter().flatten() {
                     rebase(extension, &starts);

@@ -8,6 +8,7 @@
     reason = "tests fail by panicking, read files and say what they skip"
 )]
 
+mod compressed;
 mod features;
 mod files;
 mod hostile;

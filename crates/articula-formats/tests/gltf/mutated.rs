@@ -1,6 +1,7 @@
 //! Seeded mutations of small files on the stable tool chain: whatever the bytes, reading ends
 //! with a value of bounded size or an error, and what was read can be written.
 
+use crate::compressed;
 use crate::tiny::Tiny;
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document};
@@ -119,7 +120,13 @@ fn fixtures() -> Vec<Vec<u8>> {
         json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
     pictured.json["meshes"][0]["primitives"][0]["material"] = json!(0);
     pictured.json["meshes"][0]["primitives"][0]["mode"] = json!(5);
-    vec![moving.glb(), morphing.glb(), pictured.glb()]
+    let compressed = compressed::every_mode();
+    vec![
+        moving.glb(),
+        morphing.glb(),
+        pictured.glb(),
+        compressed.glb(),
+    ]
 }
 
 #[test]

@@ -1,0 +1,235 @@
+//! Compressed buffer views, decoded when a document is opened.
+//!
+//! From here on the document has plain views only: nothing that reads it, changes it or writes
+//! it needs to know of compression.
+//!
+//! Source: KHR_meshopt_compression; EXT_meshopt_compression has the same members.
+
+use super::accessor::bytes_of;
+use super::append::{entries_mut, exact, index, object, push, set};
+use super::document::Document;
+use super::place::Place;
+use super::reader::{Notes, Reader};
+use crate::error::ReadError;
+use crate::limits::Limits;
+use crate::meshopt::{Filter, Mode, Shape, decode};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+
+/// The two spellings of the extension.
+pub(super) const NAMES: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
+
+/// A view that was compressed.
+struct Decoded {
+    view: usize,
+    name: &'static str,
+    bytes: Vec<u8>,
+    /// Whether the bytes are not exactly those that were encoded.
+    is_rounded: bool,
+}
+
+/// Whether each buffer only stands for what compressed views hold: it is marked as a fallback,
+/// or every view of it is compressed.
+pub(super) fn placeholders(root: &Place<'_>) -> Result<Vec<bool>, ReadError> {
+    let buffers = root.entries("buffers")?;
+    let mut compressed = BTreeSet::new();
+    let mut plain = BTreeSet::new();
+    for view in root.entries("bufferViews")? {
+        let buffer = view.get("buffer").and_then(|b| b.whole().ok());
+        let views = if extension(&view).is_some() {
+            &mut compressed
+        } else {
+            &mut plain
+        };
+        views.extend(buffer);
+    }
+    let is_marked = |buffer: &Place<'_>| {
+        let mark = extension(buffer).map(|(_, mark)| mark.is_true("fallback"));
+        mark.unwrap_or(false)
+    };
+    let each = (0u64..).zip(&buffers);
+    Ok(each
+        .map(|(i, b)| is_marked(b) || compressed.contains(&i) && !plain.contains(&i))
+        .collect())
+}
+
+fn extension<'a>(owner: &Place<'a>) -> Option<(&'static str, Place<'a>)> {
+    let named = |name| Some((name, owner.dig(&["extensions", name])?));
+    NAMES.into_iter().find_map(named)
+}
+
+/// Makes every compressed view a plain one; `fetched` bytes count against the limit already.
+pub(super) fn expand(
+    document: &mut Document,
+    fetched: u64,
+    limits: &Limits,
+    notes: &mut Notes,
+) -> Result<(), ReadError> {
+    let views = decode_all(document, fetched, limits)?;
+    for name in NAMES {
+        let count = views.iter().filter(|v| v.name == name).count();
+        if count > 0 {
+            let what = format!("{count} views are compressed ({name}); they are written plain");
+            notes.add("bufferViews", what);
+        }
+    }
+    if views.is_empty() {
+        return Ok(());
+    }
+    let rounded = views.iter().filter(|v| v.is_rounded).map(|v| v.view);
+    let rounded: BTreeSet<usize> = rounded.collect();
+    put(document, views);
+    mend_bounds(document, &rounded, limits);
+    for name in NAMES {
+        document.disuse_extension(name);
+    }
+    Ok(())
+}
+
+fn decode_all(
+    document: &Document,
+    fetched: u64,
+    limits: &Limits,
+) -> Result<Vec<Decoded>, ReadError> {
+    let root = Place::root(&document.json);
+    let mut spent = fetched;
+    let mut out = Vec::new();
+    for (i, view) in root.entries("bufferViews")?.iter().enumerate() {
+        let Some((name, extension)) = extension(view) else {
+            continue;
+        };
+        let shape = shape(view, &extension)?;
+        let encoded = bytes_of(&extension, &document.buffers)?;
+        // The view's own length was compared, so this neither overflows nor is it a guess.
+        spent = spent.saturating_add(shape.count * shape.stride);
+        let which = "bytes of buffers and pictures";
+        Limits::check(extension.at(), which, spent, limits.bytes)?;
+        let bytes = decode(encoded, &shape, limits).map_err(|e| placed(&extension, e))?;
+        out.push(Decoded {
+            view: i,
+            name,
+            bytes,
+            is_rounded: shape.filter != Filter::None,
+        });
+    }
+    Ok(out)
+}
+
+fn shape(view: &Place<'_>, extension: &Place<'_>) -> Result<Shape, ReadError> {
+    let unknown = |key: &str| {
+        let what = format!("no such {key}");
+        ReadError::malformed(extension.path(key), what)
+    };
+    let shape = Shape {
+        mode: match extension.text("mode") {
+            "ATTRIBUTES" => Mode::Attributes,
+            "TRIANGLES" => Mode::Triangles,
+            "INDICES" => Mode::Indices,
+            _ => return Err(unknown("mode")),
+        },
+        filter: match extension.get("filter").map(|f| f.value().as_str()) {
+            None | Some(Some("NONE")) => Filter::None,
+            Some(Some("OCTAHEDRAL")) => Filter::Octahedral,
+            Some(Some("QUATERNION")) => Filter::Quaternion,
+            Some(Some("EXPONENTIAL")) => Filter::Exponential,
+            Some(Some("COLOR")) => Filter::Color,
+            _ => return Err(unknown("filter")),
+        },
+        count: extension.require("count")?.whole()?,
+        stride: extension.require("byteStride")?.whole()?,
+    };
+    let length = view.require("byteLength")?.whole()?;
+    if shape.count.checked_mul(shape.stride) != Some(length) {
+        let (count, stride) = (shape.count, shape.stride);
+        let what = format!("{count} elements of {stride} bytes in a view of {length}");
+        return Err(extension.malformed(what));
+    }
+    Ok(shape)
+}
+
+/// The decoder counts bytes from the start of the view.
+fn placed(extension: &Place<'_>, error: ReadError) -> ReadError {
+    match error {
+        ReadError::Malformed { at, what } => extension.malformed(format!("{at}: {what}")),
+        other => other,
+    }
+}
+
+/// Gives the views a new buffer, and drops what only their compressed form used.
+fn put(document: &mut Document, views: Vec<Decoded>) {
+    let new = document.buffers.len();
+    let mut bytes: Vec<u8> = Vec::new();
+    let mut gone = Vec::new();
+    for decoded in views {
+        let Some(view) = entries_mut(&mut document.json, "bufferViews").get_mut(decoded.view)
+        else {
+            continue;
+        };
+        for name in NAMES {
+            gone.extend(take_extension(view, name));
+        }
+        gone.push(view.clone());
+        bytes.resize(bytes.len().next_multiple_of(4), 0);
+        set(view, "buffer", new);
+        set(view, "byteOffset", bytes.len());
+        bytes.extend_from_slice(&decoded.bytes);
+    }
+    for buffer in entries_mut(&mut document.json, "buffers") {
+        for name in NAMES {
+            take_extension(buffer, name);
+        }
+    }
+    document.drop_ranges(&gone);
+    push(
+        &mut document.json,
+        "buffers",
+        json!({ "byteLength": bytes.len() }),
+    );
+    document.buffers.push(bytes);
+    document.drop_unused_buffers();
+}
+
+fn take_extension(owner: &mut Value, name: &str) -> Option<Value> {
+    let extensions = owner.get_mut("extensions").filter(|e| e.is_object())?;
+    let taken = object(extensions).shift_remove(name);
+    if object(extensions).is_empty() {
+        object(owner).shift_remove("extensions");
+    }
+    taken
+}
+
+/// States anew the bounds of accessors whose numbers a filter rounded: the format wants them
+/// exact, and they were those of the numbers before.
+fn mend_bounds(document: &mut Document, rounded: &BTreeSet<usize>, limits: &Limits) {
+    let mut reader = Reader::new(document, limits, Notes::default());
+    let mut found = Vec::new();
+    let accessors = reader.root.entries("accessors").unwrap_or_default();
+    for (i, place) in accessors.iter().enumerate() {
+        let values = place.dig(&["sparse", "values"]);
+        let owners = [Some(place.clone()), values].into_iter().flatten();
+        let mut views = owners.filter_map(|owner| index(owner.value(), "bufferView"));
+        let is_stated = place.get("min").is_some() || place.get("max").is_some();
+        if !is_stated || !views.any(|view| rounded.contains(&view)) {
+            continue;
+        }
+        // What cannot be read is told when it is needed.
+        if let Ok(bounds) = reader.bounds(place) {
+            found.push((i, bounds));
+        }
+    }
+    for (i, (least, greatest)) in found {
+        let accessor = &mut entries_mut(&mut document.json, "accessors")[i];
+        let is_float = index(accessor, "componentType") == Some(5126);
+        for (key, bound) in [("min", least), ("max", greatest)] {
+            if accessor.get(key).is_none() || bound.iter().any(|x| !x.is_finite()) {
+                continue;
+            }
+            let stated = if is_float {
+                exact(&bound)
+            } else {
+                bound.iter().map(|x| json!(*x as i64)).collect()
+            };
+            set(accessor, key, stated);
+        }
+    }
+}
