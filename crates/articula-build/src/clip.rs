@@ -124,7 +124,7 @@ pub fn resample(
 }
 
 /// Number of frame intervals at a rate, where each frame holds so many numbers.
-fn steps_at(
+pub(crate) fn steps_at(
     clip: &source::Clip,
     duration: f32,
     rate: f32,
@@ -150,7 +150,11 @@ fn steps_at(
 }
 
 /// Whether a channel's target is there, and it has keys and the values that they need.
-fn check(channel: &Channel, joints: usize, morph_counts: &[usize]) -> Result<(), String> {
+pub(crate) fn check(
+    channel: &Channel,
+    joints: usize,
+    morph_counts: &[usize],
+) -> Result<(), String> {
     let (kind, targets) = match channel.property {
         Property::Weights => ("mesh", morph_counts.len()),
         Property::Expression => return Err("it drives an expression, bake the clip first".into()),

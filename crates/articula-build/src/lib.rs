@@ -2,6 +2,7 @@
 //!
 //! - [`character`]: the recipe, from a source character to rig, mesh and clips
 //! - [`clip`]: keyed channels to a uniform rate
+//! - [`clip_edit`]: source clips trimmed, looped, thinned out before anything else
 //! - [`expression`]: expressions written out as morph weights and joint transforms
 //! - [`human`]: the procedural reference human
 //! - [`motion_error`]: levers, error matrices, key tables for every metric
@@ -13,6 +14,7 @@
 
 pub mod character;
 pub mod clip;
+pub mod clip_edit;
 pub mod evaluate;
 pub mod expression;
 pub mod human;

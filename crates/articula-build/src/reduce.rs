@@ -27,14 +27,15 @@ pub struct MotionSize {
 
 /// Measures a clip; morph weights and expressions are left out.
 pub fn motion_size(clip: &Clip) -> MotionSize {
-    let channels: Vec<&Channel> = clip
-        .channels
-        .iter()
-        .filter(|c| c.property.is_of_joint())
-        .collect();
+    size_of(clip.channels.iter().filter(|c| c.property.is_of_joint()))
+}
+
+/// Measures channels, of morph weights and expressions too.
+pub(crate) fn size_of<'a>(channels: impl Iterator<Item = &'a Channel>) -> MotionSize {
+    let channels: Vec<&Channel> = channels.collect();
     let moving: JointSet = channels
         .iter()
-        .filter(|c| c.times_secs.len() > 1)
+        .filter(|c| c.times_secs.len() > 1 && c.property.is_of_joint())
         .map(|c| c.target)
         .collect();
     let mut times: Vec<&[f32]> = channels.iter().map(|c| c.times_secs.as_slice()).collect();

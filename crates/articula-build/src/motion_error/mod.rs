@@ -16,5 +16,6 @@ pub mod contacts;
 pub mod keys;
 pub mod levers;
 pub mod pose_keys;
+pub(crate) mod runs;
 pub mod tables;
 pub mod thesis;

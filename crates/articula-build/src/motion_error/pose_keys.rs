@@ -8,6 +8,7 @@
 //! clip and not with its square, and none crosses the border of a block of some thousand ticks,
 //! so that only one block of poses is held at a time.
 
+use super::runs::long_runs;
 use super::tables::hashes;
 use crate::character::Asset;
 use crate::evaluate::Points;
@@ -59,26 +60,9 @@ pub fn pose_keys(asset: &Asset, clip: &Clip, points: &Points) -> PoseKeys {
 
 /// The ends of long straight runs that follow each other, the last the end of the poses.
 fn straight_runs(skins: &[Vec<Vec3>], tolerance: f32) -> Vec<usize> {
-    let last = skins.len() - 1;
-    let mut ends = Vec::new();
-    let mut at = 0;
-    while at < last {
-        let fits = |to: usize| to <= last && is_straight(skins, at, to, tolerance);
-        let (mut reached, mut step) = (at + 1, 1);
-        while fits(reached + step) {
-            reached += step;
-            step *= 2;
-        }
-        while step > 1 {
-            step /= 2;
-            if fits(reached + step) {
-                reached += step;
-            }
-        }
-        ends.push(reached);
-        at = reached;
-    }
-    ends
+    long_runs(skins.len() - 1, |from, to| {
+        is_straight(skins, from, to, tolerance)
+    })
 }
 
 fn is_straight(skins: &[Vec<Vec3>], from: usize, to: usize, tolerance: f32) -> bool {

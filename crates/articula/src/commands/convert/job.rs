@@ -152,10 +152,12 @@ fn finished(job: &Job, args: &ConvertArgs, work: Work) -> anyhow::Result<Report>
         mut report,
     } = work;
     let place = loaded.place();
+    report.edits = args.hygiene.apply(&mut loaded)?;
     report.reduction = reduction::apply(args, &mut loaded)?;
+    args.hygiene.reduce_keys(&mut loaded, &mut report.edits)?;
     let reduced = report.reduction.is_some();
     let asked = Asked {
-        clips_changed: changed || reduced,
+        clips_changed: changed || reduced || !report.edits.is_empty(),
         khr_character: args.khr_character,
     };
     let made = written::written(&loaded, &job.out, job.format, asked);

@@ -1,6 +1,7 @@
 //! `articula convert IN... OUT`: between formats, onto another character, and to a reduced
 //! animation; one file or many.
 
+mod hygiene;
 mod job;
 mod khr_character;
 mod onto;
@@ -66,6 +67,8 @@ pub(crate) struct ConvertArgs {
     #[arg(long)]
     khr_character: bool,
     #[command(flatten)]
+    hygiene: hygiene::HygieneArgs,
+    #[command(flatten)]
     names: ReadArgs,
 }
 
@@ -73,6 +76,9 @@ pub(crate) struct ConvertArgs {
 pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     args.check()?;
     let plan = Plan::of(args)?;
+    for job in &plan.jobs {
+        args.hygiene.check(job.format)?;
+    }
     let hero = Hero::new(args)?;
     let bar = console.progress("converting", plan.inputs());
     let one = |job| job::run(job, args, hero.as_ref(), &bar);

@@ -1,5 +1,6 @@
 //! What a conversion says of itself, for programs and for people.
 
+use super::hygiene::Edits;
 use super::onto::Motion;
 use super::plan::Job;
 use super::reduction::Reduction;
@@ -27,6 +28,8 @@ pub(super) struct Report {
     pub(super) beside: Vec<String>,
     pub(super) clips: Vec<String>,
     pub(super) onto: Option<Onto>,
+    /// What was done with each clip; empty if nothing was asked for.
+    pub(super) edits: Vec<Edits>,
     pub(super) reduction: Option<Reduction>,
     /// What the format of the output cannot hold.
     pub(super) left_out: Vec<String>,
@@ -87,6 +90,7 @@ impl Report {
             beside: Vec::new(),
             clips: Vec::new(),
             onto: None,
+            edits: Vec::new(),
             reduction: None,
             left_out: Vec::new(),
             warnings: Vec::new(),
@@ -111,6 +115,9 @@ impl Report {
         }
         if let Some(onto) = &self.onto {
             text.push_str(&onto.text(map));
+        }
+        for edits in &self.edits {
+            text.push_str(&edits.text());
         }
         if let Some(reduction) = &self.reduction {
             text.push_str(&reduction.text());

@@ -38,6 +38,11 @@ pub(super) struct Asked {
     pub(super) khr_character: bool,
 }
 
+/// Whether a file of the format holds every joint in every frame.
+pub(super) fn holds_frames(format: Format) -> bool {
+    holds_one_clip(format)
+}
+
 /// Makes the files.
 pub(super) fn written(
     loaded: &Loaded,

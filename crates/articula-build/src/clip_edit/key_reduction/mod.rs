@@ -1,0 +1,254 @@
+//! Fewer keys, with a bound on what that moves, in metres of the character.
+//!
+//! Source: ours. Each channel first keeps the ends of the longest runs that it can do without at
+//! its own share of the bound, over its lever (as in `spec/motion-lod.md` 4.5). Then the whole
+//! body is played beside its source on a dense grid of times: where any joint or any skin is
+//! farther off than the bound, the channel above it that errs most gets a key back, until the
+//! bound holds everywhere. Differs from the optimisers of engines, which bound every channel by
+//! itself: what is bounded here is what the chain of joints does to the skin.
+//!
+//! Every key that is left is one of the source's own (but for the one value of a channel that
+//! is held still), so the bound always can be met: with all keys the error is zero.
+
+mod choice;
+mod morphs;
+mod proof;
+mod watch;
+
+use super::channel::{self, SAME_SECS};
+use super::subject::Subject;
+use crate::clip::steps_at;
+use crate::reduce::{MotionSize, size_of};
+use articula_core::Mismatch;
+use articula_core::source::Clip;
+use choice::{Choice, Kept};
+use morphs::MorphErrors;
+use proof::Proof;
+use watch::Watch;
+
+/// Least rate of the grid that the result is verified on.
+pub const VERIFIED_HZ: f32 = 120.0;
+
+/// How keys are reduced.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ReduceOptions {
+    /// How far any joint, any skin and any end point may be from where the source has it.
+    pub bound_metres: f32,
+    /// Drop channels that show the rest pose, within the same bound. Without, they keep one key,
+    /// so that a player that blends clips finds them.
+    pub drop_rest: bool,
+}
+
+/// A clip with fewer keys.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Reduced {
+    /// The clip.
+    pub clip: Clip,
+    /// Greatest distance of any joint, skin or end point from where the source has it, at any
+    /// time of the grid. For skin this is a bound: the farthest corner of the box, in its joint's
+    /// space, of all vertices that the joint moves.
+    pub worst_metres: f32,
+    /// How many times were verified.
+    pub times: usize,
+    /// Size before, morph weights too.
+    pub before: MotionSize,
+    /// Size after.
+    pub after: MotionSize,
+}
+
+/// Removes keys as long as nothing of the character moves by more than the bound.
+///
+/// Splines keep their keys unless they stand still: resample them first if they should lose
+/// some. Values of expressions, which have no length, stay within 1e-4. Work grows with the length of the clip times its joints.
+///
+/// # Errors
+/// A [`Mismatch`] if the clip is not one of this character, the bound is not positive, or the clip
+/// is longer than can be verified.
+pub fn reduce_keys(
+    subject: &Subject<'_>,
+    clip: &Clip,
+    opts: &ReduceOptions,
+) -> Result<Reduced, Mismatch> {
+    subject.check(clip)?;
+    if !(opts.bound_metres.is_finite() && opts.bound_metres > 0.0) {
+        let what = format!("{} is not a positive length", opts.bound_metres);
+        return Err(Mismatch::new("bound_metres", what));
+    }
+    steps_at(clip, clip.duration_secs, VERIFIED_HZ, 1)?;
+    let times = grid(clip);
+    let watch = Watch::new(subject, clip);
+    let morphs = MorphErrors::new(subject, clip);
+    let mut choices = choice::first(subject, clip, opts, &watch, &morphs);
+    let mut proof = Proof::new(subject, clip, &times, &watch, &morphs, opts.bound_metres);
+    let mut worst_metres = proof.tighten(&mut choices);
+    if choice::give_back(&mut choices) {
+        worst_metres = proof.tighten(&mut choices);
+    }
+    let left = choices.iter().filter(|c| c.kept != Kept::Rest);
+    let mut out = Clip {
+        channels: left.map(Choice::shown).collect(),
+        ..clip.clone()
+    };
+    // A clip without any channel could not be written.
+    if out.channels.is_empty() {
+        out.channels.extend(choices.first().map(Choice::shown));
+    }
+    channel::keep_length(&mut out);
+    Ok(Reduced {
+        worst_metres,
+        times: times.len(),
+        before: size_of(clip.channels.iter()),
+        after: size_of(out.channels.iter()),
+        clip: out,
+    })
+}
+
+/// All key times, the ticks of [`VERIFIED_HZ`], and the middle between two keys that are nearer
+/// than these.
+fn grid(clip: &Clip) -> Vec<f32> {
+    let sorted = |mut times: Vec<f32>| {
+        times.sort_by(f32::total_cmp);
+        times.dedup_by(|b, a| *b - *a <= SAME_SECS);
+        times
+    };
+    let keys = clip.channels.iter().flat_map(|c| &c.times_secs);
+    let keys = sorted(keys.copied().chain([0.0, clip.duration_secs]).collect());
+    let ticks = (clip.duration_secs * VERIFIED_HZ).ceil() as usize;
+    let ticks = (0..ticks).map(|i| i as f32 / VERIFIED_HZ);
+    let near = keys.windows(2).filter(|w| w[1] - w[0] <= 2.0 / VERIFIED_HZ);
+    let middles = near.map(|w| 0.5 * (w[0] + w[1]));
+    sorted(keys.iter().copied().chain(ticks).chain(middles).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_clips::{bar, line};
+    use super::*;
+    use articula_core::source::{Channel, Interpolation, Property};
+    use glam::{Quat, Vec3};
+
+    /// The end of a bar of two joints, 1.5 m from the first.
+    const END: [(usize, Vec3); 1] = [(1, Vec3::new(0.5, 0.0, 0.0))];
+
+    /// Turns of one joint about z, ten keys a second.
+    fn turns(target: usize, radians: &[f32]) -> Channel {
+        Channel {
+            target,
+            property: Property::Rotation,
+            interpolation: Interpolation::Linear,
+            times_secs: (0..radians.len()).map(|i| i as f32 / 10.0).collect(),
+            values: radians
+                .iter()
+                .flat_map(|a| Quat::from_rotation_z(*a).to_array())
+                .collect(),
+        }
+    }
+
+    fn clip(channels: Vec<Channel>) -> Clip {
+        Clip {
+            name: "bar".into(),
+            duration_secs: 1.0,
+            channels,
+        }
+    }
+
+    fn keys(bar: &Subject<'_>, clip: &Clip, bound_metres: f32, drop_rest: bool) -> Vec<usize> {
+        let opts = ReduceOptions {
+            bound_metres,
+            drop_rest,
+        };
+        let out = reduce_keys(bar, clip, &opts).unwrap();
+        assert!(out.worst_metres <= bound_metres);
+        assert_eq!(out.clip.duration_secs, 1.0);
+        let channels = out.clip.channels.iter();
+        channels.map(|c| c.times_secs.len()).collect()
+    }
+
+    #[test]
+    fn an_even_turn_needs_two_keys_and_a_bump_as_many_as_it_shows() {
+        let (character, articulation) = bar(2);
+        let bar = Subject::new(&character, articulation, &END).unwrap();
+        let mut even: Vec<f32> = (0..=10).map(|i| 0.05 * i as f32).collect();
+        assert_eq!(keys(&bar, &clip(vec![turns(0, &even)]), 1e-4, false), [2]);
+        // The end of the bar is 1.5 m away: 4 mrad are 6 mm there.
+        even[5] += 0.004;
+        let bumped = clip(vec![turns(0, &even)]);
+        assert_eq!(keys(&bar, &bumped, 0.0061, false), [2]);
+        assert_eq!(keys(&bar, &bumped, 0.0059, false), [3]);
+        assert!(keys(&bar, &bumped, 1e-4, false)[0] >= 5);
+    }
+
+    #[test]
+    fn errors_of_a_chain_count_together() {
+        // Each joint alone errs by 0.9 mm at the end of the bar; both together by 1.8 mm.
+        let (character, articulation) = bar(2);
+        let bar = Subject::new(&character, articulation, &END).unwrap();
+        let bump = |size: f32| (0..=10).map(move |i| if i == 5 { size } else { 0.0 });
+        let near: Vec<f32> = bump(0.0009 / 1.5).collect();
+        let far: Vec<f32> = bump(0.0009 / 0.5).collect();
+        let alone = [turns(0, &near), turns(1, &far)];
+        for channel in &alone {
+            // Held still, half of the bump is left on either side.
+            assert_eq!(
+                keys(&bar, &clip(vec![channel.clone()]), 0.00046, false),
+                [1 + 1]
+            );
+        }
+        let both = clip(alone.to_vec());
+        assert!(keys(&bar, &both, 0.00091, false).iter().sum::<usize>() <= 3);
+        assert!(keys(&bar, &both, 0.00080, false).iter().sum::<usize>() > 3);
+    }
+
+    #[test]
+    fn what_stands_still_keeps_one_key_and_at_rest_none() {
+        let (character, articulation) = bar(3);
+        let bar = Subject::new(&character, articulation, &[]).unwrap();
+        let rest = line(&[0.0, 0.5, 1.0], &[0.0; 3]).channels.remove(0);
+        let still = clip(vec![turns(1, &[0.3; 11]), rest, turns(2, &[0.0; 11])]);
+        // One channel shows where the clip ends.
+        assert_eq!(keys(&bar, &still, 1e-4, false), [2, 1, 1]);
+        assert_eq!(keys(&bar, &still, 1e-4, true), [2]);
+        let at_rest = clip(vec![turns(2, &[0.0; 11])]);
+        assert_eq!(
+            keys(&bar, &at_rest, 1e-4, true),
+            [2],
+            "a clip without channels is none"
+        );
+        assert!(keys(&bar, &clip(Vec::new()), 1e-4, true).is_empty());
+    }
+
+    #[test]
+    fn the_turn_of_a_last_joint_counts_by_what_hangs_from_it() {
+        let (character, articulation) = bar(2);
+        let twist: Vec<f32> = (0..=10).map(|i| 0.01 * (i as f32).sin()).collect();
+        let twist = clip(vec![turns(1, &twist)]);
+        // Without skin a lever of half of the last bone stands for it: 0.01 rad move it by less
+        // than 5 mm.
+        let bar_alone = Subject::new(&character, articulation.clone(), &[]).unwrap();
+        assert_eq!(keys(&bar_alone, &twist, 0.005, false), [2]);
+        assert!(keys(&bar_alone, &twist, 0.001, false)[0] > 2);
+        // An end that is 2 m away moves by 2 cm.
+        let ends = [(1, Vec3::new(2.0, 0.0, 0.0))];
+        let with_end = Subject::new(&character, articulation, &ends).unwrap();
+        assert!(keys(&with_end, &twist, 0.005, false)[0] > 2);
+    }
+
+    #[test]
+    fn splines_keep_their_keys_and_bad_bounds_are_refused() {
+        let (character, articulation) = bar(1);
+        let bar = Subject::new(&character, articulation, &[]).unwrap();
+        let mut spline = line(&[0.0, 0.5, 1.0], &[0.0; 3]);
+        spline.channels[0].interpolation = Interpolation::CubicSpline;
+        spline.channels[0].values = vec![0.0; 27];
+        assert_eq!(keys(&bar, &spline, 1e-3, false), [2]);
+        spline.channels[0].values[6] = 1.0;
+        assert_eq!(keys(&bar, &spline, 1e-3, false), [3]);
+        for bound_metres in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            let opts = ReduceOptions {
+                bound_metres,
+                drop_rest: false,
+            };
+            assert!(reduce_keys(&bar, &spline, &opts).is_err());
+        }
+    }
+}

@@ -1,0 +1,231 @@
+//! A choice of keys played beside its source, and keys put back until the bound holds.
+
+use super::super::subject::{Posed, Subject};
+use super::choice::{Choice, distance};
+use super::morphs::MorphErrors;
+use super::watch::Watch;
+use articula_core::rig::Rig;
+use articula_core::source::{Channel, Clip, Property};
+use glam::Vec3A;
+
+/// What a choice is held to.
+pub(super) struct Proof<'a> {
+    subject: &'a Subject<'a>,
+    clip: &'a Clip,
+    times: &'a [f32],
+    watch: &'a Watch,
+    morphs: &'a MorphErrors,
+    bound_metres: f32,
+    /// Greatest error at each time, as far as it is known.
+    errors: Vec<f32>,
+    /// Times that must be looked at (again).
+    is_open: Vec<bool>,
+    wanted: Posed,
+    played: Posed,
+    /// Error of each joint's skin by morph weights.
+    morphed: Vec<f32>,
+    /// For each joint the first one of its chain without branches.
+    limbs: Vec<usize>,
+}
+
+fn limbs(rig: &Rig) -> Vec<usize> {
+    let mut children = vec![0; rig.len()];
+    (0..rig.len())
+        .filter_map(|j| rig.parent(j))
+        .for_each(|p| children[p] += 1);
+    let mut limbs: Vec<usize> = (0..rig.len()).collect();
+    for j in 0..rig.len() {
+        if let Some(p) = rig.parent(j).filter(|p| children[*p] == 1) {
+            limbs[j] = limbs[p];
+        }
+    }
+    limbs
+}
+
+/// A point that is farther off than the bound.
+#[derive(Debug, Clone, Copy)]
+struct Breach {
+    time: f32,
+    joint: usize,
+    /// The point, in the joint's space.
+    point: Vec3A,
+    excess: f32,
+}
+
+/// Where keys were put back in this round, for each joint: the times between which it changed.
+/// What hangs from it is not judged there before the next round.
+struct Mended {
+    spans: Vec<Vec<(f32, f32)>>,
+}
+
+impl Mended {
+    fn concerns(&self, rig: &Rig, breach: &Breach) -> bool {
+        let mut at = Some(breach.joint);
+        while let Some(j) = at {
+            let near = |(from, to): &(f32, f32)| (*from..=*to).contains(&breach.time);
+            if self.spans[j].iter().any(near) {
+                return true;
+            }
+            at = rig.parent(j);
+        }
+        false
+    }
+}
+
+impl<'a> Proof<'a> {
+    pub(super) fn new(
+        subject: &'a Subject<'a>,
+        clip: &'a Clip,
+        times: &'a [f32],
+        watch: &'a Watch,
+        morphs: &'a MorphErrors,
+        bound_metres: f32,
+    ) -> Self {
+        Self {
+            subject,
+            clip,
+            times,
+            watch,
+            morphs,
+            bound_metres,
+            errors: vec![0.0; times.len()],
+            is_open: vec![false; times.len()],
+            wanted: subject.rest(),
+            played: subject.rest(),
+            morphed: vec![0.0; subject.rig.len()],
+            limbs: limbs(&subject.rig),
+        }
+    }
+
+    /// Puts keys back until no point is farther off than the bound; gives the greatest error
+    /// that is left.
+    pub(super) fn tighten(&mut self, choices: &mut [Choice<'_>]) -> f32 {
+        let mut shown = Clip {
+            channels: choices.iter().map(Choice::shown).collect(),
+            ..self.clip.clone()
+        };
+        self.is_open.fill(true);
+        loop {
+            let mut breaches = self.breaches(&shown);
+            breaches.sort_by(|a, b| b.excess.total_cmp(&a.excess));
+            let mut mended = Mended {
+                spans: vec![Vec::new(); self.subject.rig.len()],
+            };
+            let mut is_done = true;
+            for breach in &breaches {
+                if mended.concerns(&self.subject.rig, breach) {
+                    continue;
+                }
+                let Some((c, key)) = self.blamed(breach, &shown, choices) else {
+                    continue;
+                };
+                let (from, to) = choices[c].keep(key);
+                shown.channels[c] = choices[c].shown();
+                mended.spans[choices[c].source.target].push((from, to));
+                self.reopen(from, to);
+                is_done = false;
+            }
+            if is_done {
+                return self.errors.iter().copied().fold(0.0, f32::max);
+            }
+        }
+    }
+
+    fn reopen(&mut self, from: f32, to: f32) {
+        let first = self.times.partition_point(|t| *t < from);
+        let last = self.times.partition_point(|t| *t <= to);
+        self.is_open[first..last].fill(true);
+    }
+
+    /// Looks at every open time; gives the worst point of each limb that is beyond the bound.
+    fn breaches(&mut self, shown: &Clip) -> Vec<Breach> {
+        let mut found = Vec::new();
+        let mut worst: Vec<Option<Breach>> = vec![None; self.subject.rig.len()];
+        for i in 0..self.times.len() {
+            if !std::mem::replace(&mut self.is_open[i], false) {
+                continue;
+            }
+            let time = self.times[i];
+            self.play(shown, time);
+            self.morphs
+                .errors(self.clip, &shown.channels, time, &mut self.morphed);
+            self.errors[i] = 0.0;
+            for joint in 0..self.subject.rig.len() {
+                let allowed = self.bound_metres - self.morphed[joint];
+                let (error, point) = self.watch.error(joint, &self.wanted, &self.played, allowed);
+                self.errors[i] = self.errors[i].max(error + self.morphed[joint]);
+                let excess = error - allowed;
+                let of_limb = &mut worst[self.limbs[joint]];
+                if excess > 0.0 && of_limb.is_none_or(|w| w.excess < excess) {
+                    *of_limb = Some(Breach {
+                        time,
+                        joint,
+                        point,
+                        excess,
+                    });
+                }
+            }
+            found.extend(worst.iter_mut().filter_map(Option::take));
+        }
+        found
+    }
+
+    fn play(&mut self, shown: &Clip, time: f32) {
+        self.subject.pose(self.clip, time, &mut self.wanted);
+        self.subject.pose(shown, time, &mut self.played);
+    }
+
+    /// The channel above a breach that moves its point most, and the key that it lacks.
+    fn blamed(
+        &mut self,
+        breach: &Breach,
+        shown: &Clip,
+        choices: &[Choice<'_>],
+    ) -> Option<(usize, usize)> {
+        self.play(shown, breach.time);
+        let point = self.wanted.model.matrices[breach.joint].transform_point3a(breach.point);
+        let mut most: Option<(f32, usize, usize)> = None;
+        for (c, choice) in choices.iter().enumerate() {
+            let channel = choice.source;
+            let above = channel.property.is_of_joint()
+                && self
+                    .subject
+                    .rig
+                    .is_at_or_below(breach.joint, channel.target);
+            if !above {
+                continue;
+            }
+            let moved = self.moved(channel, point);
+            let Some(key) = choice.missing(breach.time) else {
+                continue;
+            };
+            if most.is_none_or(|(m, _, _)| m < moved) {
+                most = Some((moved, c, key));
+            }
+        }
+        most.map(|(_, c, key)| (c, key))
+    }
+
+    /// About how far the error of one channel alone moves a point, metres.
+    fn moved(&self, channel: &Channel, point: Vec3A) -> f32 {
+        let joint = channel.target;
+        let local = |posed: &Posed| match channel.property {
+            Property::Rotation => posed.local.rotations[joint].to_array().to_vec(),
+            Property::Scale => posed.local.scales[joint].to_array().to_vec(),
+            _ => posed.local.translations[joint].to_array().to_vec(),
+        };
+        let apart = distance(channel.property, &local(&self.wanted), &local(&self.played));
+        let lever = point.distance(self.wanted.model.matrices[joint].translation);
+        match channel.property {
+            Property::Rotation => apart * lever,
+            Property::Scale => {
+                let scale = self.wanted.local.scales[joint].abs().min_element();
+                apart * lever / scale.max(1e-6)
+            }
+            _ => {
+                let parent = self.subject.rig.parent(joint);
+                apart * parent.map_or(1.0, |p| self.subject.scale_at_rest(p))
+            }
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! Clips made clean before anything else is done with them.
+//!
+//! - [`trim`]: a part of a clip, its keys at both cuts exact
+//! - [`rate`]: every channel keyed at one rate
+//! - [`key_reduction`]: fewer keys, with a bound in metres of the character
+//!
+//! All of them take a source clip and give a source clip. What is done is stated in numbers.
+
+mod channel;
+mod spline;
+mod subject;
+#[cfg(test)]
+mod test_clips;
+
+pub mod key_reduction;
+pub mod rate;
+pub mod trim;
+
+pub use subject::Subject;

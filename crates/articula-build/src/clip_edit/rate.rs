@@ -1,0 +1,117 @@
+//! Every channel keyed at one rate.
+
+use super::channel::{self, SAME_SECS};
+use crate::clip::steps_at;
+use articula_core::Mismatch;
+use articula_core::source::{Channel, Clip, Interpolation};
+
+/// The clip with keys at every `1 / rate_hz` seconds and at its end, each the exact value; the
+/// last interval is shorter where the length is no multiple. Splines become straight lines
+/// between the keys, steps stay steps (their jumps move to the next key). A channel with one key
+/// keeps it alone.
+///
+/// # Errors
+/// A [`Mismatch`] if the rate is not positive, the clip is malformed, or it would have more than
+/// a million keys a channel or more numbers than memory should hold.
+pub fn resample(clip: &Clip, rate_hz: f32) -> Result<Clip, Mismatch> {
+    channel::check(clip)?;
+    let numbers = clip.channels.iter().map(channel::width).sum();
+    steps_at(clip, clip.duration_secs, rate_hz, numbers)?;
+    let times = times(clip.duration_secs, rate_hz);
+    let mut out = Clip {
+        channels: clip.channels.iter().map(|c| keyed(c, &times)).collect(),
+        ..clip.clone()
+    };
+    channel::keep_length(&mut out);
+    Ok(out)
+}
+
+fn keyed(source: &Channel, times: &[f32]) -> Channel {
+    if source.times_secs.len() == 1 {
+        return Channel {
+            interpolation: match source.interpolation {
+                Interpolation::Step => Interpolation::Step,
+                _ => Interpolation::Linear,
+            },
+            times_secs: vec![0.0],
+            values: channel::key_value(source, 0).to_vec(),
+            ..source.clone()
+        };
+    }
+    // A key that lies beside the time by a rounding is meant, to the last bit.
+    let value = |t: &f32| match channel::key_at(source, *t) {
+        Some(key) => channel::key_value(source, key).to_vec(),
+        None => channel::value(source, *t),
+    };
+    Channel {
+        interpolation: match source.interpolation {
+            Interpolation::Step => Interpolation::Step,
+            _ => Interpolation::Linear,
+        },
+        times_secs: times.to_vec(),
+        values: times.iter().flat_map(value).collect(),
+        ..source.clone()
+    }
+}
+
+fn times(duration_secs: f32, rate_hz: f32) -> Vec<f32> {
+    let end = f64::from(duration_secs);
+    let time = |i: usize| i as f64 / f64::from(rate_hz);
+    // A key just before the end would only be the end again.
+    let near = (1e-3 / f64::from(rate_hz)).max(f64::from(SAME_SECS));
+    let mut times: Vec<f32> = (0..)
+        .map(time)
+        .take_while(|t| *t < end - near)
+        .map(|t| t as f32)
+        .collect();
+    times.push(duration_secs);
+    times
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_clips::{clips, greatest_difference, line};
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_end_is_a_key_whatever_the_rate() {
+        let clip = line(&[0.0, 1.0], &[0.0, 2.0]);
+        let out = resample(&clip, 4.0).unwrap();
+        assert_eq!(out.channels[0].times_secs, [0.0, 0.25, 0.5, 0.75, 1.0]);
+        assert_eq!(out.channels[0].values[3], 0.5);
+        let out = resample(&clip, 0.4 * 4.0).unwrap();
+        assert_eq!(out.channels[0].times_secs, [0.0, 0.625, 1.0]);
+        assert_eq!(out.channels[0].values[3], 1.25);
+        // 2751 frames at 120 Hz end a rounding after the last but one.
+        let clip = line(&[0.0, 22.925], &[0.0, 2.0]);
+        let times = resample(&clip, 120.0).unwrap().channels[0]
+            .times_secs
+            .clone();
+        assert_eq!(times.len(), 2752);
+        assert!(times[2751] - times[2750] > 0.008);
+    }
+
+    #[test]
+    fn endless_clips_and_no_rates_are_refused() {
+        let clip = line(&[0.0, 1e30], &[0.0, 2.0]);
+        assert!(resample(&clip, 30.0).is_err());
+        let clip = line(&[0.0, 1.0], &[0.0, 2.0]);
+        for bad in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert!(resample(&clip, bad).is_err(), "{bad}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn twice_is_once_and_keys_are_hit(clip in clips(), rate in 5.0f32..120.0) {
+            let once = resample(&clip, rate).unwrap();
+            prop_assert_eq!(&resample(&once, rate).unwrap(), &once);
+            let densest = once.channels.iter().max_by_key(|c| c.times_secs.len()).unwrap();
+            for t in &densest.times_secs {
+                let t = *t;
+                prop_assert!(greatest_difference(&clip, &once, |_| t, |_| t, 0.0) < 1e-5);
+            }
+        }
+    }
+}

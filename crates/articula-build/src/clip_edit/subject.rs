@@ -1,0 +1,102 @@
+//! The character whose clips are edited, as all edits see it.
+
+use super::channel;
+use crate::clip::check;
+use articula_core::Mismatch;
+use articula_core::articulation::Articulation;
+use articula_core::hierarchy::local_to_model;
+use articula_core::mesh::Mesh;
+use articula_core::pose::{LocalPose, ModelPose};
+use articula_core::rig::Rig;
+use articula_core::source::{Character, Clip, Property, Skeleton, evaluate};
+use glam::Vec3;
+
+/// Joints, skin and the names that an edit needs to know where a motion shows.
+#[derive(Debug, Clone)]
+pub struct Subject<'a> {
+    pub(super) skeleton: &'a Skeleton,
+    pub(super) rig: Rig,
+    pub(super) mesh: Mesh,
+    pub(super) morph_counts: Vec<usize>,
+    pub(super) ends: Vec<(usize, Vec3)>,
+    rest: Posed,
+}
+
+impl<'a> Subject<'a> {
+    /// Looks at a character; `articulation` says which joint is which. `ends` are points that
+    /// hang from joints besides the skin, such as the end sites of a BVH file.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] that names the part of the character that does not fit.
+    pub fn new(
+        character: &'a Character,
+        articulation: Articulation,
+        ends: &[(usize, Vec3)],
+    ) -> Result<Self, Mismatch> {
+        let rig = Rig::new(&character.skeleton, articulation)?;
+        if let Some((joint, _)) = ends.iter().find(|(joint, _)| *joint >= rig.len()) {
+            let what = format!("joint {joint} of {}", rig.len());
+            return Err(Mismatch::new("ends", what));
+        }
+        let counts = character.meshes.iter().map(|m| m.morph_weights.len());
+        Ok(Self {
+            skeleton: &character.skeleton,
+            mesh: Mesh::new(&character.meshes, rig.len())?,
+            morph_counts: counts.collect(),
+            ends: ends.to_vec(),
+            rest: Posed::at_rest(&rig),
+            rig,
+        })
+    }
+
+    /// Refuses clips that are malformed or of another character.
+    pub(super) fn check(&self, clip: &Clip) -> Result<(), Mismatch> {
+        channel::check(clip)?;
+        for (c, channel) in clip.channels.iter().enumerate() {
+            if channel.property == Property::Expression {
+                // Any number of them: a library of clips may drive expressions of its users.
+                continue;
+            }
+            check(channel, self.rig.len(), &self.morph_counts).map_err(|what| {
+                Mismatch::new(format!("clip \"{}\".channels[{c}]", clip.name), what)
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Where a clip has every joint at a time.
+    pub(super) fn pose(&self, clip: &Clip, time_secs: f32, posed: &mut Posed) {
+        evaluate::pose(clip, self.skeleton, time_secs, &mut posed.local);
+        local_to_model(&self.rig, &posed.local, &mut posed.model);
+    }
+
+    /// Metres of one unit in a joint's own space, at rest.
+    pub(super) fn scale_at_rest(&self, joint: usize) -> f32 {
+        let axes = self.rest.model.matrices[joint].matrix3;
+        let longest = axes.x_axis.length().max(axes.y_axis.length());
+        longest.max(axes.z_axis.length()).max(1e-12)
+    }
+
+    /// Room for a pose, at rest.
+    pub(super) fn rest(&self) -> Posed {
+        self.rest.clone()
+    }
+}
+
+/// A pose in both forms.
+#[derive(Debug, Clone)]
+pub(super) struct Posed {
+    pub(super) local: LocalPose,
+    pub(super) model: ModelPose,
+}
+
+impl Posed {
+    fn at_rest(rig: &Rig) -> Self {
+        let mut posed = Self {
+            local: rig.rest_pose().clone(),
+            model: ModelPose::new(rig.len()),
+        };
+        local_to_model(rig, &posed.local, &mut posed.model);
+        posed
+    }
+}

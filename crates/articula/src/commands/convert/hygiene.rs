@@ -1,0 +1,295 @@
+//! `convert --trim --rate --reduce-keys`: clips made clean, and what that did in numbers.
+//!
+//! The order is fixed, whatever the order of the flags: trim, rate, then (after the level of
+//! articulation) keys. The bound of the keys is against what they stood for just before.
+
+use crate::load::{Format, Loaded};
+use crate::prepared::articulation_of;
+use crate::{arguments, fault};
+use anyhow::Context;
+use articula_build::clip_edit::key_reduction::{self, ReduceOptions, Reduced};
+use articula_build::clip_edit::{Subject, rate, trim};
+use articula_core::source::Clip;
+use clap::Args;
+use rayon::prelude::*;
+use serde::Serialize;
+
+/// What is to be done with the clips.
+#[derive(Debug, Clone, Default, Args)]
+pub(super) struct HygieneArgs {
+    /// Keep a part of each clip, in seconds: 1.5..3, ..3 or 2..
+    #[arg(long, value_name = "FROM..TO", value_parser = part)]
+    trim: Option<Part>,
+    /// Key every channel at this rate
+    #[arg(long, value_name = "HZ", value_parser = arguments::positive)]
+    rate: Option<f32>,
+    /// Drop keys as long as no joint and no skin moves by more than this: 0.001, 1mm or 0.1cm
+    #[arg(long, value_name = "METRES", value_parser = metres)]
+    reduce_keys: Option<f32>,
+    /// With --reduce-keys: drop channels that show the rest pose, too
+    #[arg(long, requires = "reduce_keys")]
+    drop_rest: bool,
+}
+
+/// A part of a clip; without a bound, from its start or to its end.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Part {
+    from: Option<f32>,
+    to: Option<f32>,
+}
+
+/// What was done with one clip; null what was not asked for.
+#[derive(Debug, Serialize)]
+pub(super) struct Edits {
+    clip: String,
+    trim: Option<Trimmed>,
+    rate: Option<Resampled>,
+    reduce_keys: Option<KeysReduced>,
+}
+
+#[derive(Debug, Serialize)]
+struct Trimmed {
+    from_secs: f32,
+    to_secs: f32,
+    duration_secs: f32,
+}
+
+#[derive(Debug, Serialize)]
+struct Resampled {
+    rate_hz: f32,
+    keys_before: usize,
+    keys_after: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct KeysReduced {
+    bound_m: f32,
+    /// Greatest distance of any joint or skin from where the clip had it.
+    worst_m: f32,
+    /// Times at which that was measured, between keys too.
+    times_verified: usize,
+    channels_before: usize,
+    channels_after: usize,
+    keys_before: usize,
+    keys_after: usize,
+    animation_bytes_before: usize,
+    animation_bytes_after: usize,
+}
+
+impl HygieneArgs {
+    /// Refuses what the format of the output cannot show.
+    pub(super) fn check(&self, out: Format) -> anyhow::Result<()> {
+        if self.reduce_keys.is_some() && super::written::holds_frames(out) {
+            return Err(fault::usage(format!(
+                "--reduce-keys: a .{} file stores every joint in every frame; write .glb, or leave it out",
+                out.name()
+            )));
+        }
+        Ok(())
+    }
+
+    /// Does all but the keys; gives one entry for each clip, or none if nothing is asked for.
+    pub(super) fn apply(&self, loaded: &mut Loaded) -> anyhow::Result<Vec<Edits>> {
+        let asked = self.trim.is_some() || self.rate.is_some() || self.reduce_keys.is_some();
+        if !asked {
+            return Ok(Vec::new());
+        }
+        let place = loaded.place();
+        let clips = &mut loaded.character.clips;
+        let edit = |clip: &mut Clip| self.edit(clip).with_context(|| place.clone());
+        clips.iter_mut().map(edit).collect()
+    }
+
+    fn edit(&self, clip: &mut Clip) -> anyhow::Result<Edits> {
+        Ok(Edits {
+            clip: clip.name.clone(),
+            trim: self.trim.map(|part| part.trim(clip)).transpose()?,
+            rate: self.rate.map(|rate| resample(clip, rate)).transpose()?,
+            reduce_keys: None,
+        })
+    }
+
+    /// Drops keys, after everything else.
+    pub(super) fn reduce_keys(
+        &self,
+        loaded: &mut Loaded,
+        edits: &mut [Edits],
+    ) -> anyhow::Result<()> {
+        let Some(bound_metres) = self.reduce_keys else {
+            return Ok(());
+        };
+        let opts = ReduceOptions {
+            bound_metres,
+            drop_rest: self.drop_rest,
+        };
+        let place = loaded.place();
+        let subject = subject(loaded).with_context(|| place.clone())?;
+        let one = |(clip, edits): (&Clip, &mut Edits)| {
+            let out = key_reduction::reduce_keys(&subject, clip, &opts);
+            let out = out.with_context(|| place.clone())?;
+            edits.reduce_keys = Some(KeysReduced::new(bound_metres, &out));
+            Ok(out.clip)
+        };
+        let clips = loaded.character.clips.par_iter().zip(edits).map(one);
+        let clips = clips.collect::<anyhow::Result<Vec<Clip>>>()?;
+        loaded.character.clips = clips;
+        Ok(())
+    }
+}
+
+fn subject(loaded: &Loaded) -> anyhow::Result<Subject<'_>> {
+    let articulation = articulation_of(loaded);
+    Ok(Subject::new(
+        &loaded.character,
+        articulation,
+        &loaded.end_sites,
+    )?)
+}
+
+fn keys(clip: &Clip) -> usize {
+    clip.channels.iter().map(|c| c.times_secs.len()).sum()
+}
+
+fn resample(clip: &mut Clip, rate_hz: f32) -> anyhow::Result<Resampled> {
+    let keys_before = keys(clip);
+    *clip = rate::resample(clip, rate_hz)?;
+    Ok(Resampled {
+        rate_hz,
+        keys_before,
+        keys_after: keys(clip),
+    })
+}
+
+impl Part {
+    fn trim(self, clip: &mut Clip) -> anyhow::Result<Trimmed> {
+        let from_secs = self.from.unwrap_or(0.0);
+        let to_secs = self.to.unwrap_or(clip.duration_secs);
+        *clip = trim::trim(clip, from_secs..=to_secs)
+            .context("--trim (--clip NAME chooses one clip)")?;
+        Ok(Trimmed {
+            from_secs,
+            to_secs,
+            duration_secs: clip.duration_secs,
+        })
+    }
+}
+
+impl Edits {
+    /// What was done, for people; one line for the clip and one for each thing that was done.
+    pub(super) fn text(&self) -> String {
+        let mut text = format!("clip \"{}\"\n", fault::clean(&self.clip));
+        if let Some(t) = &self.trim {
+            text.push_str(&format!(
+                "  trimmed to {:.3} .. {:.3} s: {:.3} s long\n",
+                t.from_secs, t.to_secs, t.duration_secs
+            ));
+        }
+        if let Some(r) = &self.rate {
+            text.push_str(&format!(
+                "  keyed at {} Hz: {} -> {} keys\n",
+                r.rate_hz, r.keys_before, r.keys_after
+            ));
+        }
+        if let Some(k) = &self.reduce_keys {
+            text.push_str(&k.text());
+        }
+        text
+    }
+}
+
+impl KeysReduced {
+    fn new(bound_metres: f32, out: &Reduced) -> Self {
+        let (before, after) = (out.before, out.after);
+        Self {
+            bound_m: bound_metres,
+            worst_m: out.worst_metres,
+            times_verified: out.times,
+            channels_before: before.channels,
+            channels_after: after.channels,
+            keys_before: before.keys,
+            keys_after: after.keys,
+            animation_bytes_before: before.bytes,
+            animation_bytes_after: after.bytes,
+        }
+    }
+
+    fn text(&self) -> String {
+        let (before, after) = (self.animation_bytes_before, self.animation_bytes_after);
+        format!(
+            "  keys reduced: {} -> {} keys, {} -> {} channels, {before} -> {after} bytes ({:.1}% saved); \
+             nothing moved by more than {:.3} mm (verified at {} times)\n",
+            self.keys_before,
+            self.keys_after,
+            self.channels_before,
+            self.channels_after,
+            100.0 * (1.0 - after as f64 / before.max(1) as f64),
+            1e3 * self.worst_m,
+            self.times_verified,
+        )
+    }
+}
+
+/// Reads `FROM..TO`, either end open.
+fn part(text: &str) -> Result<Part, String> {
+    let wrong = || "expected seconds as FROM..TO, ..TO or FROM.., FROM before TO".to_owned();
+    let (from, to) = text.split_once("..").ok_or_else(wrong)?;
+    let number = |t: &str| match t.trim() {
+        "" => Ok(None),
+        t => arguments::not_negative(t).map(Some).map_err(|_| wrong()),
+    };
+    let part = Part {
+        from: number(from)?,
+        to: number(to)?,
+    };
+    match part {
+        Part {
+            from: None,
+            to: None,
+        } => Err(wrong()),
+        Part { from, to: Some(to) } if from.unwrap_or(0.0) >= to => Err(wrong()),
+        part => Ok(part),
+    }
+}
+
+/// Reads a length in metres, or with the unit m, cm or mm.
+fn metres(text: &str) -> Result<f32, String> {
+    let text = text.trim();
+    let (number, unit) = [("mm", 1e-3), ("cm", 1e-2), ("m", 1.0)]
+        .iter()
+        .find_map(|(name, unit)| Some((text.strip_suffix(name)?, *unit)))
+        .unwrap_or((text, 1.0));
+    let metres = number
+        .trim_end()
+        .parse::<f64>()
+        .ok()
+        .map(|n| (n * unit) as f32);
+    let metres = metres.filter(|m| m.is_finite() && *m > 0.0);
+    metres.ok_or_else(|| "expected a length above 0, such as 0.001, 1mm or 0.1cm".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_have_units() {
+        assert_eq!(metres("0.001"), Ok(0.001));
+        assert_eq!(metres("1mm"), Ok(0.001));
+        assert_eq!(metres("0.1 cm"), Ok(0.001));
+        assert_eq!(metres("2m"), Ok(2.0));
+        for bad in ["", "mm", "0", "-1mm", "1km", "NaN", "inf", "1e99m"] {
+            assert!(metres(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn parts_may_be_open() {
+        let of = |from, to| Ok(Part { from, to });
+        assert_eq!(part("1.5..3"), of(Some(1.5), Some(3.0)));
+        assert_eq!(part("..3"), of(None, Some(3.0)));
+        assert_eq!(part("2.."), of(Some(2.0), None));
+        for bad in ["", "..", "3", "3..3", "3..1", "-1..2", "a..b", "1..NaN"] {
+            assert!(part(bad).is_err(), "{bad}");
+        }
+    }
+}
