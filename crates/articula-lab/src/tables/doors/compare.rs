@@ -8,7 +8,7 @@ use articula_core::mesh::Mesh;
 use articula_core::pose::{LocalPose, ModelPose};
 use articula_core::rig::Rig;
 use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::source::{Character, Clip, Property, evaluate};
+use articula_core::source::{Character, Clip, Joint, Property, evaluate};
 use std::collections::{HashMap, VecDeque};
 
 /// Most frames of a clip whose joints are compared; they are spread evenly.
@@ -29,15 +29,24 @@ pub(super) struct Apart {
     pub(super) skin_mm: Option<f32>,
 }
 
+/// Which joints count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kept {
+    All,
+    /// Those of skins; all, where there is no skin.
+    Skin,
+}
+
 /// Compares a character as it was with one that was written and read again; without clips at
 /// rest.
 pub(super) fn apart(
     was: (&Character, &Articulation),
     is: (&Character, &Articulation),
+    kept: Kept,
 ) -> Result<Apart> {
     let mut was = Side::new(was)?;
     let mut is = Side::new(is)?;
-    let pairs = pairs(was.character, is.character);
+    let pairs = pairs(was.character, is.character, kept);
     let clips = was.character.clips.len().min(is.character.clips.len());
     let skinned = was.mesh.len() == is.mesh.len() && !was.mesh.is_empty();
     let mut apart = Apart {
@@ -79,17 +88,25 @@ fn times(clip: &Clip) -> Vec<f32> {
     (0..=last).step_by(step).map(|f| f as f32 / rate).collect()
 }
 
-/// Joints of both sides with the same name, those of one name in their order.
-fn pairs(was: &Character, is: &Character) -> Vec<(usize, usize)> {
+/// Joints of both sides with the same name, those of one name in their order. Some formats call
+/// the first joint `root` whatever its name was.
+fn pairs(was: &Character, is: &Character, kept: Kept) -> Vec<(usize, usize)> {
     let mut known: HashMap<String, VecDeque<usize>> = HashMap::new();
     for (j, joint) in is.skeleton.joints.iter().enumerate() {
         known.entry(plain(&joint.name, j)).or_default().push_back(j);
     }
-    let joints = was.skeleton.joints.iter().enumerate();
-    let pair = |(j, joint): (usize, &articula_core::source::Joint)| {
-        Some((j, known.get_mut(&plain(&joint.name, j))?.pop_front()?))
+    let joints = &was.skeleton.joints;
+    let any_skin = joints.iter().any(|j| j.in_skin);
+    let counts = |j: &Joint| kept == Kept::All || j.in_skin || !any_skin;
+    let first = joints.iter().position(counts);
+    let counted = joints.iter().enumerate().filter(|(_, j)| counts(j));
+    let pair = |(j, joint): (usize, &Joint)| {
+        let mut take = |name: &str| known.get_mut(name)?.pop_front();
+        let root = || (first == Some(j)).then_some("root");
+        let twin = take(&plain(&joint.name, j)).or_else(|| take(root()?));
+        Some((j, twin?))
     };
-    joints.filter_map(pair).collect()
+    counted.filter_map(pair).collect()
 }
 
 /// A name as formats that allow no blanks write it.
@@ -154,7 +171,6 @@ impl<'a> Side<'a> {
 mod tests {
     use super::*;
     use articula_core::math::Transform;
-    use articula_core::source::Joint;
     use articula_formats::profile;
     use glam::Vec3;
 
@@ -177,7 +193,7 @@ mod tests {
     fn two_millimetres_are_two_millimetres() {
         let (was, is) = (two("b c", 1.0), two("b_c", 1.002));
         let map = |c: &Character| profile::map(&c.skeleton, profile::builtin(), None).articulation;
-        let found = apart((&was, &map(&was)), (&is, &map(&is))).unwrap();
+        let found = apart((&was, &map(&was)), (&is, &map(&is)), Kept::All).unwrap();
         assert_eq!((found.joints, found.clips, found.skin_mm), (2, 0, None));
         assert!((found.joints_mm - 2.0).abs() < 1e-3, "{found:?}");
     }

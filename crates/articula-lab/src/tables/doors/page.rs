@@ -1,8 +1,9 @@
 //! The page of the doors, and its numbers.
 
-use super::Door;
 use super::judge::Errors;
 use super::written::{Trip, Writer};
+use super::{Door, Found};
+use crate::open::Data;
 use anyhow::Result;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -30,38 +31,45 @@ pub(super) fn page(doors: &[Door], errors: Option<&Errors>) -> Result<String> {
     {
         let format = format.name();
         match found {
-            Ok(counts) => {
+            Ok(Found::Figure(counts)) => {
                 let numbers = counts.columns().map(|n| n.to_string()).join(" | ");
                 writeln!(page, "| {name} | {format} | yes | {numbers} |")?;
             }
-            Err(fault) => {
-                let why = fault.to_string().replace(['\n', '|'], " ");
+            Ok(Found::Data(data)) => {
+                let Data { what, warnings, .. } = data;
+                let again = match data.comes_back {
+                    None => "",
+                    Some(true) => "; written and read again the same",
+                    Some(false) => "; NOT the same when written and read again",
+                };
+                let blanks = "| ".repeat(7);
                 writeln!(
                     page,
-                    "| {name} | {format} | refused: {why} | | | | | | | | |"
+                    "| {name} | {format} | yes: {what}{again} {blanks}| {warnings} |"
                 )?;
+            }
+            Err(fault) => {
+                let why = fault.to_string().replace(['\n', '|'], " ");
+                let blanks = "| ".repeat(8);
+                writeln!(page, "| {name} | {format} | refused: {why} {blanks}|")?;
             }
         }
     }
     write!(page, "{BETWEEN}")?;
-    let names = Writer::ALL.map(Writer::name).join(" | ");
-    writeln!(page, "| file | {names} | validator errors |")?;
-    writeln!(page, "| --- |{} --- |", " --- |".repeat(Writer::ALL.len()))?;
     for door in doors.iter().filter(|d| !d.trips.is_empty()) {
-        let cell = |writer| {
-            let trip = door.trips.iter().find(|t| t.writer == writer);
-            trip.map_or_else(|| "-".to_owned(), millimetres)
-        };
-        let cells = Writer::ALL.map(cell).join(" | ");
-        writeln!(
-            page,
-            "| {} | {cells} | {} |",
-            door.name,
-            verdict(door, errors)
-        )?;
+        let glb = door.trips.iter().filter(|t| t.writer.is_glb());
+        let mut cells = vec![glb.max_by(|a, b| a.worst_mm().total_cmp(&b.worst_mm()))];
+        cells.extend(TEXTS.map(|writer| door.trips.iter().find(|t| t.writer == writer)));
+        let cell = |trip: &Option<&Trip>| trip.map_or_else(|| "-".to_owned(), millimetres);
+        let cells: Vec<String> = cells.iter().map(cell).collect();
+        let (name, verdict) = (&door.name, verdict(door, errors));
+        writeln!(page, "| {name} | {} | {verdict} |", cells.join(" | "))?;
     }
     Ok(page)
 }
+
+/// The writers of text formats, as the table has them.
+const TEXTS: [Writer; 2] = [Writer::Bvh, Writer::Acclaim];
 
 /// How far joints and skin are apart, and whether anything is missing.
 fn millimetres(trip: &Trip) -> String {
@@ -111,9 +119,13 @@ pub(super) fn csv(doors: &[Door]) -> Result<String> {
     {
         let format = format.name();
         match found {
-            Ok(counts) => {
+            Ok(Found::Figure(counts)) => {
                 let numbers = counts.columns().map(|n| n.to_string()).join(",");
                 writeln!(csv, "{name},{format},1,{numbers},")?;
+            }
+            Ok(Found::Data(data)) => {
+                let (what, warnings) = (data.what.replace(',', ";"), data.warnings);
+                writeln!(csv, "{name},{format},1,,,,,,,,{warnings},{what}")?;
             }
             Err(fault) => {
                 let why = fault.to_string().replace(['\n', '"'], " ");
@@ -174,12 +186,13 @@ the H-Anim standard; morphs are counted over all meshes.
 const BETWEEN: &str = "
 ## What is written opens again
 
-Each file that opens is written in every way that there is; what was written is read again and
+Each file that opens is written in every way that there is (GLB: passed through, with its clips
+written anew, made anew; clips that drive expressions are written out as morph weights); what was written is read again and
 compared with what it was written from: the joints in model space at up to 500 frames of every clip,
 the skinned vertices at five frames of each. Cells are the greatest distances found in millimetres,
 first of a joint, then of a vertex. The bounds that a test holds are 0.001 mm for GLB and 0.1 mm for
-the text formats, all joints and all clips that the format holds. A BVH file says neither its unit
-nor its up axis: the reader is told centimetres and Y, as they were written. The last column counts
+the text formats, all joints and all clips that the format holds. BVH and ASF
+files do not say their unit and up axis: the reader is told what was written. The last column counts
 the errors of the Khronos validator: the most of any written GLB, and those of the source.
 
 ";

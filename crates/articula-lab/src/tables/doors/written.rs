@@ -1,19 +1,20 @@
 //! Every writer's output, opened again: how far it lies from what was written.
 
-use super::compare::{Apart, apart};
+use super::compare::{Apart, Kept, apart};
 use crate::open::{self, Format, Opened, Told};
 use anyhow::{Context, Result};
 use articula_build::clip::source_rate_hz;
-use articula_core::source::Character;
-use articula_formats::bvh;
+use articula_build::expression::bake;
+use articula_core::source::{Character, Clip};
 use articula_formats::gltf::Document;
+use articula_formats::{acclaim, bvh};
 use std::path::{Path, PathBuf};
 
 /// Farthest that a joint or vertex of a GLB may be from where it was, millimetres: its numbers
 /// are the same 32-bit floats, multiplied in another order.
 const GLB_MM: f32 = 0.001;
-/// The same of a BVH file: six decimals of a degree and a centimetre over the whole chain.
-const BVH_MM: f32 = 0.1;
+/// The same of a text format: six decimals of a degree and a unit over the whole chain.
+const TEXT_MM: f32 = 0.1;
 
 /// One way to write a character.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,6 +27,14 @@ pub(super) enum Writer {
     Anew,
     /// A BVH file of the first clip.
     Bvh,
+    /// An Acclaim skeleton, and a motion of the first clip.
+    Acclaim,
+}
+
+/// What a writer made.
+enum Bytes {
+    One(Vec<u8>),
+    Pair(Vec<u8>, Option<Vec<u8>>),
 }
 
 /// A written file that was opened again.
@@ -41,6 +50,12 @@ pub(super) struct Trip {
 }
 
 impl Trip {
+    /// The greatest distance of a joint or vertex; endless if nothing came back.
+    pub(super) fn worst_mm(&self) -> f32 {
+        let worst = |a: &Apart| a.joints_mm.max(a.skin_mm.unwrap_or(0.0));
+        self.apart.as_ref().map_or(f32::INFINITY, worst)
+    }
+
     /// Whether everything came back within the bound.
     pub(super) fn holds(&self) -> bool {
         let bound = self.writer.bound_mm();
@@ -53,7 +68,13 @@ impl Trip {
 }
 
 impl Writer {
-    pub(super) const ALL: [Self; 4] = [Self::Through, Self::Clips, Self::Anew, Self::Bvh];
+    pub(super) const ALL: [Self; 5] = [
+        Self::Through,
+        Self::Clips,
+        Self::Anew,
+        Self::Bvh,
+        Self::Acclaim,
+    ];
 
     /// Name as the table has it.
     pub(super) fn name(self) -> &'static str {
@@ -62,42 +83,67 @@ impl Writer {
             Self::Clips => "GLB, clips anew",
             Self::Anew => "GLB, all anew",
             Self::Bvh => "BVH, first clip",
+            Self::Acclaim => "ASF and AMC, first clip",
         }
     }
 
     /// Whether the Khronos validator can judge it.
     pub(super) fn is_glb(self) -> bool {
-        self != Self::Bvh
+        matches!(self, Self::Through | Self::Clips | Self::Anew)
     }
 
     /// Farthest that a joint may be from where it was, millimetres.
     pub(super) fn bound_mm(self) -> f32 {
-        if self.is_glb() { GLB_MM } else { BVH_MM }
+        if self.is_glb() { GLB_MM } else { TEXT_MM }
     }
 
     /// The bytes; `None` if this writer has nothing to write of the character.
-    fn bytes(self, opened: &Opened) -> Result<Option<Vec<u8>>> {
+    fn bytes(self, opened: &Opened) -> Result<Option<Bytes>> {
         let character = &opened.character;
+        let clip = character.clips.first();
+        let rate_hz = clip.map_or(30.0, source_rate_hz);
+        let end_sites = opened.end_sites.clone();
         Ok(match (self, &opened.behind) {
-            (Self::Through, Some(file)) => Some(file.document.write_glb()?),
-            (Self::Clips, Some(file)) if !character.clips.is_empty() => {
+            (Self::Through, Some(file)) => Some(Bytes::One(file.document.write_glb()?)),
+            (Self::Clips, Some(file)) if clip.is_some() => {
                 let mut document = file.document.clone();
                 let (joints, meshes) = (&file.node_of_joint, &file.node_of_mesh);
-                document.replace_clips(&character.clips, joints, meshes)?;
-                Some(document.write_glb()?)
+                let clips = baked(character)?;
+                document.replace_clips(&clips, joints, meshes)?;
+                Some(Bytes::One(document.write_glb()?))
             }
-            (Self::Anew, _) => Some(Document::from_character(character)?.write_glb()?),
-            (Self::Bvh, _) if !character.clips.is_empty() => {
+            (Self::Anew, _) => {
+                let baked = Character {
+                    clips: baked(character)?,
+                    ..character.clone()
+                };
+                let document = Document::from_character(&baked)?;
+                Some(Bytes::One(document.write_glb()?))
+            }
+            (Self::Bvh, _) if clip.is_some() => {
                 let options = bvh::WriteOptions {
-                    rate_hz: source_rate_hz(&character.clips[0]),
-                    end_sites: opened.end_sites.clone(),
+                    rate_hz,
+                    end_sites,
                     ..bvh::WriteOptions::default()
                 };
-                Some(bvh::write(character, 0, &options)?)
+                Some(Bytes::One(bvh::write(character, 0, &options)?))
+            }
+            // A skeleton alone does not say how high its root is.
+            (Self::Acclaim, _) if clip.is_some() => {
+                let options = acclaim::WriteOptions { rate_hz, end_sites };
+                let made = acclaim::write(character, Some(0), &options)?;
+                Some(Bytes::Pair(made.asf, made.amc))
             }
             _ => None,
         })
     }
+}
+
+/// The clips with their expressions written out, as a document holds them.
+fn baked(character: &Character) -> Result<Vec<Clip>> {
+    let clips = character.clips.iter();
+    let baked = clips.map(|clip| Ok(bake(character, clip)?.into_owned()));
+    baked.collect()
 }
 
 /// Writes a character in every way that there is, and reads each again. What the validator
@@ -111,7 +157,7 @@ pub(super) fn trips(opened: &Opened, path: &Path, stem: &Path) -> Result<Vec<Tri
             Err(fault) => Err(fault),
         };
         let mut kept = None;
-        if let (Ok(bytes), true) = (&bytes, writer.is_glb()) {
+        if let (Ok(Bytes::One(bytes)), true) = (&bytes, writer.is_glb()) {
             let path = stem.with_extension(format!("{number}.glb"));
             std::fs::write(&path, bytes).with_context(|| path.display().to_string())?;
             kept = Some(path);
@@ -129,31 +175,33 @@ pub(super) fn trips(opened: &Opened, path: &Path, stem: &Path) -> Result<Vec<Tri
 }
 
 /// Reads what was written, and compares.
-fn again(was: &Opened, writer: Writer, bytes: &[u8], path: &Path) -> Result<Apart> {
-    let format = if writer.is_glb() {
-        Format::Glb
-    } else {
-        Format::Bvh
+fn again(was: &Opened, writer: Writer, bytes: &Bytes, path: &Path) -> Result<Apart> {
+    let is = match bytes {
+        Bytes::One(bytes) if writer.is_glb() => {
+            open::figure(bytes, Format::Glb, path, Told::Nothing)?
+        }
+        Bytes::One(bytes) => open::figure(bytes, Format::Bvh, path, Told::AsWritten)?,
+        Bytes::Pair(asf, amc) => open::pair(asf, amc.as_deref(), Told::AsWritten)?,
     };
-    let is = open::opened(bytes, format, path, Told::Centimetres)?;
+    let kept = if writer.is_glb() {
+        Kept::All
+    } else {
+        Kept::Skin
+    };
     apart(
         (&was.character, &was.mapping.articulation),
         (&is.character, &is.mapping.articulation),
+        kept,
     )
 }
 
-/// Joints that a writer keeps: all, or in BVH those of skins and what stands above them.
+/// Joints that a writer keeps: all or, in formats of joints alone, those of skins.
 fn joints(character: &Character, writer: Writer) -> usize {
-    let joints = &character.skeleton.joints;
-    let any_skin = joints.iter().any(|j| j.in_skin);
-    if writer.is_glb() || !any_skin {
-        return joints.len();
+    let all = character.skeleton.joints.len();
+    let skin = character.skeleton.joints.iter().filter(|j| j.in_skin);
+    match skin.count() {
+        0 => all,
+        _ if writer.is_glb() => all,
+        skin => skin,
     }
-    let mut kept: Vec<bool> = joints.iter().map(|j| j.in_skin).collect();
-    for (j, joint) in joints.iter().enumerate().rev() {
-        if let Some(parent) = joint.parent {
-            kept[parent] |= kept[j];
-        }
-    }
-    kept.iter().filter(|k| **k).count()
 }
