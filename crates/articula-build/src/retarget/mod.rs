@@ -8,7 +8,7 @@
 //! - `motion`, `hinge`, `contacts`, `steps`: the source's poses, how its limbs bend, what it
 //!   stands on
 //! - `transfer`, `pose`: the target's poses
-//! - `limb`, `pin`, `planted`: feet and hands that rest
+//! - `limb`, `pin`, `planted`, `twist`: feet and hands that rest, limbs that do not wrap
 //! - `tracks`, `quality`, `report`: the keys, how good they are, where they come from
 //!
 //! Source: M. Gleicher, Retargetting Motion to New Characters, SIGGRAPH 1998, for what must be
@@ -32,6 +32,7 @@ mod rest;
 mod steps;
 mod tracks;
 mod transfer;
+mod twist;
 
 pub use pair::Retargeter;
 pub use planted::Pinning;

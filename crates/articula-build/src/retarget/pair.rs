@@ -11,6 +11,7 @@ use super::report::report;
 use super::steps::Steps;
 use super::tracks::Tracks;
 use super::transfer::Transfer;
+use super::twist::Twists;
 use super::{Figure, RetargetOptions, Retargeted};
 use articula_core::Mismatch;
 use articula_core::source::Clip;
@@ -56,7 +57,7 @@ impl<'a> Retargeter<'a> {
         let seen = self.seen(&motion);
         let source = &self.source.with_fronts(&seen);
         let plan = &Plan::new(source, target);
-        let steps = Steps::new(source, &motion, options.floor_metres);
+        let steps = Steps::new(source, &motion, options.floor_metres, &|j| self.alike(j));
         let hinged: Vec<Limb> = (0..2)
             .flat_map(|i| [Limb::leg(target, i), Limb::arm(target, i)])
             .flatten()
@@ -72,12 +73,14 @@ impl<'a> Retargeter<'a> {
         let limbs = limbs(&transfer);
         let goals = Goals::new(&transfer, &limbs, options.pinning);
         let mut gauge = Gauge::new(&transfer, &limbs);
-        let mut tracks = Tracks::new(plan, target, &[], motion.frames());
+        let mut twists = Twists::new(plan, target);
+        let mut tracks = Tracks::new(plan, target, &twists.joints(), motion.frames());
         let mut pose = Pose::new(target);
         for frame in 0..motion.frames() {
             transfer.pose(frame, &mut pose);
             gauge.before(&transfer, frame, &pose);
             goals.apply(&transfer, &limbs, frame, &mut pose);
+            twists.spread(plan, target, &mut pose);
             gauge.after(&transfer, frame, &pose);
             tracks.push(target, &pose);
         }
@@ -91,11 +94,13 @@ impl<'a> Retargeter<'a> {
     /// What a motion shows of the source's hinges, of limbs that the target has otherwise.
     fn seen(&self, motion: &Motion) -> Fronts {
         let mut seen = hinge::seen(&self.source, motion);
-        let alike = |s: usize| {
-            let theirs = self.target.rest.find(self.source.rest.title(s));
-            theirs.is_some_and(|t| self.source.alike(s, &self.target, t))
-        };
-        seen.retain(|upper, _| !alike(*upper));
+        seen.retain(|upper, _| !self.alike(*upper));
         seen
+    }
+
+    /// Whether the target has a joint of the source with the same name and rest transform.
+    fn alike(&self, joint: usize) -> bool {
+        let twin = self.target.rest.find(self.source.rest.title(joint));
+        twin.is_some_and(|t| self.source.alike(joint, &self.target, t))
     }
 }

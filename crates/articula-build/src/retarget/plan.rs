@@ -40,13 +40,13 @@ impl Side {
         side
     }
 
-    /// Whether a joint has the same name and rest transform in both figures: what is unknown
-    /// of one is as unknown of the other then.
+    /// Whether a joint has the same name and rest transform in both figures, but for their
+    /// sizes: what is unknown of one is as unknown of the other then.
     pub(super) fn alike(&self, joint: usize, other: &Self, theirs: usize) -> bool {
         let (a, b) = (self.rest.locals[joint], other.rest.locals[theirs]);
         self.rest.names[joint] == other.rest.names[theirs]
             && angle_between(a.0, b.0) < 1e-3
-            && a.1.distance(b.1) <= 1e-3 * a.1.length()
+            && a.1.normalize_or_zero().distance(b.1.normalize_or_zero()) < 1e-3
     }
 }
 

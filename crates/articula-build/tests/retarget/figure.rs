@@ -1,0 +1,254 @@
+//! Figures for the tests: the reference human, bound again in any pose and with any axes, with
+//! fewer joints, other sizes and other limbs.
+
+use articula_build::human::{HumanOptions, human};
+use articula_build::retarget::Figure;
+use articula_core::articulation::{Articulation, JointArticulation, Region};
+use articula_core::math::{Transform, same_hemisphere};
+use articula_core::pose::LocalPose;
+use articula_core::source::{Channel, Clip, Interpolation, Joint, Property, Skeleton, evaluate};
+use glam::{Affine3A, Mat4, Quat, Vec3};
+use std::sync::OnceLock;
+
+/// A figure with its motions.
+#[derive(Debug, Clone)]
+pub(crate) struct Human {
+    pub(crate) skeleton: Skeleton,
+    pub(crate) articulation: Articulation,
+    pub(crate) clips: Vec<Clip>,
+}
+
+/// The reference human, arms hanging, with `idle`, `walk` and `wave`.
+pub(crate) fn reference() -> Human {
+    // Its body takes a while to make.
+    static MADE: OnceLock<Human> = OnceLock::new();
+    let make = || {
+        let character = human(&HumanOptions { triangles: 2_000 }).unwrap();
+        Human {
+            articulation: character.articulation.unwrap(),
+            skeleton: character.skeleton,
+            clips: character.clips,
+        }
+    };
+    MADE.get_or_init(make).clone()
+}
+
+impl Human {
+    pub(crate) fn figure(&self) -> Figure<'_> {
+        Figure {
+            skeleton: &self.skeleton,
+            articulation: &self.articulation,
+        }
+    }
+
+    pub(crate) fn clip(&self, name: &str) -> &Clip {
+        self.clips.iter().find(|c| c.name == name).unwrap()
+    }
+
+    pub(crate) fn find(&self, hanim: &str) -> usize {
+        let joints = &self.articulation.joints;
+        let is = |j: &JointArticulation| j.hanim.as_deref() == Some(hanim);
+        joints.iter().position(is).unwrap()
+    }
+
+    /// Model-from-joint matrices of a clip at a time.
+    pub(crate) fn matrices(&self, clip: &Clip, time: f32) -> Vec<Affine3A> {
+        let mut pose = rest_pose(&self.skeleton);
+        evaluate::pose(clip, &self.skeleton, time, &mut pose);
+        matrices(&self.skeleton, |j| pose.get(j))
+    }
+
+    pub(crate) fn positions(&self, clip: &Clip, time: f32) -> Vec<Vec3> {
+        let matrices = self.matrices(clip, time);
+        matrices.iter().map(|m| m.translation.into()).collect()
+    }
+
+    /// The same figure and motions, where the rest pose has each joint turned by `turn` against
+    /// its parent (in model space), and each joint's own axes are changed by `axes`, which may
+    /// mirror. Joints move through the world as before.
+    pub(crate) fn rebound(
+        &self,
+        turn: impl Fn(&str) -> Quat,
+        axes: impl Fn(usize) -> Affine3A,
+    ) -> Self {
+        let joints = &self.skeleton.joints;
+        let rest = matrices(&self.skeleton, |j| joints[j].rest);
+        let posed = matrices(&self.skeleton, |j| {
+            let around = joints[j]
+                .parent
+                .map_or(Quat::IDENTITY, |p| rotation(&rest[p]));
+            let turn = around.inverse() * turn(&joints[j].name) * around;
+            Transform {
+                rotation: turn * joints[j].rest.rotation,
+                ..joints[j].rest
+            }
+        });
+        let local = |model: &[Affine3A], j: usize| {
+            let own = model[j] * axes(j);
+            let above = joints[j].parent.map(|p| model[p] * axes(p));
+            let matrix = above.map_or(own, |a| a.inverse() * own);
+            Transform::from_matrix(Mat4::from(matrix)).unwrap()
+        };
+        let mut new = self.clone();
+        for (j, joint) in new.skeleton.joints.iter_mut().enumerate() {
+            joint.rest = local(&posed, j);
+        }
+        for clip in &mut new.clips {
+            let times = clip.channels[0].times_secs.clone();
+            let poses: Vec<Vec<Affine3A>> = times.iter().map(|t| self.matrices(clip, *t)).collect();
+            clip.channels = keyed(joints.len(), &times, |j, f| local(&poses[f], j));
+        }
+        new
+    }
+
+    /// The same figure with each joint's offset from its parent changed; the motions' rotations
+    /// stay and their translations are scaled.
+    pub(crate) fn resized(&self, scale: f32, offset: impl Fn(&str, Vec3) -> Vec3) -> Self {
+        let mut new = self.clone();
+        for joint in &mut new.skeleton.joints {
+            joint.rest.translation = scale * offset(&joint.name, joint.rest.translation);
+        }
+        for channel in new.clips.iter_mut().flat_map(|c| &mut c.channels) {
+            if channel.property == Property::Translation {
+                channel.values.iter_mut().for_each(|v| *v *= scale);
+            }
+        }
+        new
+    }
+
+    /// The figure without some joints; their children hang from what is above. No motions.
+    pub(crate) fn without(&self, gone: impl Fn(&str) -> bool) -> Self {
+        let joints = &self.skeleton.joints;
+        let rest = matrices(&self.skeleton, |j| joints[j].rest);
+        let mut new_index = vec![None; joints.len()];
+        let mut skeleton = Skeleton::default();
+        let mut articulation = Articulation::default();
+        for (j, joint) in joints.iter().enumerate() {
+            if gone(&joint.name) {
+                new_index[j] = joint.parent.and_then(|p| new_index[p]);
+                continue;
+            }
+            let parent = joint.parent.and_then(|p| new_index[p]);
+            let mut above = joint.parent;
+            while let Some(p) = above.filter(|p| gone(&joints[*p].name)) {
+                above = joints[p].parent;
+            }
+            let local = above.map_or(rest[j], |p| rest[p].inverse() * rest[j]);
+            new_index[j] = Some(skeleton.joints.len());
+            skeleton.joints.push(Joint {
+                parent,
+                rest: Transform::from_matrix(Mat4::from(local)).unwrap(),
+                ..joint.clone()
+            });
+            articulation
+                .joints
+                .push(self.articulation.joints[j].clone());
+        }
+        Self {
+            skeleton,
+            articulation,
+            clips: Vec::new(),
+        }
+    }
+
+    /// Puts a joint without a twin into the way from `above` to `below`, or beside it.
+    pub(crate) fn with_joint(&self, name: &str, above: &str, below: &str, in_line: bool) -> Self {
+        let (above, below) = (self.find(above), self.find(below));
+        let mut new = self.clone();
+        new.clips.clear();
+        let offset = self.skeleton.joints[below].rest.translation;
+        let at = above + 1;
+        for joint in &mut new.skeleton.joints {
+            joint.parent = joint.parent.map(|p| if p >= at { p + 1 } else { p });
+        }
+        let rest = Transform::from_translation(0.5 * offset);
+        let joint = Joint {
+            name: name.to_owned(),
+            parent: Some(above),
+            rest,
+            in_skin: true,
+        };
+        new.skeleton.joints.insert(at, joint);
+        new.articulation.joints.insert(
+            at,
+            JointArticulation {
+                hanim: None,
+                level: 5,
+                region: Region::Arms,
+            },
+        );
+        if in_line {
+            new.skeleton.joints[below + 1].parent = Some(at);
+            new.skeleton.joints[below + 1].rest.translation = 0.5 * offset;
+        }
+        new
+    }
+}
+
+pub(crate) fn rest_pose(skeleton: &Skeleton) -> LocalPose {
+    skeleton.joints.iter().map(|j| j.rest).collect()
+}
+
+pub(crate) fn matrices(skeleton: &Skeleton, local: impl Fn(usize) -> Transform) -> Vec<Affine3A> {
+    let mut matrices: Vec<Affine3A> = Vec::new();
+    for (j, joint) in skeleton.joints.iter().enumerate() {
+        let local = local(j).to_affine();
+        matrices.push(joint.parent.map_or(local, |p| matrices[p] * local));
+    }
+    matrices
+}
+
+pub(crate) fn rotation(matrix: &Affine3A) -> Quat {
+    matrix.to_scale_rotation_translation().1
+}
+
+/// Channels of rotation and translation of every joint.
+fn keyed(joints: usize, times: &[f32], local: impl Fn(usize, usize) -> Transform) -> Vec<Channel> {
+    let mut channels = Vec::new();
+    for j in 0..joints {
+        let mut last = Quat::IDENTITY;
+        let mut rotations = Vec::new();
+        let mut translations = Vec::new();
+        for f in 0..times.len() {
+            let transform = local(j, f);
+            last = same_hemisphere(last, transform.rotation);
+            rotations.extend(last.to_array());
+            translations.extend(transform.translation.to_array());
+        }
+        for (property, values) in [
+            (Property::Rotation, rotations),
+            (Property::Translation, translations),
+        ] {
+            channels.push(Channel {
+                target: j,
+                property,
+                interpolation: Interpolation::Linear,
+                times_secs: times.to_vec(),
+                values,
+            });
+        }
+    }
+    channels
+}
+
+/// Largest distance between the joints of two lists.
+pub(crate) fn farthest(a: &[Vec3], b: &[Vec3]) -> f32 {
+    assert_eq!(a.len(), b.len());
+    let away = a.iter().zip(b).map(|(a, b)| a.distance(*b));
+    away.fold(0.0, f32::max)
+}
+
+/// Turns of the reference human's joints that bring the arms up: by 90 degrees for a T-pose,
+/// by 45 for an A-pose.
+pub(crate) fn arms_up(degrees: f32) -> impl Fn(&str) -> Quat {
+    move |name| match name {
+        "l_shoulder" => Quat::from_rotation_z(degrees.to_radians()),
+        "r_shoulder" => Quat::from_rotation_z(-degrees.to_radians()),
+        _ => Quat::IDENTITY,
+    }
+}
+
+/// No change of axes.
+pub(crate) fn as_it_is(_: usize) -> Affine3A {
+    Affine3A::IDENTITY
+}
