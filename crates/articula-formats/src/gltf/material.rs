@@ -4,6 +4,7 @@
 
 use super::place::Place;
 use super::reader::Reader;
+use super::texcoord::Texcoords;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use crate::uri::mime_type;
@@ -15,24 +16,24 @@ use glam::Vec4;
 pub(super) struct Look {
     pub(super) materials: Vec<Material>,
     pub(super) images: Vec<Image>,
-    /// Texture coordinate set of each material's base colour picture.
-    pub(super) texcoord_sets: Vec<u64>,
+    /// Texture coordinates of each material's base colour picture.
+    pub(super) texcoords: Vec<Texcoords>,
 }
 
 /// Reads all materials and pictures in order.
 pub(super) fn read_all(reader: &mut Reader<'_>) -> Result<Look, ReadError> {
     let images = read_images(reader)?;
     let mut materials = Vec::new();
-    let mut texcoord_sets = Vec::new();
+    let mut texcoords = Vec::new();
     for place in reader.root.entries("materials")? {
-        let (material, set) = read_material(reader, &place, images.len())?;
+        let (material, wanted) = read_material(reader, &place, images.len())?;
         materials.push(material);
-        texcoord_sets.push(set);
+        texcoords.push(wanted);
     }
     Ok(Look {
         materials,
         images,
-        texcoord_sets,
+        texcoords,
     })
 }
 
@@ -40,7 +41,7 @@ fn read_material(
     reader: &mut Reader<'_>,
     place: &Place<'_>,
     images: usize,
-) -> Result<(Material, u64), ReadError> {
+) -> Result<(Material, Texcoords), ReadError> {
     let metallic = place.get("pbrMetallicRoughness");
     let glossy = place.dig(&["extensions", "KHR_materials_pbrSpecularGlossiness"]);
     let (surface, factor, texture) = match (metallic, glossy) {
@@ -53,17 +54,17 @@ fn read_material(
         alpha_cutoff: alpha_cutoff(place)?,
         ..Material::default()
     };
-    let mut set = 0;
+    let mut texcoords = Texcoords::default();
     if let Some(surface) = surface {
         if let Some(color) = surface.floats::<4>(factor)? {
             material.base_color = Vec4::from_array(color);
         }
         if let Some(texture) = surface.get(texture) {
-            set = texture.whole_or("texCoord", 0)?;
+            texcoords = Texcoords::read(reader, &texture)?;
             material.base_color_image = texture_image(reader, &texture, images)?;
         }
     }
-    Ok((material, set))
+    Ok((material, texcoords))
 }
 
 fn alpha_cutoff(place: &Place<'_>) -> Result<f32, ReadError> {
@@ -81,9 +82,6 @@ fn texture_image(
     info: &Place<'_>,
     images: usize,
 ) -> Result<Option<usize>, ReadError> {
-    if info.dig(&["extensions", "KHR_texture_transform"]).is_some() {
-        reader.warn(info, "KHR_texture_transform is not applied");
-    }
     let index = info.require("index")?;
     let i = index.index_below(reader.root.count("textures"))?;
     let Some(texture) = reader.root.entry("textures", i) else {

@@ -7,6 +7,7 @@ use super::primitive;
 use super::reader::Reader;
 use super::skeleton::{Skeletal, node_place};
 use super::skin::NodeSkin;
+use super::texcoord::Texcoords;
 use crate::error::ReadError;
 use articula_core::source::{Mesh, Primitive, Skin};
 use glam::Affine3A;
@@ -24,7 +25,7 @@ pub(super) fn read_all(
     reader: &mut Reader<'_>,
     skeletal: &Skeletal,
     skins: &[NodeSkin],
-    texcoord_sets: &[u64],
+    texcoords: &[Texcoords],
 ) -> Result<Shown, ReadError> {
     let mut shown = Shown::default();
     for n in 0..skeletal.joint_of_node.len() {
@@ -41,7 +42,7 @@ pub(super) fn read_all(
         let place = reader.root.entry("meshes", i).ok_or_else(missing)?;
         let skin = node.index("skin", skins.len())?.map(|s| &skins[s]);
         let joint_count = skin.map(|skin| skin.joints.len());
-        let primitives = read_primitives(reader, &place, joint_count, texcoord_sets)?;
+        let primitives = read_primitives(reader, &place, joint_count, texcoords)?;
         if primitives.is_empty() {
             reader.warn(&node, "its mesh has no triangles; left out");
             continue;
@@ -94,7 +95,7 @@ fn read_primitives(
     reader: &mut Reader<'_>,
     mesh: &Place<'_>,
     joint_count: Option<usize>,
-    texcoord_sets: &[u64],
+    texcoords: &[Texcoords],
 ) -> Result<Vec<Primitive>, ReadError> {
     let mut out: Vec<Primitive> = Vec::new();
     let places = mesh.entries("primitives")?;
@@ -107,8 +108,7 @@ fn read_primitives(
     }
     for place in places {
         reader.charge(place.at(), 0)?;
-        let Some(mut primitive) = primitive::read(reader, &place, joint_count, texcoord_sets)?
-        else {
+        let Some(mut primitive) = primitive::read(reader, &place, joint_count, texcoords)? else {
             continue;
         };
         let morphs = out

@@ -9,7 +9,7 @@
 //! - `place`, `reader`, `accessor`: values that know their path, limits, arrays
 //! - `extension`: which required extensions are read
 //! - `node`, `skeleton`, `skin`: from nodes to joints
-//! - `material`, `mesh`, `primitive`, `influences`: what is seen
+//! - `material`, `texcoord`, `mesh`, `primitive`, `influences`: what is seen
 //! - `animation`: what moves
 //! - `vrm`, `khr_character`, `credits`: what is said of a human, and who made it
 //! - [`articulation`]: the extension `ARTICULA_articulation`
@@ -42,6 +42,7 @@ mod prune;
 mod reader;
 mod skeleton;
 mod skin;
+mod texcoord;
 mod vrm;
 mod write;
 
@@ -142,7 +143,7 @@ pub fn read(
     let human = vrm::read_nodes(&mut reader, tree.len());
     let skeletal = skeleton::read(&mut reader, &tree, &skins, &human)?;
     let look = material::read_all(&mut reader)?;
-    let shown = mesh::read_all(&mut reader, &skeletal, &skins, &look.texcoord_sets)?;
+    let shown = mesh::read_all(&mut reader, &skeletal, &skins, &look.texcoords)?;
     let clips = animation::read_all(&mut reader, &skeletal, &shown)?;
     let articulation = articulation::read(&mut reader, &skeletal)?;
     let mut expressions = vrm::read_expressions(&mut reader, &shown)?;

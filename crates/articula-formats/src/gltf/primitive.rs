@@ -5,6 +5,7 @@
 use super::influences;
 use super::place::Place;
 use super::reader::Reader;
+use super::texcoord::Texcoords;
 use crate::error::ReadError;
 use articula_core::source::{MorphTarget, Primitive};
 use glam::{Vec2, Vec3, Vec4};
@@ -16,7 +17,7 @@ pub(super) fn read(
     reader: &mut Reader<'_>,
     place: &Place<'_>,
     joint_count: Option<usize>,
-    texcoord_sets: &[u64],
+    wanted: &[Texcoords],
 ) -> Result<Option<Primitive>, ReadError> {
     let mode = place.whole_or("mode", 4)?;
     let Some(attributes) = place.get("attributes") else {
@@ -37,12 +38,12 @@ pub(super) fn read(
         reader.warn(place, "no triangles; left out");
         return Ok(None);
     }
-    let material = place.index("material", texcoord_sets.len())?;
-    let texcoord = format!("TEXCOORD_{}", material.map_or(0, |m| texcoord_sets[m]));
+    let material = place.index("material", wanted.len())?;
+    let wanted = material.map(|m| wanted[m]).unwrap_or_default();
     let (influences, joints, weights) = influences::read(reader, &attributes, count, joint_count)?;
     Ok(Some(Primitive {
         normals: normals(reader, &attributes, count)?,
-        texcoords: texcoords(reader, &attributes, &texcoord, count)?,
+        texcoords: texcoords(reader, &attributes, wanted, count)?,
         colors: colors(reader, &attributes, count)?,
         influences,
         joints,
@@ -100,18 +101,23 @@ fn normals(
 fn texcoords(
     reader: &mut Reader<'_>,
     attributes: &Place<'_>,
-    name: &str,
+    wanted: Texcoords,
     count: usize,
 ) -> Result<Vec<Vec2>, ReadError> {
-    let Some(index) = attributes.get(name) else {
+    let Some(index) = attributes.get(&format!("TEXCOORD_{}", wanted.set)) else {
         return Ok(Vec::new());
     };
     let accessor = reader.accessor(&index)?;
     accessor.expect_type(&["VEC2"])?;
     accessor.expect_count(count, "vertices")?;
     let numbers = reader.floats(&accessor)?;
-    let pairs = numbers.as_chunks::<2>().0;
-    Ok(pairs.iter().copied().map(Vec2::from_array).collect())
+    let pairs = numbers.as_chunks::<2>().0.iter();
+    let mut texcoords: Vec<Vec2> = pairs.copied().map(Vec2::from_array).collect();
+    if let Err(what) = wanted.apply(&mut texcoords) {
+        reader.warn(&index, format!("{what}; no texture coordinates"));
+        texcoords.clear();
+    }
+    Ok(texcoords)
 }
 
 fn colors(

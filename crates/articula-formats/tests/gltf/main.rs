@@ -13,5 +13,6 @@ mod features;
 mod files;
 mod hostile;
 mod mutated;
+mod quantized;
 mod tiny;
 mod written;
