@@ -167,6 +167,13 @@ fn field_of_view(text: &str) -> Result<f32, String> {
     angle.ok_or_else(|| "expected an angle of 1 to 170 degrees".into())
 }
 
+/// A finite number.
+pub(crate) fn finite(text: &str) -> Result<f32, String> {
+    let number = text.parse::<f32>().ok();
+    let number = number.filter(|n| n.is_finite());
+    number.ok_or_else(|| "expected a number".into())
+}
+
 /// A finite number above zero.
 pub(crate) fn positive(text: &str) -> Result<f32, String> {
     let number = text.parse::<f32>().ok();

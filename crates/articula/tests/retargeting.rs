@@ -79,6 +79,43 @@ fn a_motion_comes_back_onto_the_figure_it_left() {
     }
 }
 
+/// A walk across the floor, on a figure with legs of another shape: turns alone let the feet
+/// slide, pinned ones stay.
+#[test]
+fn feet_are_pinned_unless_told_otherwise() {
+    let Some(data) = real_data() else { return };
+    let here = folder("onto-pinned");
+    let walk = data.join("bvh/cmu_12_01_walk.bvh");
+    let knight = data.join("glb/KayKit_Knight.glb");
+    let slide = |pin: &[&str]| {
+        let mut words = vec![
+            "convert",
+            "clips/walk.bvh",
+            "o.glb",
+            "--onto",
+            word(&knight),
+        ];
+        words.extend(pin);
+        let report = json(&here, &words);
+        let quality = &report["onto"]["motions"][0]["clips"][0]["quality"];
+        let mean = |field: &str| quality[field]["mean"].as_f64().unwrap();
+        assert!(quality["foot_slide_mm"]["contacts"].as_u64().unwrap() > 0);
+        (mean("foot_slide_before_mm"), mean("foot_slide_mm"))
+    };
+    let (before, after) = slide(&[]);
+    assert!(
+        after < 5.0 && after < before,
+        "{before} mm, then {after} mm"
+    );
+    assert_eq!(slide(&["--pin", "feet"]), (before, after));
+    let (before, after) = slide(&["--pin", "none"]);
+    assert!(
+        (before - after).abs() < 1e-3,
+        "{before} mm, then {after} mm"
+    );
+    slide(&["--pin", "hands"]);
+}
+
 #[test]
 fn a_folder_becomes_the_clips_of_one_file() {
     let here = folder("onto-one");

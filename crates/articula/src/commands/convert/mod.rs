@@ -10,7 +10,7 @@ mod reduction;
 mod report;
 mod written;
 
-use crate::arguments::ReadArgs;
+use crate::arguments::{ReadArgs, finite};
 use crate::console::Console;
 use crate::load::{self, Format};
 use crate::play::saved;
@@ -19,7 +19,7 @@ use crate::{fault, files};
 use articula_core::joint_state::PassivePolicy;
 use clap::Args;
 use job::Done;
-use onto::Hero;
+use onto::{Hero, Pin};
 use plan::Plan;
 use rayon::prelude::*;
 use report::{Batch, Failure};
@@ -44,6 +44,12 @@ pub(crate) struct ConvertArgs {
     /// With --onto: keep the clips that the character already has
     #[arg(long, requires = "onto")]
     keep_clips: bool,
+    /// With --onto: what stays in place while the source's rests [default: feet]
+    #[arg(long, value_enum, requires = "onto")]
+    pin: Option<Pin>,
+    /// With --onto: height of the floor in the motion's own space [default: found from its feet]
+    #[arg(long, value_name = "M", requires = "onto", allow_negative_numbers = true, value_parser = finite)]
+    floor_metres: Option<f32>,
     /// With --onto: list where the motion of every joint comes from
     #[arg(long, requires = "onto")]
     map: bool,

@@ -13,9 +13,12 @@ use crate::prepared::articulation_of;
 use crate::table::Table;
 use anyhow::{Context, bail};
 use articula_build::expression::bake;
-use articula_build::retarget::{Figure, Origin, RetargetOptions, RetargetReport, Retargeter};
+use articula_build::retarget::{
+    self, Figure, Origin, Pinning, RetargetOptions, RetargetReport, Retargeter,
+};
 use articula_core::articulation::Articulation;
 use articula_core::source::{Clip, Skeleton};
+use clap::ValueEnum;
 use serde::Serialize;
 use std::collections::HashSet;
 use std::fmt;
@@ -26,6 +29,27 @@ use std::path::Path;
 pub(super) struct Hero {
     pub(super) loaded: Loaded,
     articulation: Articulation,
+}
+
+/// Which ends of limbs stay in place while the source's rest.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum Pin {
+    /// The feet, which also stay above the floor
+    Feet,
+    /// The feet, and hands that rest on something
+    Hands,
+    /// Neither: turns alone
+    None,
+}
+
+impl Pin {
+    fn pinning(self) -> Pinning {
+        match self {
+            Self::Feet => Pinning::Feet,
+            Self::Hands => Pinning::FeetAndHands,
+            Self::None => Pinning::Nothing,
+        }
+    }
 }
 
 /// The motions of one file, on the character.
@@ -69,6 +93,68 @@ pub(super) struct OneClip {
     /// Fastest turn of a joint against its parent, degrees a second.
     joint_speed_max_deg_per_s: Option<f32>,
     joint_fastest: Option<String>,
+    quality: Quality,
+}
+
+/// How good a clip is, in the character's own measures.
+#[derive(Debug, Serialize)]
+pub(super) struct Quality {
+    /// How far resting feet move: as the turns alone give it, and in the result.
+    foot_slide_before_mm: Slide,
+    foot_slide_mm: Slide,
+    /// The same of the source's own feet, at the character's size.
+    foot_slide_source_mm: Slide,
+    /// Deepest that a sole is below the floor.
+    below_floor_before_mm: f32,
+    below_floor_mm: f32,
+    /// How far hands are from where the source has them, seen from the shoulders; in lengths of
+    /// the arm. Feet from the hips and the head likewise.
+    hands_error: Error,
+    feet_error: Error,
+    head_error: Error,
+    /// Share of frames and sides in which a knee or elbow bends to its wrong side.
+    hinge_wrong_share: f32,
+}
+
+/// Over the contacts of a clip.
+#[derive(Debug, Serialize)]
+pub(super) struct Slide {
+    contacts: usize,
+    mean: f32,
+    max: f32,
+}
+
+/// Over frames and sides.
+#[derive(Debug, Serialize)]
+pub(super) struct Error {
+    mean: f32,
+    max: f32,
+}
+
+impl Quality {
+    fn new(quality: &retarget::Quality) -> Self {
+        let slide = |s: &retarget::Slide| Slide {
+            contacts: s.contacts,
+            // Adding zero: an empty sum is -0.
+            mean: 1000.0 * s.mean_metres + 0.0,
+            max: 1000.0 * s.max_metres + 0.0,
+        };
+        let error = |e: &retarget::EndError| Error {
+            mean: e.mean,
+            max: e.max,
+        };
+        Self {
+            foot_slide_before_mm: slide(&quality.slide_before),
+            foot_slide_mm: slide(&quality.slide),
+            foot_slide_source_mm: slide(&quality.slide_source),
+            below_floor_before_mm: 1000.0 * quality.below_floor_before_metres,
+            below_floor_mm: 1000.0 * quality.below_floor_metres,
+            hands_error: error(&quality.hands),
+            feet_error: error(&quality.feet),
+            head_error: error(&quality.head),
+            hinge_wrong_share: quality.hinge_wrong_share,
+        }
+    }
 }
 
 /// Where a joint's motion comes from.
@@ -133,7 +219,11 @@ impl Hero {
             articulation: &self.articulation,
         };
         let retargeter = Retargeter::new(from, onto).with_context(place)?;
-        let options = RetargetOptions::default();
+        let options = RetargetOptions {
+            pinning: args.pin.unwrap_or(Pin::Feet).pinning(),
+            floor_metres: args.floor_metres,
+            ..RetargetOptions::default()
+        };
         let mut made = Vec::new();
         let mut reports = Vec::new();
         let mut last = None;
@@ -168,6 +258,7 @@ impl Hero {
             face,
             joint_speed_max_deg_per_s: report.fastest.map(|(_, speed)| speed.to_degrees()),
             joint_fastest: report.fastest.map(|(joint, _)| name(names, joint)),
+            quality: Quality::new(&report.quality),
         }
     }
 
@@ -178,7 +269,7 @@ impl Hero {
             joint: name(from, joint),
             share,
         };
-        let joint = |j: &articula_build::retarget::JointReport| {
+        let joint = |j: &retarget::JointReport| {
             let (origin, from) = match &j.origin {
                 Origin::Mapped { source } => ("mapped", vec![share(*source, 1.0)]),
                 Origin::Shared { sources } => (
@@ -212,17 +303,49 @@ impl Hero {
 
 impl Motion {
     /// A line of the table of clips.
-    pub(super) fn row(&self, clip: &OneClip) -> [String; 8] {
+    pub(super) fn row(&self, clip: &OneClip) -> [String; 9] {
+        let quality = &clip.quality;
+        let slide = |s: &Slide| match s.contacts {
+            0 => "-".to_owned(),
+            _ => format!("{:.0}", s.mean),
+        };
         [
             clip.name.clone(),
             self.file_name(),
             format!("{:.2}", clip.duration_secs),
             format!("{:.2}", self.scale),
-            self.joints_mapped.to_string(),
-            self.joints_shared.to_string(),
-            self.joints_held.to_string(),
-            self.dropped.len().to_string(),
+            slide(&quality.foot_slide_before_mm),
+            slide(&quality.foot_slide_mm),
+            format!("{:.0}", quality.below_floor_mm),
+            format!("{:.0}%", 100.0 * quality.hands_error.mean),
+            clip.joint_speed_max_deg_per_s
+                .map_or_else(|| "-".to_owned(), |v| format!("{v:.0}")),
         ]
+    }
+
+    /// What became of the joints, in one line.
+    pub(super) fn joints_line(&self) -> String {
+        format!(
+            "{}: {} joints mapped, {} shared, {} held; {} dropped\n",
+            clean(&self.file_name()),
+            self.joints_mapped,
+            self.joints_shared,
+            self.joints_held,
+            self.dropped.len()
+        )
+    }
+
+    /// Whether its joints went the way of another file's.
+    pub(super) fn is_like(&self, other: &Self) -> bool {
+        let counts = |m: &Self| {
+            [
+                m.joints_mapped,
+                m.joints_shared,
+                m.joints_held,
+                m.dropped.len(),
+            ]
+        };
+        counts(self) == counts(other)
     }
 
     fn file_name(&self) -> String {

@@ -150,7 +150,15 @@ impl Onto {
         }
         text.push('\n');
         let mut table = Table::new(&[
-            "clip", "from", "secs", "size", "mapped", "shared", "held", "dropped",
+            "clip",
+            "from",
+            "secs",
+            "size",
+            "slide raw",
+            "slide mm",
+            "sunk mm",
+            "hands off",
+            "deg/s",
         ]);
         for motion in &self.motions {
             for clip in &motion.clips {
@@ -158,6 +166,13 @@ impl Onto {
             }
         }
         text.push_str(&table.text());
+        let mut last: Option<&Motion> = None;
+        for motion in &self.motions {
+            if !map && last.is_none_or(|other| !motion.is_like(other)) {
+                text.push_str(&motion.joints_line());
+            }
+            last = Some(motion);
+        }
         if map {
             for motion in &self.motions {
                 text.push_str(&motion.map());
