@@ -88,13 +88,7 @@ fn feet_are_pinned_unless_told_otherwise() {
     let walk = data.join("bvh/cmu_12_01_walk.bvh");
     let knight = data.join("glb/KayKit_Knight.glb");
     let slide = |pin: &[&str]| {
-        let mut words = vec![
-            "convert",
-            "clips/walk.bvh",
-            "o.glb",
-            "--onto",
-            word(&knight),
-        ];
+        let mut words = vec!["convert", word(&walk), "o.glb", "--onto", word(&knight)];
         words.extend(pin);
         let report = json(&here, &words);
         let quality = &report["onto"]["motions"][0]["clips"][0]["quality"];
