@@ -4,6 +4,7 @@ use crate::commands::{build, completions, convert, demo, human, inspect, lod};
 use crate::console::{Answer, Console, Progress};
 use articula_core::view::Viewport;
 use articula_formats::bvh::Up;
+use articula_formats::mpeg4::fap::Absent;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -67,7 +68,7 @@ pub(crate) enum Command {
 /// A character file and what of it counts.
 #[derive(Debug, Clone, Args)]
 pub(crate) struct CharacterArgs {
-    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh)
+    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh, .bap, ...)
     pub(crate) file: PathBuf,
     /// Leave this mesh out (repeatable)
     #[arg(long, value_name = "NAME")]
@@ -95,6 +96,15 @@ pub(crate) enum UpAxis {
     Z,
 }
 
+/// What a parameter does that a mask leaves out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum LeftOut {
+    /// It keeps its value, as the standard has it
+    Hold,
+    /// It is neutral, as the reference encoder takes it
+    Zero,
+}
+
 /// How a file is understood: its joint names and, where it does not say, its unit and up axis.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ReadArgs {
@@ -113,6 +123,9 @@ pub(crate) struct ReadArgs {
     /// AMC: frames a second [default: 120, unless the file says it]
     #[arg(long, value_name = "HZ", value_parser = positive)]
     pub(crate) amc_rate_hz: Option<f32>,
+    /// FAP, BAP: what a parameter does that a frame's mask leaves out [default: hold]
+    #[arg(long, value_enum, value_name = "WHAT")]
+    pub(crate) absent: Option<LeftOut>,
 }
 
 impl ReadArgs {
@@ -122,6 +135,14 @@ impl ReadArgs {
             None => Up::Auto,
             Some(UpAxis::Y) => Up::Y,
             Some(UpAxis::Z) => Up::Z,
+        }
+    }
+
+    /// What a parameter does that a mask leaves out.
+    pub(crate) fn absent(&self) -> Absent {
+        match self.absent {
+            None | Some(LeftOut::Hold) => Absent::Hold,
+            Some(LeftOut::Zero) => Absent::Zero,
         }
     }
 }

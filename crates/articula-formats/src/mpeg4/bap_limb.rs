@@ -13,8 +13,10 @@ use glam::{DQuat, DVec3};
 /// How much a twist of the upper limb costs beside a lean of the lower one, both in radians
 /// squared: it keeps a straight limb, whose twist moves nothing, from spinning.
 const TWIST_COST: f64 = 0.03;
-/// Steps of Gauss and Newton towards the best twist.
-const STEPS: usize = 4;
+/// Twists that are tried, to either side of none: so many steps of so many radians.
+const TRIES: (i32, f64) = (12, 0.1);
+/// Halvings of a step around the best of them.
+const HALVINGS: usize = 14;
 /// Upper joint, hinge, and the end of the lower limb.
 const LIMBS: [[&str; 3]; 4] = [
     ["l_hip", "l_knee", "l_ankle"],
@@ -70,17 +72,22 @@ impl Limb {
     pub(super) fn aimed(&self, upper: DQuat, lower: DQuat) -> DQuat {
         let target = upper.inverse() * lower;
         let about = |twist: f64| DQuat::from_axis_angle(self.along_upper, twist);
-        let mut twist = 0.0;
-        for _ in 0..STEPS {
-            let target = about(-twist) * target;
-            let seen = target * self.along_lower;
-            let [_, own] = nearest_two(target, self.bend, self.twist);
-            let possible = DQuat::from_axis_angle(self.twist, own) * self.along_lower;
-            let lean = (seen - possible).dot(self.bend);
-            let change = self.along_upper.cross(seen).dot(self.bend);
-            twist += (lean * change - TWIST_COST * twist) / (change * change + TWIST_COST);
-        }
-        upper * about(twist)
+        let cost = |twist: f64| {
+            let missed = self.missed(about(-twist) * target);
+            missed * missed + TWIST_COST * twist * twist
+        };
+        upper * about(least(cost))
+    }
+
+    /// The angle by which the lower limb misses where the hinge's whole turn points it.
+    fn missed(&self, target: DQuat) -> f64 {
+        let [_, twist] = nearest_two(target, self.bend, self.twist);
+        let bend = self.bend_angle(target, twist);
+        let about = DQuat::from_axis_angle;
+        let reached = about(self.bend, bend) * about(self.twist, twist) * self.along_lower;
+        // Of two directions of length 1, by their distance: it keeps the digits of small ones.
+        let apart = reached.distance(target * self.along_lower);
+        2.0 * (0.5 * apart).min(1.0).asin()
     }
 
     /// The bend after which the lower limb, twisted by so much, points as nearly as it can
@@ -91,6 +98,30 @@ impl Limb {
         let (a, b) = (from.reject_from(self.bend), to.reject_from(self.bend));
         a.cross(b).dot(self.bend).atan2(a.dot(b))
     }
+}
+
+/// The twist of least cost; none if none is better.
+fn least(cost: impl Fn(f64) -> f64) -> f64 {
+    let (tries, mut step) = TRIES;
+    let mut best = (0.0, cost(0.0));
+    let consider = |twist: f64, best: &mut (f64, f64)| {
+        let cost = cost(twist);
+        if cost < best.1 {
+            *best = (twist, cost);
+        }
+    };
+    for n in 1..=tries {
+        for side in [-1.0, 1.0] {
+            consider(side * f64::from(n) * step, &mut best);
+        }
+    }
+    for _ in 0..HALVINGS {
+        step *= 0.5;
+        let middle = best.0;
+        consider(middle - step, &mut best);
+        consider(middle + step, &mut best);
+    }
+    best.0
 }
 
 #[cfg(test)]

@@ -3,9 +3,8 @@
 //! Each joint's turn since rest, in model space, is what the standard humanoid's joint should
 //! show. From parents to children it is split into the turns that the joint has: three are
 //! exact, two or one the nearest there is. A child starts from what its parent shows, so it
-//! makes good what the parent could not; one that the rig lacks does so too (a subtalar joint
-//! rolls the foot, which the ankle cannot). For knees and elbows places come before turns, see
-//! `bap_limb`.
+//! makes good what the parent could not, and an ankle leaves the foot's roll to the subtalar
+//! joint. For knees and elbows places come before turns, see `bap_limb`.
 //!
 //! A turn since rest means the same on two bodies only if they rest alike, so figures whose
 //! limbs do not hang as the standard's do are refused.
@@ -38,6 +37,9 @@ const LIMBS: [(&str, &str); 8] = [
     ("r_hip", "r_knee"),
     ("r_knee", "r_ankle"),
 ];
+
+/// Joints that turn the foot together: the ankle bends and twists it, the other one rolls it.
+const FEET: [(&str, &str); 2] = [("l_ankle", "l_subtalar"), ("r_ankle", "r_subtalar")];
 
 /// How far a joint is from where it should be, because its parameters cannot say it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -150,6 +152,8 @@ struct Body {
     joints: Vec<Told>,
     /// Limbs of which the rig has both joints.
     limbs: Vec<Limb>,
+    /// Ankles, and the joint that rolls the foot of each.
+    feet: Vec<(usize, usize)>,
     shifts: Vec<(usize, Vec3)>,
 }
 
@@ -185,6 +189,10 @@ impl Body {
         let limbs = limbs().into_iter();
         Ok(Self {
             limbs: limbs.filter(|l| has(l.upper) && has(l.hinge)).collect(),
+            feet: FEET
+                .iter()
+                .filter_map(|(ankle, roll)| Some((find(ankle)?, find(roll)?)))
+                .collect(),
             joints,
             shifts: shifts(JOINTS[0].name),
             rest,
@@ -207,13 +215,7 @@ impl Body {
         let mut shown: Vec<DQuat> = Vec::with_capacity(BODY_JOINTS);
         for (joint, told) in self.joints.iter().enumerate() {
             let parent = JOINTS[joint].parent.map_or(DQuat::IDENTITY, |p| shown[p]);
-            let target = parent.inverse() * goals[joint];
-            let last = state.last[joint];
-            let mut angles = split(target, &told.turns, last);
-            if let Some(limb) = self.limbs.iter().find(|l| l.hinge == joint) {
-                angles[0] = limb.bend_angle(target, angles[1]);
-                angles = near(angles, last);
-            }
+            let angles = self.angles(joint, parent, (&wanted, &goals), state);
             state.last[joint] = angles;
             for ((index, _), angle) in told.turns.iter().zip(angles) {
                 values[*index] = (angle / RADIANS).round() as i32;
@@ -225,6 +227,30 @@ impl Body {
             shown.push(turned);
         }
         values
+    }
+
+    /// The angles of one joint, whose parent shows this.
+    fn angles(
+        &self,
+        joint: usize,
+        parent: DQuat,
+        (wanted, goals): (&[DQuat], &[DQuat]),
+        state: &State,
+    ) -> [f64; 3] {
+        let last = state.last[joint];
+        let turns = &self.joints[joint].turns;
+        if let Some((_, roll)) = self.feet.iter().find(|(ankle, _)| *ankle == joint) {
+            let all = [&turns[..], &self.joints[*roll].turns].concat();
+            let last = [last[0], last[1], state.last[*roll][0]];
+            let [bend, twist, _] = split(parent.inverse() * wanted[*roll], &all, last);
+            return [bend, twist, 0.0];
+        }
+        let target = parent.inverse() * goals[joint];
+        let [bend, twist, third] = split(target, turns, last);
+        match self.limbs.iter().find(|limb| limb.hinge == joint) {
+            Some(limb) => near([limb.bend_angle(target, twist), twist, third], last),
+            None => [bend, twist, third],
+        }
     }
 
     /// The turn since rest that each joint should show, in model space; a joint that the rig

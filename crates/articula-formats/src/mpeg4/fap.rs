@@ -109,12 +109,11 @@ impl FapClip {
         std::array::from_fn(|index| self.frames.iter().any(|frame| frame.moves(index)))
     }
 
-    /// Smallest and largest value of a low-level parameter, by its number (3 to 68).
-    ///
-    /// # Panics
-    /// If there is no low-level parameter of that number.
+    /// Smallest and largest value of a low-level parameter, by its number (3 to 68); `None` for
+    /// any other and without a frame.
     pub fn range(&self, fap: usize) -> Option<(i32, i32)> {
-        let values = || self.frames.iter().map(|frame| frame.low[fap - 1 - HIGH]);
+        let index = fap.checked_sub(1 + HIGH).filter(|index| *index < LOW)?;
+        let values = || self.frames.iter().map(|frame| frame.low[index]);
         Some((values().min()?, values().max()?))
     }
 

@@ -91,15 +91,15 @@ pub struct FdpFile {
 }
 
 impl FdpFile {
-    /// How many FAPs move at least one vertex.
-    pub fn faps(&self) -> usize {
+    /// FAPs that move at least one vertex; index 0 is FAP 1.
+    pub fn moved(&self) -> [bool; FAPS] {
         let mut moved = [false; FAPS];
         for point in self.points.iter().filter(|p| !p.zone.is_empty()) {
             for influence in point.influences.iter().filter(|i| i.weight != 0.0) {
                 moved[influence.fap - 1] = true;
             }
         }
-        moved.iter().filter(|m| **m).count()
+        moved
     }
 }
 

@@ -63,7 +63,7 @@ fn reads_epf(bytes: &[u8]) -> bool {
 }
 
 fn reads_fdp(bytes: &[u8]) -> bool {
-    fdp::read(bytes, &Limits::default()).is_ok_and(|read| read.value.faps() <= 68)
+    fdp::read(bytes, &Limits::default()).is_ok_and(|read| read.value.moved().len() == 68)
 }
 
 fn mutated(good: &str, dice: &mut Dice) -> Vec<u8> {

@@ -2,7 +2,7 @@
 //!
 //! **A new format is one variant, one row of [`ROWS`] and one loader beside this file.**
 
-use super::{Loader, acclaim, bvh, document, x3d};
+use super::{Loader, acclaim, bap, bvh, document, x3d};
 use serde::Serialize;
 use std::path::Path;
 
@@ -20,6 +20,7 @@ pub(crate) enum Format {
     Wrl,
     Asf,
     Amc,
+    Bap,
 }
 
 /// What is known of one format.
@@ -102,6 +103,12 @@ const ROWS: &[Row] = &[
         format: Format::Amc,
         name: "amc",
         load: acclaim::load_motion,
+        writes: Writes::Any,
+    },
+    Row {
+        format: Format::Bap,
+        name: "bap",
+        load: bap::load,
         writes: Writes::Any,
     },
 ];

@@ -1,7 +1,9 @@
 //! From a file's name to a character: the format is told by the bytes, then by the name.
 
 mod acclaim;
+mod bap;
 mod bvh;
+pub(crate) mod data;
 mod document;
 mod format;
 mod x3d;
@@ -13,6 +15,7 @@ use crate::arguments::ReadArgs;
 use crate::{fault, files};
 use anyhow::{Context, bail};
 use articula_core::source::Character;
+use articula_formats::mpeg4::bap::BapClip;
 use articula_formats::profile::{self, Mapping, Profile};
 use articula_formats::{Limits, Warning};
 use std::path::{Path, PathBuf};
@@ -31,6 +34,8 @@ pub(crate) struct Loaded {
     pub(crate) behind: Option<Behind>,
     /// Joint and offset of each end site of a BVH or ASF file.
     pub(crate) end_sites: Vec<(usize, glam::Vec3)>,
+    /// The parameters of a BAP file.
+    pub(crate) parameters: Option<BapClip>,
     pub(crate) warnings: Vec<Warning>,
 }
 
@@ -76,6 +81,7 @@ impl Source<'_> {
             character,
             behind: None,
             end_sites: Vec::new(),
+            parameters: None,
             warnings,
         }
     }
@@ -84,9 +90,12 @@ impl Source<'_> {
 /// Reads a character; profiles of the user are asked before the built-in ones.
 pub(crate) fn character(path: &Path, args: &ReadArgs) -> anyhow::Result<Loaded> {
     let limits = Limits::default();
+    let place = || files::shown(path);
+    if let Some(data) = data::DataFormat::of_name(path) {
+        bail!("{}: {}", place(), data.advice());
+    }
     let profiles = profiles(&args.profile, &limits)?;
     let bytes = files::read(path, limits.bytes)?;
-    let place = || files::shown(path);
     let Some(format) = Format::of_bytes(&bytes, path) else {
         bail!(
             "{}: the start of the file: not a format that is read; give a {} file",

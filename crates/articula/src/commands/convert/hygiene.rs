@@ -88,10 +88,14 @@ impl HygieneArgs {
         Ok(())
     }
 
+    /// Whether anything is to be done.
+    pub(super) fn asks(&self) -> bool {
+        self.trim.is_some() || self.rate.is_some() || self.reduce_keys.is_some()
+    }
+
     /// Does all but the keys; gives one entry for each clip, or none if nothing is asked for.
     pub(super) fn apply(&self, loaded: &mut Loaded) -> anyhow::Result<Vec<Edits>> {
-        let asked = self.trim.is_some() || self.rate.is_some() || self.reduce_keys.is_some();
-        if !asked {
+        if !self.asks() {
             return Ok(Vec::new());
         }
         let place = loaded.place();

@@ -1,6 +1,8 @@
 //! `articula convert IN... OUT`: between formats, onto another character, and to a reduced
 //! animation; one file or many.
 
+mod body;
+mod face;
 mod hygiene;
 mod job;
 mod khr_character;
@@ -28,7 +30,7 @@ use std::path::PathBuf;
 /// Arguments of `convert`.
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
-    /// Files to read (.glb, .gltf, .vrm, .vrma, .bvh, ...), or folders of them
+    /// Files to read (.glb, .gltf, .vrm, .vrma, .bvh, .bap, ...), or folders of them
     #[arg(value_name = "IN", required = true)]
     inputs: Vec<PathBuf>,
     /// File to write; its extension names the format (.glb, .vrm, .vrma, .bvh, ...). Or the
@@ -81,6 +83,9 @@ pub(crate) struct ConvertArgs {
 /// Reads, changes what is asked for, and writes.
 pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     args.check()?;
+    if face::is_meant(args) {
+        return face::run(args, console);
+    }
     let plan = Plan::of(args)?;
     for job in &plan.jobs {
         args.hygiene.check(job.format)?;

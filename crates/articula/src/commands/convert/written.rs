@@ -2,7 +2,7 @@
 //!
 //! **A new format is one arm of [`written`] and one function below it.**
 
-use super::khr_character;
+use super::{body, khr_character};
 use crate::load::{Format, Loaded};
 use crate::table::counted;
 use articula_build::clip::source_rate_hz;
@@ -26,7 +26,7 @@ pub(super) fn holds_one_clip(format: Format) -> bool {
 
 /// Whether a file of the format is nothing without a clip.
 pub(super) fn needs_a_clip(format: Format) -> bool {
-    matches!(format, Format::Bvh | Format::Amc)
+    matches!(format, Format::Bvh | Format::Amc | Format::Bap)
 }
 
 /// What is asked of a container beside the character.
@@ -52,6 +52,7 @@ pub(super) fn written(
 ) -> anyhow::Result<Written> {
     let (bytes, left_out) = match format {
         Format::Bvh => motion(loaded)?,
+        Format::Bap => body::written(loaded, asked.clips_changed)?,
         Format::Asf | Format::Amc => return acclaim_pair(loaded, out, format),
         _ => container(loaded, asked)?,
     };
@@ -129,6 +130,7 @@ fn container(loaded: &Loaded, asked: Asked) -> anyhow::Result<(Vec<u8>, Vec<Stri
     Ok((document.write_glb()?, left_out.into_iter().collect()))
 }
 
-fn left((count, one, many): (usize, &str, &str), why: &str) -> Option<String> {
+/// How many of something are left out, and why; `None` if none is.
+pub(super) fn left((count, one, many): (usize, &str, &str), why: &str) -> Option<String> {
     (count > 0).then(|| format!("{} ({why})", counted(count, one, many)))
 }

@@ -1,5 +1,6 @@
 //! `articula inspect FILE`: what is in a file, and what is odd about it.
 
+mod data;
 mod extent;
 mod findings;
 mod human;
@@ -8,6 +9,8 @@ mod text;
 
 use crate::arguments::CharacterArgs;
 use crate::console::Console;
+use crate::fault;
+use crate::load::data::DataFormat;
 use crate::motion_tables;
 use crate::prepared::Prepared;
 use clap::Args;
@@ -17,7 +20,7 @@ use clap::Args;
 pub(crate) struct InspectArgs {
     #[command(flatten)]
     character: CharacterArgs,
-    /// List every joint with its H-Anim name, level and region
+    /// List every joint with its H-Anim name, level and region; of a FAP file every parameter
     #[arg(long)]
     map: bool,
     /// Say more of this clip only
@@ -27,6 +30,15 @@ pub(crate) struct InspectArgs {
 
 /// Reads the file and prints what was found.
 pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
+    if let Some(format) = DataFormat::of_name(&args.character.file) {
+        if args.clip.is_some() {
+            return Err(fault::usage(format!(
+                "--clip chooses a motion of joints; a .{} file has none",
+                format.name()
+            )));
+        }
+        return data::run(&args.character, format, args.map, console);
+    }
     let prepared = Prepared::new(&args.character)?;
     let clips: Vec<usize> = match &args.clip {
         Some(name) => prepared.clip(Some(name))?.into_iter().collect(),

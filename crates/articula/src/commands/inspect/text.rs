@@ -1,7 +1,7 @@
 //! The findings as tables for people.
 
 use super::extent::Extent;
-use super::findings::{Clip, Findings, Skeleton};
+use super::findings::{Clip, Findings, Skeleton, Warning};
 use crate::fault::clean;
 use crate::table::Table;
 
@@ -29,25 +29,34 @@ pub(super) fn of(found: &Findings, map: bool) -> String {
         text.push_str("\njoints\n");
         text.push_str(&joints(found).text());
     }
-    if !found.warnings.is_empty() {
-        text.push_str(&format!(
-            "\n{}\n",
-            counted(found.warnings.len(), "warnings")
-        ));
-        for w in &found.warnings {
-            text.push_str(&format!("  {}: {}\n", clean(&w.at), clean(&w.what)));
-        }
+    text.push_str(&warnings_text(&found.warnings));
+    text
+}
+
+/// What is odd, one line each.
+pub(super) fn warnings_text(warnings: &[Warning]) -> String {
+    if warnings.is_empty() {
+        return String::new();
+    }
+    let mut text = format!("\n{}\n", counted(warnings.len(), "warnings"));
+    for w in warnings {
+        text.push_str(&format!("  {}: {}\n", clean(&w.at), clean(&w.what)));
     }
     text
 }
 
-fn head(found: &Findings) -> String {
-    let mut text = format!("{}: {}", clean(&found.file), found.format);
-    text.push_str(&format!(", {}", size(found.bytes)));
-    if !found.name.is_empty() {
-        text.push_str(&format!(", \"{}\"", clean(&found.name)));
+/// The first line: which file, what and how much it is, how it calls itself.
+pub(super) fn head_line(file: &str, format: &str, bytes: usize, name: &str) -> String {
+    let mut text = format!("{}: {format}, {}", clean(file), size(bytes));
+    if !name.is_empty() {
+        text.push_str(&format!(", \"{}\"", clean(name)));
     }
     text.push('\n');
+    text
+}
+
+fn head(found: &Findings) -> String {
+    let mut text = head_line(&found.file, found.format, found.bytes, &found.name);
     text.push_str(&found.human.head());
     if let (Some(height), Some(bounds)) = (found.height_m, &found.bounds) {
         let what = if found.bounds_of_joints {
