@@ -7,7 +7,8 @@
 //! - [`source`]: the editable nouns that readers give and builders take
 //! - [`rig`], [`clip`], [`mesh`]: the read-only nouns of the frame
 //! - [`articulation`]: H-Anim level and region of every joint
-//! - [`hanim_table`]: the joints of the standard humanoid
+//! - [`hanim_table`], [`fap_table`]: the joints of the standard humanoid, and the parameters of
+//!   its face
 //! - [`loa`]: joint sets, the selectors, their combination and the expression language
 //! - [`view`]: viewport, camera, pixels per metre
 //! - [`pose`], [`sample`], [`hierarchy`], [`skin`]: one verb each
