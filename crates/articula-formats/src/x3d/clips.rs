@@ -106,7 +106,7 @@ impl<'s> Stage<'s> {
 
     /// Whether a node is a displacer of something that is drawn.
     pub(super) fn is_seen(&self, displacer: NodeId) -> bool {
-        self.shown.target_of_displacer.contains_key(&displacer)
+        self.shown.targets_of_displacer.contains_key(&displacer)
     }
 
     /// Translation keys of a joint.
@@ -227,8 +227,8 @@ impl<'s> Stage<'s> {
     ) -> Result<Vec<Channel>, ReadError> {
         let mut of_mesh: BTreeMap<usize, BTreeMap<usize, &WeightTrack>> = BTreeMap::new();
         for track in tracks {
-            let places = &self.shown.target_of_displacer;
-            if let Some(&(mesh, target)) = places.get(&track.displacer) {
+            let targets = self.shown.targets_of_displacer.get(&track.displacer);
+            for &(mesh, target) in targets.into_iter().flatten() {
                 let of_target = of_mesh.entry(mesh).or_default();
                 of_target.entry(target).or_insert(track);
             }

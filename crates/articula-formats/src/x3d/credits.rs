@@ -88,7 +88,7 @@ mod tests {
     #[test]
     fn head_info_and_metadata_are_gathered() {
         let head = "<meta name='title' content='Jin'/><meta name='creator' content='A. B.'/>
-            <meta name='license' content='../license.html'/><meta name='TODO' content='x'/>";
+            <meta name='license' content='../license.html'/><meta name='mood' content='x'/>";
         let humanoid = r#"<HAnimHumanoid info='"authorName=A. B." "copyright=2031 A. B."'>
             <MetadataSet name='HAnimHumanoid.info' containerField='metadata'>
             <MetadataString name='usageRestrictions' value='"none"'/>

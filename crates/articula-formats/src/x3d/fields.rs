@@ -4,6 +4,7 @@
 //! clause 5 (how they are written).
 
 use super::scene::{NodeId, Scene, shortened};
+use super::write::names::token;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use crate::notes::Notes;
@@ -12,6 +13,9 @@ use std::borrow::Cow;
 
 /// Larger numbers have no meaning for a character and would overflow when multiplied.
 const LARGEST: f64 = 1e9;
+
+/// Characters of a name that are kept.
+const LONGEST_NAME: usize = 256;
 
 /// A scene being turned into a character.
 #[derive(Debug)]
@@ -87,6 +91,25 @@ impl<'a> Reader<'a> {
             own
         };
         shortened_name(name)
+    }
+
+    /// The name in its own spelling: the description, if it is the name but for signs that names
+    /// may not have.
+    pub(super) fn spelled_name(&self, id: NodeId) -> String {
+        let name = self.name(id);
+        let description = self.text(id, "description").unwrap_or("").trim();
+        if description.is_empty() || description.len() > 4 * LONGEST_NAME {
+            return name;
+        }
+        // A number may stand behind a name that was taken.
+        let behind = name.strip_prefix(token(description).as_str());
+        let number = behind.map(|rest| rest.strip_prefix('_').unwrap_or(rest));
+        let same = number.is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()));
+        if same {
+            shortened_name(description)
+        } else {
+            name
+        }
     }
 
     pub(super) fn flag(&self, id: NodeId, field: &str, usual: bool) -> bool {
@@ -253,8 +276,7 @@ fn quoted_strings(text: &str) -> Vec<String> {
 
 /// Names may be of any length in a file, not in memory or on a screen.
 fn shortened_name(name: &str) -> String {
-    const LONGEST: usize = 256;
-    let end = name.char_indices().nth(LONGEST);
+    let end = name.char_indices().nth(LONGEST_NAME);
     name[..end.map_or(name.len(), |(i, _)| i)].to_owned()
 }
 

@@ -50,6 +50,14 @@ pub(super) struct PlacedShape {
     pub(super) place: DAffine3,
 }
 
+/// Shapes of the skin that stand together.
+#[derive(Debug)]
+pub(super) struct SkinGroup {
+    /// Name of the group, or empty.
+    pub(super) name: String,
+    pub(super) shapes: Vec<PlacedShape>,
+}
+
 /// A named place on a joint.
 #[derive(Debug)]
 pub(super) struct FigureSite {
@@ -208,7 +216,7 @@ impl Figure {
             "HAnimJoint" => {
                 self.joints.push(FigureJoint {
                     id,
-                    name: reader.name(id),
+                    name: reader.spelled_name(id),
                     parent: here.joint,
                     above: here.place,
                     stored: Placement::read(reader, id)?,
@@ -270,17 +278,27 @@ impl Figure {
         Some(self.parts.len() - 1)
     }
 
-    /// The shapes in a field of the humanoid, where its space is.
-    pub(super) fn shapes(
-        &self,
-        reader: &mut Reader<'_>,
-        field: &str,
-    ) -> Result<Vec<PlacedShape>, ReadError> {
-        let mut found = Vec::new();
-        for id in reader.nodes(self.id, field) {
-            collect_shapes(reader, id, DAffine3::IDENTITY, 1, &mut found)?;
+    /// The shapes of the skin, those of one group together; shapes without a group are one.
+    pub(super) fn skin(&self, reader: &mut Reader<'_>) -> Result<Vec<SkinGroup>, ReadError> {
+        let mut groups: Vec<SkinGroup> = Vec::new();
+        for id in reader.nodes(self.id, "skin") {
+            let mut shapes = Vec::new();
+            collect_shapes(reader, id, DAffine3::IDENTITY, 1, &mut shapes)?;
+            let is_group = reader.kind(id) != "Shape";
+            let name = if is_group {
+                reader.name(id)
+            } else {
+                String::new()
+            };
+            match groups
+                .last_mut()
+                .filter(|last| last.name.is_empty() && name.is_empty())
+            {
+                Some(last) => last.shapes.extend(shapes),
+                None => groups.push(SkinGroup { name, shapes }),
+            }
         }
-        Ok(found)
+        Ok(groups)
     }
 }
 

@@ -10,7 +10,7 @@
 
 use super::faces::{self, Faces};
 use super::fields::Reader;
-use super::figure::{Figure, Part, PlacedShape};
+use super::figure::{Figure, Part, PlacedShape, SkinGroup};
 use super::frames::Frames;
 use super::influences::Influences;
 use super::look::Looks;
@@ -26,8 +26,27 @@ use std::collections::{BTreeMap, HashMap};
 #[derive(Debug, Default)]
 pub(super) struct Shown {
     pub(super) meshes: Vec<Mesh>,
-    /// Mesh and morph target.
-    pub(super) target_of_displacer: HashMap<NodeId, (usize, usize)>,
+    /// Mesh and morph target; points of several meshes may be moved by one.
+    pub(super) targets_of_displacer: HashMap<NodeId, Vec<(usize, usize)>>,
+}
+
+/// What all groups of the skin share.
+struct SkinBodies {
+    influences: Influences,
+    moves: Vec<Move>,
+    coord: Option<NodeId>,
+    points: usize,
+}
+
+/// What one displacer does.
+#[derive(Debug)]
+struct Move {
+    id: NodeId,
+    /// Whether the file gives it a name.
+    is_named: bool,
+    name: String,
+    weight: f32,
+    offsets: Vec<(u32, DVec3)>,
 }
 
 /// One morph target while a mesh is made.
@@ -95,8 +114,8 @@ impl Maker<'_, '_, '_> {
         // Without a coordinate field the displacers can only mean the geometry that is there.
         let coord = reader.node(part.id, "coord");
         let coord = coord.or_else(|| solids.first().and_then(|s| s.faces.coord));
-        let targets = targets(reader, &displacers)?;
-        let name = match reader.name(part.id) {
+        let targets = targets(read_moves(reader, &displacers)?.iter());
+        let name = match reader.spelled_name(part.id) {
             name if name.is_empty() => figure.joints[part.joint].name.clone(),
             name => name,
         };
@@ -128,13 +147,12 @@ impl Maker<'_, '_, '_> {
         figure: &Figure,
         frames: &Frames,
     ) -> Result<(), ReadError> {
-        let shapes = figure.shapes(reader, "skin")?;
-        let solids = self.solids(reader, &shapes)?;
+        let groups = figure.skin(reader)?;
         let mut displacers = reader.nodes(figure.id, "displacers");
         for joint in &figure.joints {
             displacers.extend(reader.nodes(joint.id, "displacers"));
         }
-        if solids.is_empty() {
+        if groups.iter().all(|group| group.shapes.is_empty()) {
             if !displacers.is_empty() {
                 let what = format!("{} displacers move nothing that is seen", displacers.len());
                 reader.warn(figure.id, what);
@@ -146,22 +164,59 @@ impl Maker<'_, '_, '_> {
             Some(coord) => faces::points(reader, coord)?.len(),
             None => 0,
         };
-        let influences = Influences::read(reader, figure, points)?;
-        let targets = targets(reader, &displacers)?;
+        let bodies = SkinBodies {
+            influences: Influences::read(reader, figure, points)?,
+            moves: read_moves(reader, &displacers)?,
+            coord,
+            points,
+        };
+        for group in &groups {
+            self.skin_group(reader, (figure, frames), &bodies, group)?;
+        }
+        Ok(())
+    }
+
+    fn skin_group(
+        &mut self,
+        reader: &mut Reader<'_>,
+        (figure, frames): (&Figure, &Frames),
+        bodies: &SkinBodies,
+        group: &SkinGroup,
+    ) -> Result<(), ReadError> {
+        let solids = self.solids(reader, &group.shapes)?;
+        let skinned: Vec<bool> = solids
+            .iter()
+            .map(|solid| self.is_skin(reader, solid, bodies.coord, bodies.points))
+            .collect();
+        let searched: usize = bodies.moves.iter().map(|m| m.offsets.len()).sum();
+        reader.charge(figure.id, searched + bodies.points)?;
+        // A displacer belongs to the group if it moves a point of it.
+        let mut used = vec![false; bodies.points];
+        let own = solids.iter().zip(&skinned).filter(|(_, skinned)| **skinned);
+        for corner in own.flat_map(|(solid, _)| solid.faces.triangles.iter().flatten()) {
+            used[corner.point as usize] = true;
+        }
+        let is_used = |point: &u32| used.get(*point as usize) == Some(&true);
+        let moves = bodies.moves.iter();
+        let moves = moves.filter(|m| m.offsets.iter().any(|(point, _)| is_used(point)));
+        let targets = targets(moves);
         let mut mesh = Mesh {
-            name: "skin".to_owned(),
+            name: match group.name.as_str() {
+                "" => "skin".to_owned(),
+                name => name.to_owned(),
+            },
             skin: Skin {
                 joints: (0..figure.joints.len()).map(|j| j + frames.first).collect(),
                 inverse_bind: frames.bind.clone(),
             },
             ..Mesh::default()
         };
-        for solid in &solids {
-            let skinned = self.is_skin(reader, solid, coord, points);
+        for (solid, skinned) in solids.iter().zip(skinned) {
             let moved = skinned.then_some(&targets[..]);
             let made = self.primitive(reader, figure, solid, (moved, targets.len()))?;
             if let Some((mut primitive, of_vertex)) = made {
                 let of_vertex = skinned.then_some(&of_vertex[..]);
+                let influences = &bodies.influences;
                 influences.apply(reader, solid.geometry, of_vertex, &mut primitive)?;
                 mesh.primitives.push(primitive);
             }
@@ -196,8 +251,10 @@ impl Maker<'_, '_, '_> {
         }
         let index = self.shown.meshes.len();
         for (slot, target) in targets.into_iter().enumerate() {
-            let places = target.displacers.into_iter().map(|id| (id, (index, slot)));
-            self.shown.target_of_displacer.extend(places);
+            for id in target.displacers {
+                let targets = self.shown.targets_of_displacer.entry(id);
+                targets.or_default().push((index, slot));
+            }
             mesh.morph_names.push(target.name);
             mesh.morph_weights.push(target.weight);
         }
@@ -277,46 +334,66 @@ fn offsets(target: &Target, point_of_vertex: &[u32], place: &DAffine3) -> Vec<Ve
         .collect()
 }
 
-/// Morph targets of displacers, those of one name together.
-fn targets(reader: &mut Reader<'_>, displacers: &[NodeId]) -> Result<Vec<Target>, ReadError> {
-    let mut targets: Vec<Target> = Vec::new();
-    let mut of_name: HashMap<&str, usize> = HashMap::new();
+/// Reads displacers.
+fn read_moves(reader: &mut Reader<'_>, displacers: &[NodeId]) -> Result<Vec<Move>, ReadError> {
+    let mut moves = Vec::new();
     for &id in displacers {
         if reader.kind(id) != "HAnimDisplacer" {
             continue;
         }
         reader.visit(id, 0)?;
-        let own_name = reader.text(id, "name").map(str::trim).unwrap_or("");
-        let slot = match of_name.get(own_name).filter(|_| !own_name.is_empty()) {
-            Some(slot) => *slot,
-            None => {
-                of_name.insert(own_name, targets.len());
-                targets.push(Target {
-                    name: reader.name(id),
-                    weight: reader.number(id, "weight", 0.0)? as f32,
-                    displacers: Vec::new(),
-                    offsets: BTreeMap::new(),
-                });
-                targets.len() - 1
-            }
-        };
         let indices = reader.indices(id, "coordIndex")?;
         let displacements = reader.tuples::<3>(id, "displacements")?;
         if indices.len() != displacements.len() {
-            let what = format!(
-                "{} points and {} displacements; the rest is left out",
-                indices.len(),
-                displacements.len()
-            );
+            let (indices, given) = (indices.len(), displacements.len());
+            let what = format!("{indices} points and {given} displacements; the rest is left out");
             reader.warn(id, what);
         }
-        targets[slot].displacers.push(id);
         reader.charge(id, 8 * indices.len())?;
-        for (index, offset) in indices.iter().zip(displacements) {
-            if let Ok(point) = u32::try_from(*index) {
-                *targets[slot].offsets.entry(point).or_default() += DVec3::from_array(offset);
-            }
+        let known = |(index, offset): (&i64, &[f64; 3])| {
+            let point = u32::try_from(*index).ok()?;
+            Some((point, DVec3::from_array(*offset)))
+        };
+        moves.push(Move {
+            id,
+            is_named: reader
+                .text(id, "name")
+                .is_some_and(|n| !n.trim().is_empty()),
+            name: reader.spelled_name(id),
+            weight: reader.number(id, "weight", 0.0)? as f32,
+            offsets: indices
+                .iter()
+                .zip(&displacements)
+                .filter_map(known)
+                .collect(),
+        });
+    }
+    Ok(moves)
+}
+
+/// Morph targets of displacers, those of one name together.
+fn targets<'m>(moves: impl Iterator<Item = &'m Move>) -> Vec<Target> {
+    let mut targets: Vec<Target> = Vec::new();
+    let mut of_name: HashMap<&str, usize> = HashMap::new();
+    for own in moves {
+        let next = targets.len();
+        let slot = match own.is_named {
+            true => *of_name.entry(&own.name).or_insert(next),
+            false => next,
+        };
+        if slot == next {
+            targets.push(Target {
+                name: own.name.clone(),
+                weight: own.weight,
+                displacers: Vec::new(),
+                offsets: BTreeMap::new(),
+            });
+        }
+        let target = &mut targets[slot];
+        target.displacers.push(own.id);
+        for (point, offset) in &own.offsets {
+            *target.offsets.entry(*point).or_default() += *offset;
         }
     }
-    Ok(targets)
+    targets
 }

@@ -11,6 +11,7 @@
 //! - `clips`, `motion`, `routes`, `pose`: what moves
 //! - `credits`: who made it
 //! - `reader`: all of it in turn
+//! - `write`: the way back, in X3D 4.0
 //!
 //! Source: ISO/IEC 19774 (H-Anim 1.1 to 2), ISO/IEC 19775-1 (X3D), ISO/IEC 14772-1 (VRML97).
 //! The page is `docs/formats/x3d.md`.
@@ -34,6 +35,8 @@ mod routes;
 mod scene;
 mod solids;
 mod surface;
+mod write;
 mod xml;
 
 pub use reader::{Site, X3dFile, read};
+pub use write::{WriteError, WriteOptions, Written, write};

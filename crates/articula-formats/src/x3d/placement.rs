@@ -7,8 +7,9 @@ use super::scene::NodeId;
 use crate::error::ReadError;
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 
-/// Lengths and angles between axes may differ by this share in a similarity.
-const SIMILAR: f64 = 1e-6;
+/// Lengths and angles between axes may differ by this share in a similarity: matrices that came
+/// through 32 bits do.
+const SIMILAR: f64 = 2e-5;
 
 /// The fields of a `Transform`, an `HAnimHumanoid`, an `HAnimJoint` or an `HAnimSite`.
 #[derive(Debug, Clone, Copy, PartialEq)]

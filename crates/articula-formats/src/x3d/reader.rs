@@ -92,7 +92,7 @@ pub fn read(
     let value = X3dFile {
         sites: sites.collect(),
         character: Character {
-            name: reader.name(figure.id),
+            name: reader.spelled_name(figure.id),
             skeleton: frames.skeleton,
             meshes: shown.meshes,
             clips,

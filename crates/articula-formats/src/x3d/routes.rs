@@ -49,7 +49,7 @@ fn sensor(
         return Ok(None);
     }
     let mut draft = Draft {
-        name: reader.name(id),
+        name: reader.spelled_name(id),
         duration_secs: cycle_secs as f32,
         channels: Vec::new(),
         weights: Vec::new(),

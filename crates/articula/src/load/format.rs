@@ -79,7 +79,7 @@ const ROWS: &[Row] = &[
         format: Format::X3d,
         name: "x3d",
         load: x3d::load,
-        writes: Writes::Never,
+        writes: Writes::Any,
     },
     Row {
         format: Format::X3dv,

@@ -4,9 +4,11 @@
 
 use super::{body, khr_character};
 use crate::load::{Format, Loaded};
+use crate::prepared::articulation_of;
 use crate::table::counted;
 use articula_build::clip::source_rate_hz;
 use articula_formats::gltf::Document;
+use articula_formats::x3d::{self, Site};
 use articula_formats::{acclaim, bvh};
 use std::path::{Path, PathBuf};
 
@@ -53,6 +55,7 @@ pub(super) fn written(
     let (bytes, left_out) = match format {
         Format::Bvh => motion(loaded)?,
         Format::Bap => body::written(loaded, asked.clips_changed)?,
+        Format::X3d => humanoid(loaded)?,
         Format::Asf | Format::Amc => return acclaim_pair(loaded, out, format),
         _ => container(loaded, asked)?,
     };
@@ -103,6 +106,22 @@ fn motion(loaded: &Loaded) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
     let meshes = loaded.character.meshes.len();
     let meshes = left((meshes, "mesh", "meshes"), "BVH holds joints and one clip");
     Ok((bytes, meshes.into_iter().collect()))
+}
+
+/// An H-Anim figure with everything that X3D holds.
+fn humanoid(loaded: &Loaded) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
+    let site = |(joint, offset): &(usize, glam::Vec3)| Site {
+        joint: *joint,
+        name: String::new(),
+        offset: *offset,
+    };
+    let options = x3d::WriteOptions {
+        sites: loaded.end_sites.iter().map(site).collect(),
+    };
+    let written = x3d::write(&loaded.character, &articulation_of(loaded), &options)?;
+    let notes = written.warnings.into_iter();
+    let notes = notes.map(|note| format!("{}: {}", note.at, note.what));
+    Ok((written.bytes, notes.collect()))
 }
 
 /// The document as it was but for its clips, or a new one.

@@ -1,0 +1,239 @@
+//! Meshes as they lie at rest: those that follow one joint, and skin.
+//!
+//! All skin shares one list of points, as the standard has it. A point whose joints show the
+//! same matrix at rest is moved exactly as in the source; where a skin was bound in another pose
+//! than that of rest, its points are bound anew at rest.
+
+use super::bones::Bones;
+use crate::error::Warning;
+use articula_core::source::{Character, Mesh, Primitive};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
+
+/// Joint matrices of one point may differ by this at rest before it counts as bound elsewhere.
+const SAME_BIND: f64 = 1e-4;
+
+/// A mesh ready to be written.
+#[derive(Debug)]
+pub(super) struct Body {
+    /// Index of the mesh.
+    pub(super) mesh: usize,
+    /// The one bone that it follows; `None` for skin.
+    pub(super) bone: Option<usize>,
+    /// Number of its first point in the list of skin points.
+    pub(super) first_point: usize,
+    /// Points of all its primitives, at rest.
+    pub(super) points: Vec<Vec3>,
+    /// Normals of each primitive, at rest; empty where it has none.
+    pub(super) normals: Vec<Vec<Vec3>>,
+    pub(super) targets: Vec<BodyTarget>,
+}
+
+/// A morph target, piece by piece: bone (`None` for all of a rigid body), point, offset at rest.
+#[derive(Debug)]
+pub(super) struct BodyTarget {
+    pub(super) pieces: Vec<(usize, Vec<(usize, Vec3)>)>,
+}
+
+/// Points that each bone moves, with their weights.
+pub(super) type SkinWeights = Vec<Vec<(usize, f32)>>;
+
+/// Lays every mesh out at rest.
+pub(super) fn bodies(
+    character: &Character,
+    bones: &Bones,
+    warnings: &mut Vec<Warning>,
+) -> (Vec<Body>, SkinWeights) {
+    let mut weights: SkinWeights = vec![Vec::new(); bones.list.len()];
+    let mut list = Vec::new();
+    let mut next_point = 0;
+    for (index, mesh) in character.meshes.iter().enumerate() {
+        let layout = Layout::new(mesh, bones);
+        let only = layout.only_bone(mesh);
+        let mut body = Body {
+            mesh: index,
+            bone: only,
+            first_point: if only.is_some() { 0 } else { next_point },
+            points: Vec::new(),
+            normals: Vec::new(),
+            targets: Vec::new(),
+        };
+        let mut loose = 0;
+        for primitive in &mesh.primitives {
+            loose += layout.add(primitive, &mut body, &mut weights);
+        }
+        if loose > 0 {
+            let what = format!(
+                "{loose} points are bound in another pose than that of rest and follow several joints; bound anew at rest"
+            );
+            warnings.push(Warning::new(format!("mesh \"{}\"", mesh.name), what));
+        }
+        body.targets = layout.targets(mesh, &body);
+        if only.is_none() {
+            next_point += body.points.len();
+        }
+        list.push(body);
+    }
+    (list, weights)
+}
+
+/// How a mesh's space becomes that of the model at rest.
+struct Layout {
+    /// Of each joint of the skin: model-from-mesh at rest.
+    matrices: Vec<DAffine3>,
+    /// Of each joint of the skin, the bone that it is.
+    bones: Vec<usize>,
+}
+
+impl Layout {
+    fn new(mesh: &Mesh, bones: &Bones) -> Self {
+        let skin = &mesh.skin;
+        let matrix = |(&joint, bind): (&usize, &glam::Affine3A)| {
+            let bind = DAffine3::from_mat3_translation(
+                DMat3::from_cols(
+                    bind.matrix3.x_axis.as_dvec3(),
+                    bind.matrix3.y_axis.as_dvec3(),
+                    bind.matrix3.z_axis.as_dvec3(),
+                ),
+                bind.translation.as_dvec3(),
+            );
+            bones.rest[joint] * bind
+        };
+        Self {
+            matrices: skin
+                .joints
+                .iter()
+                .zip(&skin.inverse_bind)
+                .map(matrix)
+                .collect(),
+            bones: skin
+                .joints
+                .iter()
+                .map(|&j| bones.of_joint[j].unwrap_or(0))
+                .collect(),
+        }
+    }
+
+    /// Influences of a vertex that count.
+    fn influences<'p>(
+        primitive: &'p Primitive,
+        vertex: usize,
+    ) -> impl Iterator<Item = (usize, f32)> + Clone + 'p {
+        let range = vertex * primitive.influences..(vertex + 1) * primitive.influences;
+        let pairs = primitive.joints[range.clone()]
+            .iter()
+            .zip(&primitive.weights[range]);
+        pairs
+            .map(|(j, w)| (usize::from(*j), *w))
+            .filter(|(_, w)| *w > 0.0)
+    }
+
+    /// The bone that moves every vertex alone, if there is one.
+    fn only_bone(&self, mesh: &Mesh) -> Option<usize> {
+        let mut only = None;
+        for primitive in &mesh.primitives {
+            for vertex in 0..primitive.positions.len() {
+                for (joint, _) in Self::influences(primitive, vertex) {
+                    if *only.get_or_insert(joint) != joint {
+                        return None;
+                    }
+                }
+            }
+        }
+        let joint = only.unwrap_or(0);
+        self.bones.get(joint).copied()
+    }
+
+    /// Model-from-mesh of a vertex, and whether its joints agree on it.
+    fn matrix(&self, primitive: &Primitive, vertex: usize) -> (DAffine3, bool) {
+        let mut influences = Self::influences(primitive, vertex);
+        let Some((first, weight)) = influences.next() else {
+            return (self.matrices.first().copied().unwrap_or_default(), true);
+        };
+        let base = self.matrices[first];
+        let (mut sum, mut total, mut agree) = (scaled(&base, weight), f64::from(weight), true);
+        for (joint, weight) in influences {
+            let other = self.matrices[joint];
+            let size = base.matrix3.x_axis.length().max(1e-12);
+            agree &= base.abs_diff_eq(other, SAME_BIND * size);
+            let part = scaled(&other, weight);
+            sum.matrix3 += part.matrix3;
+            sum.translation += part.translation;
+            total += f64::from(weight);
+        }
+        let matrix = if agree {
+            base
+        } else {
+            scaled(&sum, (1.0 / total) as f32)
+        };
+        (matrix, agree)
+    }
+
+    /// Lays out one primitive; counts the vertices that are bound anew.
+    fn add(&self, primitive: &Primitive, body: &mut Body, weights: &mut SkinWeights) -> usize {
+        let mut loose = 0;
+        let mut normals = Vec::with_capacity(primitive.normals.len());
+        for (vertex, position) in primitive.positions.iter().enumerate() {
+            let (matrix, agree) = self.matrix(primitive, vertex);
+            loose += usize::from(!agree);
+            let point = body.first_point + body.points.len();
+            body.points
+                .push(matrix.transform_point3(position.as_dvec3()).as_vec3());
+            if let Some(normal) = primitive.normals.get(vertex) {
+                let turn = matrix.matrix3.inverse().transpose();
+                let turned = (turn * normal.as_dvec3()).normalize_or(DVec3::Y);
+                normals.push(turned.as_vec3());
+            }
+            if body.bone.is_none() {
+                for (joint, weight) in Self::influences(primitive, vertex) {
+                    let list = &mut weights[self.bones[joint]];
+                    match list.last_mut() {
+                        Some((last, sum)) if *last == point => *sum += weight,
+                        _ => list.push((point, weight)),
+                    }
+                }
+            }
+        }
+        body.normals.push(normals);
+        loose
+    }
+
+    /// Morph targets: a skin point's offset is shared out among the bones that move it, so that
+    /// each share turns with its bone, as the source has it.
+    fn targets(&self, mesh: &Mesh, body: &Body) -> Vec<BodyTarget> {
+        let target = |slot: usize| {
+            let mut pieces: std::collections::BTreeMap<usize, Vec<(usize, Vec3)>> =
+                std::collections::BTreeMap::new();
+            let mut first = body.first_point;
+            for primitive in &mesh.primitives {
+                let offsets = primitive.morphs.get(slot).map_or(&[][..], |m| &m.positions);
+                for (vertex, offset) in offsets.iter().enumerate() {
+                    if *offset == Vec3::ZERO {
+                        continue;
+                    }
+                    for (joint, weight) in Self::influences(primitive, vertex) {
+                        let moved = self.matrices[joint].transform_vector3(offset.as_dvec3());
+                        let share = (moved * f64::from(weight)).as_vec3();
+                        let of_bone = pieces.entry(self.bones[joint]).or_default();
+                        match of_bone.last_mut() {
+                            Some((last, sum)) if *last == first + vertex => *sum += share,
+                            _ => of_bone.push((first + vertex, share)),
+                        }
+                    }
+                }
+                first += primitive.positions.len();
+            }
+            BodyTarget {
+                pieces: pieces.into_iter().collect(),
+            }
+        };
+        (0..mesh.morph_names.len()).map(target).collect()
+    }
+}
+
+fn scaled(matrix: &DAffine3, by: f32) -> DAffine3 {
+    let by = f64::from(by);
+    DAffine3 {
+        matrix3: matrix.matrix3 * by,
+        translation: matrix.translation * by,
+    }
+}

@@ -1,0 +1,172 @@
+//! Shapes: triangles with their values, colours, pictures.
+//!
+//! A picture is written into the file as a data URI, so that one file is the whole figure.
+//! Source: ISO/IEC 19775-1, 13.3.6 (IndexedFaceSet), clause 12 and 18.
+
+use super::bodies::Body;
+use super::markup::Markup;
+use super::names::Names;
+use crate::uri::mime_type;
+use articula_core::source::{Character, Material, Mesh, Primitive};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+/// Angle that makes every edge smooth, for primitives without normals.
+const SMOOTH: f32 = std::f32::consts::PI;
+
+/// Appearances that are written so far, so that each is written once.
+#[derive(Debug)]
+pub(super) struct Shapes<'c> {
+    character: &'c Character,
+    appearances: Vec<Option<String>>,
+    textures: Vec<Option<String>>,
+}
+
+impl<'c> Shapes<'c> {
+    pub(super) fn new(character: &'c Character) -> Self {
+        Self {
+            character,
+            appearances: vec![None; character.materials.len()],
+            textures: vec![None; character.images.len()],
+        }
+    }
+
+    /// Writes the primitives of a body; `coord` is the name of its list of points.
+    pub(super) fn write(
+        &mut self,
+        markup: &mut Markup,
+        names: &mut Names,
+        body: &Body,
+        coord: &str,
+    ) {
+        let mesh: &Mesh = &self.character.meshes[body.mesh];
+        let mut first = body.first_point;
+        for (primitive, normals) in mesh.primitives.iter().zip(&body.normals) {
+            markup.open("Shape");
+            self.appearance(markup, names, primitive.material);
+            let of = |m: usize| self.character.materials.get(m);
+            let double_sided = primitive
+                .material
+                .and_then(of)
+                .is_some_and(|m| m.double_sided);
+            markup.open("IndexedFaceSet");
+            if double_sided {
+                markup.set("solid", "false");
+            }
+            if normals.is_empty() {
+                markup.numbers("creaseAngle", 1, [SMOOTH]);
+            }
+            let corners = |offset: usize| {
+                let of = move |t: &[u32; 3]| {
+                    let [a, b, c] = t.map(|i| i64::from(i) + offset as i64);
+                    [a, b, c, -1]
+                };
+                primitive.triangles.iter().flat_map(of)
+            };
+            markup.numbers("coordIndex", 4, corners(first));
+            for (list, index) in [
+                (primitive.texcoords.is_empty(), "texCoordIndex"),
+                (normals.is_empty(), "normalIndex"),
+                (primitive.colors.is_empty(), "colorIndex"),
+            ] {
+                if !list {
+                    markup.numbers(index, 4, corners(0));
+                }
+            }
+            markup.open("Coordinate").set("USE", coord);
+            markup.close();
+            values(markup, primitive, normals);
+            markup.close();
+            markup.close();
+            first += primitive.positions.len();
+        }
+    }
+
+    fn appearance(&mut self, markup: &mut Markup, names: &mut Names, material: Option<usize>) {
+        let Some((index, material)) =
+            material.and_then(|m| Some((m, self.character.materials.get(m)?)))
+        else {
+            return;
+        };
+        markup.open("Appearance");
+        if let Some(known) = &self.appearances[index] {
+            markup.set("USE", known);
+            markup.close();
+            return;
+        }
+        let name = names.give(&format!("{}_look", material.name), "look");
+        markup.set("DEF", &name);
+        self.appearances[index] = Some(name);
+        if material.alpha_cutoff > 0.0 {
+            markup.set("alphaMode", "MASK");
+            markup.numbers("alphaCutoff", 1, [material.alpha_cutoff]);
+        }
+        write_material(markup, names, material);
+        if let Some(image) = material.base_color_image {
+            self.texture(markup, names, image);
+        }
+        markup.close();
+    }
+
+    fn texture(&mut self, markup: &mut Markup, names: &mut Names, index: usize) {
+        let Some(image) = self.character.images.get(index) else {
+            return;
+        };
+        markup.open("ImageTexture");
+        if let Some(known) = &self.textures[index] {
+            markup.set("USE", known);
+            markup.close();
+            return;
+        }
+        let name = names.give(&image.name, "picture");
+        let mime = match mime_type(&image.mime_type, &image.bytes) {
+            mime if mime.is_empty() => "application/octet-stream".to_owned(),
+            mime => mime,
+        };
+        let url = format!("\"data:{mime};base64,{}\"", STANDARD.encode(&image.bytes));
+        markup.set("DEF", &name).set("url", &url);
+        markup.close();
+        self.textures[index] = Some(name);
+    }
+}
+
+fn write_material(markup: &mut Markup, names: &mut Names, material: &Material) {
+    let [r, g, b, a] = material.base_color.to_array();
+    markup.open("Material");
+    markup.set("DEF", &names.give(&material.name, "material"));
+    markup.numbers("diffuseColor", 3, [r, g, b].map(srgb));
+    if a < 1.0 {
+        markup.numbers("transparency", 1, [1.0 - a]);
+    }
+    markup.close();
+}
+
+fn values(markup: &mut Markup, primitive: &Primitive, normals: &[glam::Vec3]) {
+    if !primitive.texcoords.is_empty() {
+        let up = primitive.texcoords.iter().flat_map(|t| [t.x, 1.0 - t.y]);
+        markup.open("TextureCoordinate").numbers("point", 2, up);
+        markup.close();
+    }
+    if !normals.is_empty() {
+        let vectors = normals.iter().flat_map(|n| n.to_array());
+        markup.open("Normal").numbers("vector", 3, vectors);
+        markup.close();
+    }
+    if !primitive.colors.is_empty() {
+        let colors = primitive.colors.iter();
+        let colors = colors.flat_map(|c| [srgb(c.x), srgb(c.y), srgb(c.z), c.w]);
+        markup.open("ColorRGBA").numbers("color", 4, colors);
+        markup.close();
+    }
+}
+
+/// A linear colour as the screen shows it.
+fn srgb(linear: f32) -> f32 {
+    let c = f64::from(linear.clamp(0.0, 1.0));
+    let srgb = if c <= 0.003_130_8 {
+        c * 12.92
+    } else {
+        1.055 * c.powf(1.0 / 2.4) - 0.055
+    };
+    srgb as f32
+}
