@@ -101,3 +101,26 @@ test("the validator passes a good file and refuses a bad one", () => {
   assert.ok(second.errors > 0);
   assert.equal(second.messages[0].pointer, "/nodes/4/children/0");
 });
+
+test("schemas pass a good extension and refuse a bad one", () => {
+  const schema = {
+    $schema: "https://json-schema.org/draft/2020-12/schema",
+    allOf: [{ $ref: "glTFProperty.schema.json" }],
+    properties: { rootNode: { allOf: [{ $ref: "glTFid.schema.json" }] } },
+    required: ["rootNode"],
+  };
+  writeFileSync(join(folder, "glTF.EXT_a.schema.json"), JSON.stringify(schema));
+  const arm = (name, value) =>
+    writeArm(name, (document) => ({ ...document, extensions: { EXT_a: value, EXT_b: 7 } }));
+  const good = arm("with.gltf", { rootNode: 0 });
+  const passed = run("schemas.mjs", folder, good);
+  assert.equal(passed.status, 0, passed.stderr);
+  assert.equal(JSON.parse(passed.stdout)[0].judged, 1);
+  const refused = run("schemas.mjs", folder, good, arm("without.gltf", { rootNode: -1 }));
+  assert.equal(refused.status, 1);
+  const [first, second] = JSON.parse(refused.stdout);
+  assert.deepEqual(first.faults, []);
+  assert.equal(second.faults.length, 1);
+  assert.ok(second.faults[0].startsWith("/extensions/EXT_a/rootNode: must be >= 0"));
+  assert.equal(run("schemas.mjs", folder).status, 2);
+});

@@ -342,6 +342,52 @@ fn what_is_retargeted_is_valid() {
     assert!(good, "{}", faults_of(&verdict));
 }
 
+/// Characters that are written with the draft extensions for characters: VRM of both versions, and
+/// files whose human bones are told by names alone.
+const KHR_CHARACTERS: &[&str] = &[
+    "vrm/Godette_vrm_v4.vrm",
+    "vrm/debug_robot.vrm",
+    "vrm/VRMC_vrm_expressions_isBinary_Overrides.vrm",
+    "glb/KayKit_Knight.glb",
+    "glb/mh_male_cmu31.glb",
+    "bvh/cmu_12_01_walk.bvh",
+];
+
+#[test]
+fn khr_characters_are_valid_and_keep_to_the_schemas() {
+    if !judges_are_here() || !data_is_here() {
+        return;
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("khr-character");
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut written = Vec::new();
+    for name in KHR_CHARACTERS {
+        let stem = Path::new(name).file_stem().unwrap().to_string_lossy();
+        let out = folder.join(format!("{stem}.glb"));
+        let input = data_folder().join(name);
+        let words = [
+            "convert",
+            program::word(&input),
+            program::word(&out),
+            "--khr-character",
+        ];
+        assert_eq!(program::articula(&folder, &words).status, 0, "{name}");
+        written.push(out.to_string_lossy().into_owned());
+    }
+    let (verdict, good) = ask("validate.mjs", &written);
+    assert!(good, "{}", faults_of(&verdict));
+    let schemas = data_folder().join("fixtures/khr_character_schema_pr2512");
+    let mut words = vec![schemas.to_string_lossy().into_owned()];
+    words.extend(written);
+    let (verdict, good) = ask("schemas.mjs", &words);
+    assert!(good, "{verdict}");
+    let verdict: Value = serde_json::from_str(&verdict).unwrap();
+    for file in verdict.as_array().unwrap() {
+        // Character, skeleton mapping and reference pose.
+        assert_eq!(file["judged"], 3, "{file}");
+    }
+}
+
 /// Only what the validator holds against files.
 fn faults_of(verdict: &str) -> String {
     let Ok(Value::Array(files)) = serde_json::from_str(verdict) else {

@@ -1,10 +1,11 @@
 //! Seeded mutations of small files on the stable tool chain: whatever the bytes, reading ends
 //! with a value of bounded size or an error, and what was read can be written.
 
-use crate::compressed;
 use crate::tiny::Tiny;
+use crate::{compressed, khr_character, vrm};
+use articula_core::source::{MorphBinding, Property};
 use articula_formats::Limits;
-use articula_formats::gltf::{self, Document};
+use articula_formats::gltf::{self, Document, GltfFile};
 use serde_json::json;
 
 /// A 64-bit xorshift generator (Marsaglia 2003): the same numbers on every machine.
@@ -120,13 +121,14 @@ fn fixtures() -> Vec<Vec<u8>> {
         json!([{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}]);
     pictured.json["meshes"][0]["primitives"][0]["material"] = json!(0);
     pictured.json["meshes"][0]["primitives"][0]["mode"] = json!(5);
-    let compressed = compressed::every_mode();
-    vec![
-        moving.glb(),
-        morphing.glb(),
-        pictured.glb(),
-        compressed.glb(),
-    ]
+    let human = [
+        vrm::old(-0.1),
+        vrm::new(),
+        vrm::animation(),
+        khr_character::character(),
+    ];
+    let plain = [moving, morphing, pictured, compressed::every_mode()];
+    plain.iter().chain(&human).map(Tiny::glb).collect()
 }
 
 #[test]
@@ -150,7 +152,10 @@ fn mutated_files_neither_panic_nor_grow() {
         }
     }
     // One mutant in ten at least must be read, or the test would test little.
-    assert!(reads > 1200, "only {reads} mutants were read");
+    assert!(
+        reads > 400 * fixtures().len(),
+        "only {reads} mutants were read"
+    );
 }
 
 /// Whether the bytes were read; panics if what was read breaks a promise.
@@ -175,6 +180,7 @@ fn survives(bytes: &[u8], limits: &Limits) -> bool {
         .sum();
     assert!(floats as u64 <= limits.elements, "{floats} elements");
     assert!(file.warnings.len() <= 1001);
+    names_what_is_there(&file.value);
     // Whatever was read is consistent, so it can be written, and read again.
     let written = Document::from_character(character)
         .unwrap()
@@ -184,6 +190,16 @@ fn survives(bytes: &[u8], limits: &Limits) -> bool {
     let through = file.value.document.write_glb().unwrap();
     let again = gltf::read(&through, &Limits::default(), &mut alone).unwrap();
     assert_eq!(again.value.character, file.value.character);
+    let mut document = file.value.document.clone();
+    let bones: Vec<_> = (0..).zip(["hips", "head"].map(str::to_owned)).collect();
+    if document.set_khr_character(&bones, "TPose", None).is_ok() {
+        gltf::read(
+            &document.write_glb().unwrap(),
+            &Limits::default(),
+            &mut alone,
+        )
+        .unwrap();
+    }
     let mut document = file.value.document;
     let (joints, meshes) = (&file.value.node_of_joint, &file.value.node_of_mesh);
     document
@@ -196,4 +212,30 @@ fn survives(bytes: &[u8], limits: &Limits) -> bool {
     );
     assert_eq!(again.unwrap().value.character.meshes, character.meshes);
     true
+}
+
+/// Every index that the human extensions give is one of the character's.
+fn names_what_is_there(file: &GltfFile) {
+    let character = &file.character;
+    let joints = character.skeleton.joints.len();
+    let expressions = character.expressions.len();
+    for expression in &character.expressions {
+        let has = |m: &MorphBinding| m.target < character.meshes[m.mesh].morph_weights.len();
+        assert!(expression.morphs.iter().all(has));
+        assert!(expression.joints.iter().all(|b| b.joint < joints));
+        assert!(expression.masks.iter().all(|m| m.target < expressions));
+    }
+    let bones = file.humanoid.iter().flatten();
+    assert!(bones.map(|(joint, _)| *joint).all(|j| j < joints));
+    for channel in character.clips.iter().flat_map(|c| &c.channels) {
+        let is_driver = channel.property == Property::Expression;
+        assert!(!is_driver || channel.target < expressions);
+    }
+    if let Some(khr) = &file.khr_character {
+        let mapped = khr.rigs.iter().flat_map(|r| &r.joints);
+        assert!(mapped.map(|(joint, _)| *joint).all(|j| j < joints));
+        let responses = khr.expression_clips.iter().map(|(clip, _)| *clip);
+        let mut clips = responses.chain(khr.reference_poses.iter().map(|p| p.clip));
+        assert!(clips.all(|c| c < character.clips.len()));
+    }
 }

@@ -292,7 +292,10 @@ pub(super) fn sets(reader: &mut Reader<'_>, expressions: &[Expression]) -> Vec<E
             }
         }
         if lost > 0 {
-            reader.warn(&set, format!("{lost} entries name no expression; left out"));
+            reader.warn(
+                &set,
+                format!("{lost} of its entries name no expression; left out"),
+            );
         }
         let set = name.to_owned();
         found.push(ExpressionSet { set, shares });

@@ -6,13 +6,15 @@
 
 use super::super::append::{entries_mut, index, object, push, set, shorts};
 use super::super::document::Document;
-use super::super::place::Place;
+use super::super::place::{Place, whole};
 use super::super::vrm::facing::{faces_back, parents, rest};
 use super::super::write::WriteError;
 use super::{CHARACTER, REFERENCE_POSE, SKELETON_MAPPING};
+use crate::profile::is_vrm_bone;
 use articula_core::math::Transform;
 use articula_core::source::{Channel, Clip, Credits, Interpolation, Property};
 use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
 
 /// Bones that the rig `vrmHumanoid` does not have.
 const NO_ROLES: [&str; 3] = ["leftEye", "rightEye", "jaw"];
@@ -38,15 +40,16 @@ impl Document {
         credits: Option<&Credits>,
     ) -> Result<(), WriteError> {
         let count = self.count("nodes");
+        let is_old = bones.iter().any(|(_, b)| b.ends_with("ThumbIntermediate"));
         let mut roles: Vec<(usize, String)> = Vec::new();
         for (node, bone) in bones {
             if *node >= count {
                 let what = format!("node {node}, but there are {count}");
                 return Err(WriteError::mismatch(format!("bone \"{bone}\""), what));
             }
-            let role = role(bones, bone);
-            let is_new = roles.iter().all(|(_, known)| *known != role);
-            if is_new && !NO_ROLES.contains(&role.as_str()) {
+            let role = if is_old { new_name(bone) } else { bone.clone() };
+            let has_role = is_vrm_bone(&role) && !NO_ROLES.contains(&role.as_str());
+            if has_role && roles.iter().all(|(_, known)| *known != role) {
                 roles.push((*node, role));
             }
         }
@@ -69,13 +72,11 @@ impl Document {
         Ok(())
     }
 
-    /// The node above all others; a new one if there is none, or the character is to be turned.
+    /// The node above all others of the scene; a new one if there is none, or the character is to
+    /// be turned. What no scene shows stays where it is.
     fn common_root(&mut self) -> usize {
-        let parents = parents(&self.json);
         let turns = faces_back(&self.json);
-        let roots: Vec<usize> = (0..parents.len())
-            .filter(|n| parents[*n].is_none())
-            .collect();
+        let roots = self.shown_roots();
         if let ([root], false) = (&roots[..], turns) {
             return *root;
         }
@@ -85,13 +86,38 @@ impl Document {
         }
         let new = push(&mut self.json, "nodes", node);
         if self.count("scenes") == 0 {
-            self.json["scenes"] = json!([{"nodes": []}]);
+            set(&mut self.json, "scenes", json!([{"nodes": [new]}]));
             set(&mut self.json, "scene", 0);
+            return new;
         }
         for scene in entries_mut(&mut self.json, "scenes") {
-            set(scene, "nodes", json!([new]));
+            let Some(Value::Array(nodes)) = scene.get_mut("nodes") else {
+                continue;
+            };
+            let count = nodes.len();
+            nodes.retain(|node| {
+                whole(node).is_none_or(|n| roots.binary_search(&(n as usize)).is_err())
+            });
+            if nodes.len() < count {
+                nodes.insert(0, json!(new));
+            }
         }
         new
+    }
+
+    /// The nodes without parent that the document's scene shows; all of them without a scene.
+    fn shown_roots(&self) -> Vec<usize> {
+        let parents = parents(&self.json);
+        let is_root = |n: &usize| parents.get(*n) == Some(&None);
+        let scene = index(&self.json, "scene").unwrap_or(0);
+        let scenes = self.json.get("scenes").and_then(Value::as_array);
+        let nodes = scenes.and_then(|s| s.get(scene)?.get("nodes")?.as_array());
+        let nodes = nodes.into_iter().flatten().filter_map(whole);
+        let mut shown: BTreeSet<usize> = nodes.map(|n| n as usize).filter(is_root).collect();
+        if shown.is_empty() {
+            shown.extend((0..parents.len()).filter(is_root));
+        }
+        shown.into_iter().collect()
     }
 
     fn has_reference_pose(&self) -> bool {
@@ -188,16 +214,13 @@ impl Document {
     }
 }
 
-/// What VRM 1.0 calls a bone. The first thumb joint of VRM 0.x is the second name of VRM 1.0.
-fn role(bones: &[(usize, String)], bone: &str) -> String {
-    let is_old = |(_, bone): &(usize, String)| bone.ends_with("ThumbIntermediate");
-    if bones.iter().any(is_old) {
-        if let Some(side) = bone.strip_suffix("ThumbProximal") {
-            return format!("{side}ThumbMetacarpal");
-        }
-        if let Some(side) = bone.strip_suffix("ThumbIntermediate") {
-            return format!("{side}ThumbProximal");
-        }
+/// What VRM 1.0 calls a bone of VRM 0.x: the first joint of the thumb has another name.
+fn new_name(bone: &str) -> String {
+    if let Some(side) = bone.strip_suffix("ThumbProximal") {
+        return format!("{side}ThumbMetacarpal");
+    }
+    if let Some(side) = bone.strip_suffix("ThumbIntermediate") {
+        return format!("{side}ThumbProximal");
     }
     bone.to_owned()
 }

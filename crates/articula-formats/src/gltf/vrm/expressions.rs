@@ -111,9 +111,9 @@ pub(in super::super) fn read(
             masks: masks(reader, place, i, name, &of_name),
             ..Expression::default()
         };
-        for (key, scale) in [("morphTargetBinds", 1.0), ("binds", 0.01)] {
+        for (key, full) in [("morphTargetBinds", 1.0), ("binds", 100.0)] {
             for bind in place.entries(key).unwrap_or_default() {
-                let found = meshes.bindings(reader, &bind, scale)?;
+                let found = meshes.bindings(reader, &bind, full)?;
                 expression.morphs.extend(found);
             }
         }
@@ -186,7 +186,7 @@ impl<'a> Meshes<'a> {
         &self,
         reader: &mut Reader<'_>,
         bind: &Place<'_>,
-        scale: f32,
+        full: f32,
     ) -> Result<Vec<MorphBinding>, ReadError> {
         let one;
         let meshes = match (bind.get("node"), bind.get("mesh")) {
@@ -204,14 +204,14 @@ impl<'a> Meshes<'a> {
             (None, None) => return Ok(Vec::new()),
         };
         let target = bind.get("index").and_then(|i| i.whole().ok());
-        let weight = bind.get("weight").map_or(Ok(1.0 / scale), |w| w.float());
+        let weight = bind.get("weight").map_or(Ok(full), |w| w.float());
         let mut found = Vec::new();
         for &mesh in meshes {
             reader.charge(bind.at(), COST)?;
             let count = self.shown.meshes[mesh].morph_weights.len();
             let target = target.and_then(|t| usize::try_from(t).ok());
             if let (Some(target), Ok(weight)) = (target.filter(|t| *t < count), &weight) {
-                let weight = weight * scale;
+                let weight = weight / full;
                 found.push(MorphBinding {
                     mesh,
                     target,
