@@ -7,6 +7,7 @@
 //! - [`gltf`]: GLB and glTF 2.0, VRM files as such, in and out
 //! - [`meshopt`]: the codec of compressed glTF buffer views, decoding only
 //! - [`acclaim`]: ASF skeletons and AMC motions, in and out
+//! - [`bva`]: Biovision animation, segments without a hierarchy, in
 //! - [`bvh`]: Biovision hierarchical motion, in and out
 //! - [`mpeg4`]: FAP, BAP, EPF and FDP text
 //! - [`x3d`]: H-Anim figures in X3D and VRML97
@@ -16,6 +17,7 @@
 //! - [`error`], [`limits`]: what can be wrong, and how much is too much
 
 pub mod acclaim;
+pub mod bva;
 pub mod bvh;
 pub mod error;
 mod euler;

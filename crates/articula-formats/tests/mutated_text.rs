@@ -1,11 +1,11 @@
 //! Promise: whatever happens to a text file, reading gives a value or an error.
 //!
-//! The stable twin of the fuzz targets `acclaim`, `bvh`, `profile` and `loa_profile`: seeded
+//! The stable twin of the fuzz targets `acclaim`, `bva`, `bvh`, `profile` and `loa_profile`: seeded
 //! mutations of good files.
 
 use articula_core::source::Character;
 use articula_formats::bvh::{self, ReadOptions};
-use articula_formats::{Limits, acclaim, loa_profile, profile};
+use articula_formats::{Limits, acclaim, bva, loa_profile, profile};
 
 /// Mutations tried on each file.
 const TRIES: u64 = 3000;
@@ -23,6 +23,13 @@ const ASF: &str = ":units\n length 0.45\n angle deg\n:root\n order TX TY TZ RX R
 const AMC: &str = ":FULLY-SPECIFIED\n:DEGREES\n1\nroot 0 1 2 3 4 5\nhip 1 2 3\nhead 1 2 3\n2\nhip 4 5 6\n3\n\
     root 1 1 1 1 1 1\nhead 0 90 0\n";
 
+const BVA: &str = "Segment: Hips\nFrames: 2\nFrame Time: 0.1\nXTRAN YTRAN ZTRAN XROT YROT ZROT XSCALE\n\
+    INCHES INCHES INCHES DEGREES DEGREES DEGREES INCHES\n0 40 0 0 0 0 1\n1 40 0 9 8 7 1\nSegment: Head\n\
+    Frames: 2\nFrame Time: 0.1\nXTRAN YTRAN YROT ZSCALE\nCM MM RADIANS RATIO\n1 2 3 4\n5 6 7 8\n\
+    Segment: LeftHip\nFrames: 1\nFrame Time: 0.1\nXTRAN\nCM\n1\nSegment: RightHip\nFrames: 1\nFrame Time: 0.1\n\
+    XTRAN\n1\nSegment: LeftUpArm\nFrames: 0\nFrame Time: 0.1\nXTRAN\nCM\nSegment: RightUpArm\nFrames: 1\n\
+    Frame Time: 0.1\nYTRAN\nCM\n90\nSegment: Hat\nFrames: 1\nFrame Time: 0.1\nYTRAN\nCM\n99\n";
+
 const PROFILE: &str = r#"{"name": "x", "title": "t", "source": "s", "scope": "body",
     "prefixes": ["rig"], "suffixes": ["_end"], "joints": {"Hips": "humanoid_root",
     "{side}Arm": "{side}_shoulder", "Back": "spine", "wrist": "{hand}_wrist"},
@@ -32,7 +39,7 @@ const LOA: &str = r#"{"manual": true, "rule": "sum", "depth": 3, "complexity": "
     "zones": ["torso", "legs"], "joints": {"plus": ["l_knee"], "minus": ["tail"]}}"#;
 
 /// The words that the formats know, put in anywhere.
-const WORDS: [&str; 23] = [
+const WORDS: [&str; 24] = [
     "{",
     "}",
     "ROOT x",
@@ -56,6 +63,7 @@ const WORDS: [&str; 23] = [
     "root hip",
     ":DEGREES",
     "\n7\n",
+    "\nSegment: Chest\n",
 ];
 
 /// Sebastiano Vigna's SplitMix64 (2014): small, and the same everywhere.
@@ -92,7 +100,7 @@ fn mutated(good: &str, dice: &mut Dice) -> Vec<u8> {
     bytes
 }
 
-fn check(good: &str, read: impl Fn(&[u8]) -> bool) {
+fn check(good: &str, mut read: impl FnMut(&[u8]) -> bool) {
     assert!(read(good.as_bytes()), "the unharmed file is good");
     let mut dice = Dice(20071);
     let good_ones = (0..TRIES)
@@ -135,6 +143,22 @@ fn acclaim_pairs() {
     };
     check(ASF, |bytes| read(bytes, AMC.as_bytes()));
     check(AMC, |bytes| read(ASF.as_bytes(), bytes));
+}
+
+#[test]
+fn bva_files() {
+    let mut trees = 0;
+    check(BVA, |bytes| {
+        let read = bva::read(bytes, &bva::ReadOptions::default(), &Limits::default());
+        let Ok(read) = read else { return false };
+        sound(&read.value.character);
+        if let Some(tree) = bva::tree(&read.value, profile::builtin()) {
+            trees += 1;
+            sound(&tree.character);
+        }
+        true
+    });
+    assert!(trees > 30, "{trees}");
 }
 
 #[test]

@@ -111,10 +111,10 @@ pub(crate) struct ReadArgs {
     /// Joint-name profile of your own, asked before the built-in ones (repeatable)
     #[arg(long, value_name = "F.json")]
     pub(crate) profile: Vec<PathBuf>,
-    /// BVH, ASF: metres of one unit [default: told from the figure's height]
+    /// BVH, ASF, BVA: metres of one unit [default: told from the figure's height]
     #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) unit_metres: Option<f32>,
-    /// BVH, ASF: the axis that points up [default: told from where the head is]
+    /// BVH, ASF, BVA: the axis that points up [default: told from where the head is]
     #[arg(long, value_enum, value_name = "AXIS")]
     pub(crate) up: Option<UpAxis>,
     /// AMC: the skeleton of the motion [default: the .asf file beside it that is called alike]

@@ -11,7 +11,7 @@ macro_rules! profile {
 }
 
 /// Narrow profiles stand before wide ones: on a tie the first wins.
-const FILES: [&str; 19] = [
+const FILES: [&str; 20] = [
     profile!("vrm-1"),
     profile!("vrm-0"),
     profile!("mixamo"),
@@ -30,6 +30,7 @@ const FILES: [&str; 19] = [
     profile!("pab"),
     profile!("godette"),
     profile!("torso-joints"),
+    profile!("biovision"),
     profile!("webxr-hand"),
 ];
 

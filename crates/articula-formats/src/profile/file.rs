@@ -110,6 +110,11 @@ impl Profile {
         })
     }
 
+    /// Whether the name is that of a joint of the spine, whichever.
+    pub(crate) fn is_spine(&self, name: &str) -> bool {
+        self.target(name) == Some(&Target::Spine)
+    }
+
     /// The profile in which each name of the standard means itself.
     pub(super) fn of_the_standard() -> Self {
         let named = |name: &str| {

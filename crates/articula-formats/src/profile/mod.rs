@@ -22,6 +22,7 @@ mod standard;
 pub use builtin::builtin;
 pub use file::{Profile, Scope, parse};
 pub use humanoid::{is_vrm_bone, vrm_bones};
+pub(crate) use spine::vertebrae as spine_vertebrae;
 
 use articula_core::articulation::Articulation;
 use articula_core::hanim_table::{self, HanimJoint};

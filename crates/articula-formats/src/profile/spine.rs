@@ -29,12 +29,7 @@ pub(super) fn name_by_arc_length(skeleton: &Skeleton, meanings: &mut [Result<Tar
         .copied()
         .filter(|&j| meanings[j] == Ok(Target::Spine))
         .collect();
-    let mut vertebrae: Vec<usize> = PREFERENCE
-        .iter()
-        .take(spine.len())
-        .filter_map(|name| hanim_table::find(name))
-        .collect();
-    vertebrae.sort_unstable();
+    let vertebrae = vertebrae(spine.len());
     let picked = pick(
         &fractions(skeleton, &chain, &spine),
         &standard_fractions(&vertebrae),
@@ -47,6 +42,14 @@ pub(super) fn name_by_arc_length(skeleton: &Skeleton, meanings: &mut [Result<Tar
     for meaning in meanings.iter_mut().filter(|m| **m == Ok(Target::Spine)) {
         *meaning = Err(GapReason::Duplicate);
     }
+}
+
+/// The vertebrae of so many spine joints, at most as many as are preferred, lowest first.
+pub(crate) fn vertebrae(count: usize) -> Vec<usize> {
+    let preferred = PREFERENCE.iter().take(count);
+    let mut vertebrae: Vec<usize> = preferred.filter_map(|n| hanim_table::find(n)).collect();
+    vertebrae.sort_unstable();
+    vertebrae
 }
 
 /// Joints from the root joint (or the tree's root) to the neck, both included.

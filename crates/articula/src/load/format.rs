@@ -2,7 +2,7 @@
 //!
 //! **A new format is one variant, one row of [`ROWS`] and one loader beside this file.**
 
-use super::{Loader, acclaim, bap, bvh, document, x3d};
+use super::{Loader, acclaim, bap, bva, bvh, document, x3d};
 use serde::Serialize;
 use std::path::Path;
 
@@ -18,6 +18,7 @@ pub(crate) enum Format {
     X3d,
     X3dv,
     Wrl,
+    Bva,
     Asf,
     Amc,
     Bap,
@@ -94,6 +95,12 @@ const ROWS: &[Row] = &[
         writes: Writes::Never,
     },
     Row {
+        format: Format::Bva,
+        name: "bva",
+        load: bva::load,
+        writes: Writes::Never,
+    },
+    Row {
         format: Format::Asf,
         name: "asf",
         load: acclaim::load_skeleton,
@@ -143,6 +150,8 @@ impl Format {
             gltf(Self::Gltf)
         } else if text.starts_with(b"HIERARCHY") {
             Some(Self::Bvh)
+        } else if text.starts_with(b"Segment:") {
+            Some(Self::Bva)
         } else if text.starts_with(b"#VRML") {
             Some(Self::Wrl)
         } else if text.starts_with(b"#X3D") {
@@ -226,6 +235,7 @@ mod tests {
         assert_eq!(of(b" \n{\"asset\"", "a"), Some(Format::Gltf));
         assert_eq!(of(b"\xef\xbb\xbfHIERARCHY", "a.txt"), Some(Format::Bvh));
         assert_eq!(of(b"", "a.bvh"), Some(Format::Bvh));
+        assert_eq!(of(b"Segment: Hips", "a.txt"), Some(Format::Bva));
         let x3d = b"<?xml version='1.0'?>\n<X3D version='4.0'>";
         assert_eq!(of(x3d, "a.xml"), Some(Format::X3d));
         assert_eq!(of(b"<svg>", "a.svg"), None);

@@ -2,6 +2,7 @@
 
 mod acclaim;
 mod bap;
+mod bva;
 mod bvh;
 pub(crate) mod data;
 mod document;

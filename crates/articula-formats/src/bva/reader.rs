@@ -1,0 +1,426 @@
+//! From the text of a BVA file to joints that move side by side in the world.
+
+use crate::error::{Read, ReadError};
+use crate::limits::Limits;
+use crate::notes::Notes;
+use crate::units::{self, Up};
+use crate::words::{MAX_FRAMES, frame_time, number, shortened, value_of};
+use articula_core::math::{Transform, same_hemisphere};
+use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property};
+use glam::{Quat, Vec3};
+
+/// Most channels of one segment: nothing has more than translation, rotation and scale.
+const MAX_CHANNELS: usize = 9;
+
+/// A scale nearer to one than this is none.
+const SCALED: f32 = 1e-4;
+
+/// Lengths that a file may be written in: how they are called, and metres.
+const LENGTHS: [(&str, f32); 12] = [
+    ("INCHES", 0.0254),
+    ("INCH", 0.0254),
+    ("FEET", 0.3048),
+    ("CENTIMETERS", 0.01),
+    ("CENTIMETRES", 0.01),
+    ("CM", 0.01),
+    ("MILLIMETERS", 0.001),
+    ("MILLIMETRES", 0.001),
+    ("MM", 0.001),
+    ("METERS", 1.0),
+    ("METRES", 1.0),
+    ("M", 1.0),
+];
+
+/// What to believe instead of the file.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ReadOptions {
+    /// Metres of one unit; without it what the file says.
+    pub scale_to_metres: Option<f32>,
+    /// The axis that points up; [`Up::Auto`] is +Y, as the format has it.
+    pub up: Up,
+}
+
+/// What a BVA file holds.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BvaFile {
+    /// A joint without parent for each segment, all `in_skin`, at rest where its first frame
+    /// puts it, and at most one clip, called `motion`.
+    pub character: Character,
+    /// Seconds from frame to frame; 0 without frames.
+    pub frame_time_secs: f32,
+}
+
+/// Reads a BVA file.
+///
+/// # Errors
+/// [`ReadError::Malformed`] naming the line, what was found and what was expected;
+/// [`ReadError::LimitExceeded`].
+pub fn read(
+    bytes: &[u8],
+    options: &ReadOptions,
+    limits: &Limits,
+) -> Result<Read<BvaFile>, ReadError> {
+    Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
+    let text = String::from_utf8_lossy(bytes);
+    let text = text.trim_start_matches('\u{feff}');
+    let mut notes = Notes::default();
+    let given = options.scale_to_metres;
+    if given.is_some() {
+        units::scale_to_metres(given, || (1.0, None), &mut Vec::new())?;
+    }
+    let file = parse(text, given, limits, &mut notes)?;
+    let turn = match options.up {
+        Up::Z => units::y_from_z(),
+        Up::Y | Up::Auto => Quat::IDENTITY,
+    };
+    Ok(Read {
+        value: file.character(turn),
+        warnings: notes.into_list(),
+    })
+}
+
+/// A place in the file, as error messages name it.
+fn at(line: usize) -> String {
+    format!("line {line}")
+}
+
+/// What one value of a frame drives; the number is the axis, 0 to 2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Drives {
+    Position(usize),
+    Rotation(usize),
+    Scale(usize),
+}
+
+/// One column of a segment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Column {
+    drives: Drives,
+    /// Metres, radians or ratio of one unit; `None` for a scale that is a length.
+    unit: Option<f32>,
+}
+
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Segment {
+    name: String,
+    frames: Vec<Transform>,
+}
+
+#[derive(Debug, Clone, PartialEq, Default)]
+struct File {
+    segments: Vec<Segment>,
+    frame_time_secs: f32,
+}
+
+/// A line with its number, from 1.
+type Line<'a> = (usize, &'a str);
+
+struct Lines<'a> {
+    rest: std::iter::Peekable<Box<dyn Iterator<Item = Line<'a>> + 'a>>,
+}
+
+impl<'a> Lines<'a> {
+    fn of(text: &'a str) -> Self {
+        let lines = text.lines().enumerate();
+        let lines = lines.map(|(index, line)| (index + 1, line.trim()));
+        let lines: Box<dyn Iterator<Item = Line<'a>>> =
+            Box::new(lines.filter(|(_, line)| !line.is_empty()));
+        Self {
+            rest: lines.peekable(),
+        }
+    }
+
+    fn expect(&mut self, what: &str) -> Result<Line<'a>, ReadError> {
+        let line = self.rest.next();
+        line.ok_or_else(|| ReadError::malformed("end of file", format!("{what} expected")))
+    }
+
+    /// The next line if it starts with a number.
+    fn numbers(&mut self) -> Option<Line<'a>> {
+        self.rest.next_if(|(_, line)| starts_with_number(line))
+    }
+}
+
+fn starts_with_number(line: &str) -> bool {
+    let first = line.split_whitespace().next().unwrap_or_default();
+    first.parse::<f32>().is_ok()
+}
+
+fn parse(
+    text: &str,
+    scale: Option<f32>,
+    limits: &Limits,
+    notes: &mut Notes,
+) -> Result<File, ReadError> {
+    let mut lines = Lines::of(text);
+    let mut file = File::default();
+    let mut values = 0;
+    if !lines.rest.peek().is_some_and(|(_, line)| is_segment(line)) {
+        let what = "no \"Segment:\" found; is this a BVA file?";
+        return Err(ReadError::malformed("line 1", what));
+    }
+    while let Some((line, text)) = lines.rest.next() {
+        let count = file.segments.len() as u64 + 1;
+        Limits::check(&at(line), "segments", count, limits.nodes)?;
+        let name = value_of(at(line), text, "segment")?;
+        if name.is_empty() {
+            notes.add(at(line), "a segment has no name");
+        }
+        let (count_line, count) = lines.expect("\"Frames:\"")?;
+        let declared = value_of(at(count_line), count, "frames")?;
+        file.time(&mut lines, notes)?;
+        let columns = columns(&mut lines, scale, notes)?;
+        let mut frames = Vec::new();
+        while let Some((line, text)) = lines.numbers() {
+            values += columns.len() as u64;
+            Limits::check(&at(line), "key values", values, limits.elements)?;
+            frames.push(frame(line, text, &columns)?);
+            let most = limits.frames.min(MAX_FRAMES);
+            Limits::check(&at(line), "frames", frames.len() as u64, most)?;
+        }
+        if declared.parse::<usize>().ok() != Some(frames.len()) {
+            let (found, declared) = (frames.len(), shortened(declared));
+            let what = format!("\"Frames: {declared}\", but {found} are there and were read");
+            notes.add(at(count_line), what);
+        }
+        if let Some((line, text)) = lines.rest.peek().filter(|(_, line)| !is_segment(line)) {
+            let text = shortened(text);
+            let what = format!("\"{text}\" found, a number or \"Segment:\" expected");
+            return Err(ReadError::malformed(at(*line), what));
+        }
+        file.segments.push(Segment {
+            name: name.to_owned(),
+            frames,
+        });
+    }
+    Ok(file)
+}
+
+fn is_segment(line: &str) -> bool {
+    line.get(..7)
+        .is_some_and(|w| w.eq_ignore_ascii_case("segment"))
+}
+
+/// The two lines that say what the columns are and in which units.
+fn columns(
+    lines: &mut Lines<'_>,
+    scale: Option<f32>,
+    notes: &mut Notes,
+) -> Result<Vec<Column>, ReadError> {
+    let (line, labels) = lines.expect("the labels of the channels")?;
+    let drives = labels.split_whitespace().map(|label| driven(line, label));
+    let drives: Vec<Drives> = drives.collect::<Result<_, _>>()?;
+    if drives.len() > MAX_CHANNELS {
+        let what = format!("{} channels, at most {MAX_CHANNELS} expected", drives.len());
+        return Err(ReadError::malformed(at(line), what));
+    }
+    let mut units: Vec<&str> = Vec::new();
+    let mut unit_line = line;
+    if let Some((line, text)) = lines
+        .rest
+        .next_if(|(_, line)| !starts_with_number(line) && !is_segment(line))
+    {
+        units = text.split_whitespace().collect();
+        unit_line = line;
+        if units.len() != drives.len() {
+            let what = format!(
+                "{} units found, {} expected (one for each channel)",
+                units.len(),
+                drives.len()
+            );
+            return Err(ReadError::malformed(at(line), what));
+        }
+    } else {
+        notes.add(at(line), "no units; inches and degrees were taken");
+    }
+    let mut sizes = false;
+    let mut columns = Vec::with_capacity(drives.len());
+    for (index, drives) in drives.into_iter().enumerate() {
+        let word = units.get(index).copied();
+        let mut unit = unit(unit_line, drives, word)?;
+        match drives {
+            Drives::Position(_) => unit = scale.or(unit),
+            Drives::Scale(_) => sizes |= unit.is_none(),
+            Drives::Rotation(_) => {}
+        }
+        columns.push(Column { drives, unit });
+    }
+    if sizes {
+        let what = "a scale in a unit of length is the size of the segment's own drawing; left out";
+        notes.add(at(unit_line), what);
+    }
+    Ok(columns)
+}
+
+fn driven(line: usize, label: &str) -> Result<Drives, ReadError> {
+    let lower = label.to_ascii_lowercase();
+    let axis = lower.chars().next().and_then(|c| "xyz".find(c));
+    match (axis, lower.get(1..)) {
+        (Some(axis), Some("tran")) => Ok(Drives::Position(axis)),
+        (Some(axis), Some("rot")) => Ok(Drives::Rotation(axis)),
+        (Some(axis), Some("scale")) => Ok(Drives::Scale(axis)),
+        _ => {
+            let what = format!(
+                "channel \"{}\" found; [XYZ]TRAN, [XYZ]ROT or [XYZ]SCALE expected",
+                shortened(label)
+            );
+            Err(ReadError::malformed(at(line), what))
+        }
+    }
+}
+
+/// Metres, radians or ratio of a unit; `None` for a scale in a unit of length.
+fn unit(line: usize, drives: Drives, word: Option<&str>) -> Result<Option<f32>, ReadError> {
+    let name = word.map(str::to_ascii_uppercase);
+    let length = |name: &str| LENGTHS.iter().find(|(n, _)| *n == name).map(|(_, m)| *m);
+    let known = match (drives, name.as_deref()) {
+        (Drives::Position(_), name) => length(name.unwrap_or("INCHES")).map(Some),
+        (Drives::Rotation(_), None | Some("DEGREES" | "DEG")) => Some(Some(1f32.to_radians())),
+        (Drives::Rotation(_), Some("RADIANS" | "RAD")) => Some(Some(1.0)),
+        (Drives::Rotation(_), _) => None,
+        (Drives::Scale(_), Some("PERCENT")) => Some(Some(0.01)),
+        // What is no length is taken as a ratio: it has many names.
+        (Drives::Scale(_), name) => Some(if name.is_some_and(|n| length(n).is_some()) {
+            None
+        } else {
+            Some(1.0)
+        }),
+    };
+    known.ok_or_else(|| {
+        let word = shortened(word.unwrap_or_default());
+        let wanted = match drives {
+            Drives::Position(_) => "INCHES, FEET, CENTIMETERS, MILLIMETERS or METERS",
+            _ => "DEGREES or RADIANS",
+        };
+        ReadError::malformed(
+            at(line),
+            format!("unit \"{word}\" found, {wanted} expected"),
+        )
+    })
+}
+
+/// Translation, then rotations in the order Z X Y, then scale.
+fn frame(line: usize, text: &str, columns: &[Column]) -> Result<Transform, ReadError> {
+    let found = text.split_whitespace().count();
+    if found != columns.len() {
+        let what = format!(
+            "{found} values found, {} expected (one for each channel)",
+            columns.len()
+        );
+        return Err(ReadError::malformed(at(line), what));
+    }
+    let mut angles = Vec3::ZERO;
+    let mut transform = Transform::IDENTITY;
+    for (column, word) in columns.iter().zip(text.split_whitespace()) {
+        let value = number(format_args!("line {line}"), word)?;
+        match (column.drives, column.unit) {
+            (Drives::Position(axis), Some(unit)) => transform.translation[axis] = value * unit,
+            (Drives::Rotation(axis), Some(unit)) => angles[axis] = value * unit,
+            (Drives::Scale(axis), Some(unit)) => transform.scale[axis] = value * unit,
+            _ => {}
+        }
+    }
+    let turns = [
+        Quat::from_rotation_z(angles.z),
+        Quat::from_rotation_x(angles.x),
+        Quat::from_rotation_y(angles.y),
+    ];
+    transform.rotation = (turns[0] * turns[1] * turns[2]).normalize();
+    Ok(transform)
+}
+
+impl File {
+    /// The line of the frame time; all segments have that of the first.
+    fn time(&mut self, lines: &mut Lines<'_>, notes: &mut Notes) -> Result<(), ReadError> {
+        let (line, text) = lines.expect("\"Frame Time:\"")?;
+        // The note that came with the files calls it "Frames Time".
+        let plural = text.to_ascii_lowercase().starts_with("frames");
+        let keyword = if plural { "frames time" } else { "frame time" };
+        let secs = frame_time(at(line), value_of(at(line), text, keyword)?)?;
+        if self.segments.is_empty() {
+            self.frame_time_secs = secs;
+        } else if secs != self.frame_time_secs {
+            let first = self.frame_time_secs;
+            let what =
+                format!("a frame time of {secs} s; {first} s of the first segment was taken");
+            notes.add(at(line), what);
+        }
+        Ok(())
+    }
+
+    /// `turn` takes the file's world, and the axes of its segments, to +Y up.
+    fn character(self, turn: Quat) -> BvaFile {
+        let frames = self.segments.iter().map(|s| s.frames.len()).max();
+        let last_frame = frames.and_then(|f| f.checked_sub(1));
+        let mut character = Character::default();
+        let mut channels = Vec::new();
+        for (index, segment) in self.segments.iter().enumerate() {
+            let placed = |frame: &Transform| Transform {
+                translation: turn * frame.translation,
+                rotation: (turn * frame.rotation * turn.inverse()).normalize(),
+                scale: (turn * frame.scale).abs(),
+            };
+            let first = segment.frames.first().map_or(Transform::IDENTITY, placed);
+            character.skeleton.joints.push(Joint {
+                name: segment.name.clone(),
+                parent: None,
+                rest: first,
+                in_skin: true,
+            });
+            channels.extend(keys(
+                index,
+                self.frame_time_secs,
+                segment.frames.iter().map(placed),
+            ));
+        }
+        character.clips.extend(last_frame.map(|frame| Clip {
+            name: "motion".to_owned(),
+            duration_secs: time_secs(frame, self.frame_time_secs),
+            channels,
+        }));
+        BvaFile {
+            frame_time_secs: last_frame.map_or(0.0, |_| self.frame_time_secs),
+            character,
+        }
+    }
+}
+
+fn time_secs(frame: usize, frame_time_secs: f32) -> f32 {
+    (frame as f64 * f64::from(frame_time_secs)) as f32
+}
+
+/// Keys of translation and rotation for each frame, of scale if there is any.
+pub(super) fn keys(
+    target: usize,
+    frame_time_secs: f32,
+    frames: impl Iterator<Item = Transform>,
+) -> Vec<Channel> {
+    let mut last = Quat::IDENTITY;
+    let (mut places, mut turns, mut scales) = (Vec::new(), Vec::new(), Vec::new());
+    let mut times_secs = Vec::new();
+    let mut scaled = false;
+    for (index, frame) in frames.enumerate() {
+        last = same_hemisphere(last, frame.rotation);
+        times_secs.push(time_secs(index, frame_time_secs));
+        places.extend(frame.translation.to_array());
+        turns.extend(last.to_array());
+        scales.extend(frame.scale.to_array());
+        scaled |= frame.scale.distance(Vec3::ONE) > SCALED;
+    }
+    let keyed = |property, values| Channel {
+        target,
+        property,
+        interpolation: Interpolation::Linear,
+        times_secs: times_secs.clone(),
+        values,
+    };
+    let mut channels = Vec::new();
+    if !times_secs.is_empty() {
+        channels.push(keyed(Property::Translation, places));
+        channels.push(keyed(Property::Rotation, turns));
+        if scaled {
+            channels.push(keyed(Property::Scale, scales));
+        }
+    }
+    channels
+}

@@ -1,0 +1,304 @@
+//! Segments side by side, put together to a figure by what their names mean.
+//!
+//! Every known segment hangs from the nearest one above it in the H-Anim tree; an unknown one
+//! from the known one against which it moves least. The figure stands where the segments
+//! stand in every frame: what does not keep its distance to its parent gets translation keys.
+
+use super::reader::{self, BvaFile};
+use crate::error::Warning;
+use crate::profile::{self, Profile, spine_vertebrae};
+use crate::sampled::still_metres;
+use articula_core::hanim_table::{self, JOINTS};
+use articula_core::math::Transform;
+use articula_core::source::{Channel, Character, Clip, Joint, Property, Skeleton};
+use glam::{Quat, Vec3};
+
+/// Frames in which an unknown segment is compared with the known ones.
+const FRAMES_LOOKED_AT: usize = 16;
+
+/// What a metre of distance counts beside a metre of straying.
+const NEARER: f32 = 0.01;
+
+/// Unknown segments beyond this many hang from the root unseen.
+const MOST_COMPARED: usize = 512;
+
+/// A figure that was put together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tree {
+    /// The segments as a tree, with the same motion.
+    pub character: Character,
+    /// How it was put together.
+    pub warnings: Vec<Warning>,
+}
+
+/// Puts the segments of a file together by their names; `None` if no profile knows them as a
+/// human.
+///
+/// At rest every segment has zero rotations, as in BVH; if the figure would not stand then,
+/// the first frame is its rest pose. Scale is left out, since it would reach the children.
+pub fn tree(file: &BvaFile, profiles: &[Profile]) -> Option<Tree> {
+    let clip = file.character.clips.first()?;
+    let skeleton = &file.character.skeleton;
+    let mapping = profile::map(skeleton, profiles, None);
+    let known = profiles
+        .iter()
+        .find(|p| p.name == mapping.articulation.profile);
+    let profile = known.filter(|_| mapping.humanoid)?;
+    let world = World::new(clip, skeleton);
+    let hanim = mapping.articulation.joints.iter();
+    let hanim = hanim.map(|j| hanim_table::find(j.hanim.as_deref()?));
+    let mut meanings: Vec<Option<usize>> = hanim.collect();
+    let root = meanings.iter().position(|m| *m == Some(0))?;
+    name_spine(&world, skeleton, profile, root, &mut meanings);
+    let order = ordered(&world, &meanings, root);
+    let mut warnings = vec![Warning::new(
+        "file",
+        format!(
+            "the format has no hierarchy; {} of {} segments were put together by their names (profile {})",
+            meanings.iter().flatten().count(),
+            meanings.len(),
+            profile.name
+        ),
+    )];
+    let character = world.figure(file, &order, &meanings, &mut warnings);
+    Some(Tree {
+        character,
+        warnings,
+    })
+}
+
+/// A segment and the place of its parent in the order.
+type Slot = (usize, Option<usize>);
+
+/// The segments frame by frame.
+struct World {
+    /// By segment, then by frame; never empty.
+    frames: Vec<Vec<Transform>>,
+    count: usize,
+}
+
+impl World {
+    fn new(clip: &Clip, skeleton: &Skeleton) -> Self {
+        let rests = skeleton.joints.iter().map(|j| vec![j.rest]);
+        let mut frames: Vec<Vec<Transform>> = rests.collect();
+        for channel in &clip.channels {
+            let own = &mut frames[channel.target];
+            let first = own[0];
+            own.resize(channel.times_secs.len().max(1), first);
+            for (frame, values) in own.iter_mut().zip(keys(channel)) {
+                match channel.property {
+                    Property::Translation => frame.translation = Vec3::from_slice(values),
+                    Property::Rotation => frame.rotation = Quat::from_slice(values),
+                    _ => frame.scale = Vec3::from_slice(values),
+                }
+            }
+        }
+        Self {
+            count: frames.iter().map(Vec::len).max().unwrap_or(1),
+            frames,
+        }
+    }
+
+    /// A segment that ends early stays.
+    fn at(&self, segment: usize, frame: usize) -> Transform {
+        let own = &self.frames[segment];
+        own[frame.min(own.len() - 1)]
+    }
+
+    /// Where a segment is in the axes of another.
+    fn within(&self, segment: usize, parent: usize, frame: usize) -> (Vec3, Quat) {
+        let (own, above) = (self.at(segment, frame), self.at(parent, frame));
+        let back = above.rotation.inverse();
+        let place = back * (own.translation - above.translation);
+        (place, (back * own.rotation).normalize())
+    }
+
+    fn mean_offset(&self, segment: usize, parent: usize) -> Vec3 {
+        let places = (0..self.count).map(|f| self.within(segment, parent, f).0.as_dvec3());
+        (places.sum::<glam::DVec3>() / self.count as f64).as_vec3()
+    }
+
+    /// How far the place within another segment strays over some frames; of two that hold
+    /// equally still, the nearer one is better.
+    fn strays(&self, segment: usize, parent: usize) -> f32 {
+        let step = self.count.div_ceil(FRAMES_LOOKED_AT);
+        let places = (0..self.count).step_by(step);
+        let places = places.map(|f| self.within(segment, parent, f).0);
+        let (low, high) = places.fold((Vec3::MAX, Vec3::MIN), |(l, h), p| (l.min(p), h.max(p)));
+        (high - low).length() + NEARER * low.length()
+    }
+
+    fn figure(
+        &self,
+        file: &BvaFile,
+        order: &[Slot],
+        meanings: &[Option<usize>],
+        warnings: &mut Vec<Warning>,
+    ) -> Character {
+        let offset = |(segment, parent): &Slot| match parent {
+            None => self.at(*segment, 0).translation,
+            Some(p) => self.mean_offset(*segment, order[*p].0),
+        };
+        let offsets: Vec<Vec3> = order.iter().map(offset).collect();
+        let stands = stands(order, &offsets, meanings);
+        if !stands {
+            let what = "with all rotations at zero the segments do not stand like a figure; \
+                        the first frame was taken as the rest pose";
+            warnings.push(Warning::new("file", what));
+        }
+        let rest = |(segment, parent): &Slot| match parent {
+            _ if stands => Quat::IDENTITY,
+            None => self.at(*segment, 0).rotation,
+            Some(p) => self.within(*segment, order[*p].0, 0).1,
+        };
+        let joint = |(slot, offset): (&Slot, &Vec3)| Joint {
+            name: file.character.skeleton.joints[slot.0].name.clone(),
+            parent: slot.1,
+            rest: Transform {
+                translation: *offset,
+                rotation: rest(slot),
+                scale: Vec3::ONE,
+            },
+            in_skin: true,
+        };
+        let still = still_metres(
+            file.character
+                .skeleton
+                .joints
+                .iter()
+                .map(|j| j.rest.translation),
+        );
+        let mut channels = Vec::new();
+        for (index, (segment, parent)) in order.iter().enumerate() {
+            let local = |frame| match parent {
+                None => {
+                    let own = self.at(*segment, frame);
+                    (own.translation, own.rotation)
+                }
+                Some(p) => self.within(*segment, order[*p].0, frame),
+            };
+            let frames = (0..self.count).map(|frame| {
+                let (translation, rotation) = local(frame);
+                Transform {
+                    translation,
+                    rotation,
+                    scale: Vec3::ONE,
+                }
+            });
+            let away = |frame| local(frame).0.distance(offsets[index]) > still;
+            let moves = parent.is_none() || (0..self.count).any(away);
+            let keys = reader::keys(index, file.frame_time_secs, frames);
+            channels.extend(
+                keys.into_iter()
+                    .filter(|c| moves || c.property == Property::Rotation),
+            );
+        }
+        if self
+            .frames
+            .iter()
+            .flatten()
+            .any(|f| f.scale.distance(Vec3::ONE) > 1e-4)
+        {
+            warnings.push(Warning::new("file", "the scale of segments is left out"));
+        }
+        let clips = file.character.clips.iter().map(|clip| Clip {
+            channels: channels.clone(),
+            ..clip.clone()
+        });
+        Character {
+            skeleton: Skeleton {
+                joints: order.iter().zip(&offsets).map(joint).collect(),
+            },
+            clips: clips.collect(),
+            ..Character::default()
+        }
+    }
+}
+
+fn keys(channel: &Channel) -> impl Iterator<Item = &[f32]> {
+    let width = if channel.property == Property::Rotation {
+        4
+    } else {
+        3
+    };
+    channel.values.chunks_exact(width)
+}
+
+/// Gives the segments of the spine their vertebrae, by how far along the way from the hips to
+/// the neck they are.
+fn name_spine(
+    world: &World,
+    skeleton: &Skeleton,
+    profile: &Profile,
+    root: usize,
+    meanings: &mut [Option<usize>],
+) {
+    let place = |segment: usize| world.at(segment, 0).translation;
+    let named = |name: &&str| {
+        let joint = hanim_table::find(name);
+        meanings.iter().position(|m| m.is_some() && *m == joint)
+    };
+    let top = ["vc7", "vc4", "vc2", "skullbase", "l_shoulder"];
+    let top = top.iter().find_map(named).unwrap_or(root);
+    let up = place(top) - place(root);
+    let far = |segment: &usize| (place(*segment) - place(root)).dot(up);
+    let unnamed = (0..meanings.len()).filter(|&s| meanings[s].is_none());
+    let spine = unnamed.filter(|&s| profile.is_spine(&skeleton.joints[s].name));
+    let mut spine: Vec<usize> = spine.collect();
+    spine.sort_by(|a, b| far(a).total_cmp(&far(b)));
+    for (segment, vertebra) in spine.iter().zip(spine_vertebrae(spine.len())) {
+        meanings[*segment] = Some(vertebra);
+    }
+}
+
+/// Segments parents first.
+fn ordered(world: &World, meanings: &[Option<usize>], root: usize) -> Vec<Slot> {
+    let mut segment_of = vec![None; JOINTS.len()];
+    for (segment, meaning) in meanings.iter().enumerate() {
+        if let Some(joint) = meaning {
+            segment_of[*joint] = Some(segment);
+        }
+    }
+    let mut order: Vec<Slot> = vec![(root, None)];
+    let mut slot_of = vec![None; JOINTS.len()];
+    slot_of[0] = Some(0);
+    // The table has parents before children, and the root first.
+    for (joint, segment) in segment_of.iter().enumerate().skip(1) {
+        let Some(segment) = segment else { continue };
+        let mut above = JOINTS[joint].parent;
+        while let Some(joint) = above.filter(|j| slot_of[*j].is_none()) {
+            above = JOINTS[joint].parent;
+        }
+        slot_of[joint] = Some(order.len());
+        order.push((*segment, above.and_then(|j| slot_of[j]).or(Some(0))));
+    }
+    let known = order.len();
+    let unknown = (0..meanings.len()).filter(|&s| meanings[s].is_none());
+    for (index, segment) in unknown.enumerate() {
+        let parents = if index < MOST_COMPARED { known } else { 1 };
+        let strays = |slot: &usize| world.strays(segment, order[*slot].0);
+        let parent = (0..parents).min_by(|a, b| strays(a).total_cmp(&strays(b)));
+        order.push((segment, parent.or(Some(0))));
+    }
+    order
+}
+
+/// Whether the head is above the hips and a knee or foot below, with all rotations at zero.
+fn stands(order: &[Slot], offsets: &[Vec3], meanings: &[Option<usize>]) -> bool {
+    let mut heights: Vec<f32> = Vec::with_capacity(order.len());
+    for ((_, parent), offset) in order.iter().zip(offsets) {
+        heights.push(parent.map_or(0.0, |p| heights[p]) + offset.y);
+    }
+    let of = |name: &str| {
+        let joint = hanim_table::find(name);
+        let slot = order
+            .iter()
+            .position(|(s, _)| joint.is_some() && meanings[*s] == joint);
+        slot.map(|slot| heights[slot] - heights[0])
+    };
+    let head = of("skullbase")
+        .or_else(|| of("vc4"))
+        .or_else(|| of("l_shoulder"));
+    let foot = of("l_ankle").or_else(|| of("l_knee"));
+    head.is_none_or(|h| h > 0.0) && foot.is_none_or(|h| h < 0.0)
+}

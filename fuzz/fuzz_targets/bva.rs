@@ -1,0 +1,12 @@
+//! Any bytes as a BVA file: a value or an error, and what is read may be put together.
+#![no_main]
+
+use articula_formats::bva::{self, ReadOptions};
+use articula_formats::{Limits, profile};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    if let Ok(read) = bva::read(bytes, &ReadOptions::default(), &Limits::default()) {
+        bva::tree(&read.value, profile::builtin());
+    }
+});
