@@ -4,6 +4,7 @@
 //! `spec/motion-lod.md` part 2. The root's way over the ground and its heading are no joint:
 //! they are always kept.
 
+use crate::clip_edit::heading::yaw;
 use crate::motion_error::keys::central_rotation;
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::JointSet;
@@ -149,12 +150,7 @@ fn heading(rig: &Rig, channel: &Channel, policy: PassivePolicy) -> Channel {
         let mut value = [0.0; 4];
         evaluate::channel(channel, *t, &mut value);
         let turn = above * Quat::from_array(value) * hold.conjugate() * above.conjugate();
-        let about_y = Quat::from_xyzw(0.0, turn.y, 0.0, turn.w);
-        let about_y = if about_y.length() > 1e-6 {
-            about_y.normalize()
-        } else {
-            Quat::IDENTITY
-        };
+        let about_y = Quat::from_rotation_y(yaw(turn));
         (above.conjugate() * about_y * above * hold)
             .normalize()
             .to_array()

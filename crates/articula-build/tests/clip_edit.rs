@@ -6,6 +6,7 @@ mod random_figure;
 
 use articula_build::clip_edit::Subject;
 use articula_build::clip_edit::key_reduction::{ReduceOptions, Reduced, reduce_keys};
+use articula_build::clip_edit::root_motion::{RootMotionMode, RootMotionOptions, split};
 use articula_core::hierarchy::local_to_model;
 use articula_core::math::Transform;
 use articula_core::mesh::Mesh;
@@ -129,6 +130,156 @@ fn worst(character: &Character, reduced: &Reduced) -> f32 {
         distances.fold(0.0, f32::max)
     });
     apart.fold(0.0, f32::max)
+}
+
+/// The figure with a hips joint that travels over the ground, turns and sways, and a second
+/// joint below the armature that goes its own way.
+fn traveller(rows: &[Row], armature: Transform, how: Interpolation) -> Character {
+    let mut character = figure_of(rows, armature);
+    let joints = &mut character.skeleton.joints;
+    joints.push(Joint {
+        name: "target".into(),
+        parent: Some(0),
+        rest: Transform::from_translation(Vec3::X / armature.scale),
+        in_skin: true,
+    });
+    let last = joints.len() - 1;
+    let clip = &mut character.clips[0];
+    clip.channels
+        .retain(|c| c.target != 1 || !c.property.is_of_joint());
+    let times: Vec<f32> = (0..12)
+        .map(|i| i as f32 * clip.duration_secs / 11.0)
+        .collect();
+    let up = armature.rotation.inverse();
+    let turn =
+        |t: f32| up * Quat::from_rotation_y(3.0 * t) * Quat::from_rotation_x(0.3 * (9.0 * t).sin());
+    let way = |t: f32| up * Vec3::new(2.0 * t, 0.9 + 0.1 * (9.0 * t).sin(), (4.0 * t).sin());
+    let cubic = how == Interpolation::CubicSpline;
+    let keys = |value: &dyn Fn(f32) -> Vec<f32>| -> Vec<f32> {
+        let slope = |t: f32| -> Vec<f32> {
+            let [a, b] = [t - 1e-3, t + 1e-3].map(value);
+            a.iter().zip(b).map(|(a, b)| (b - a) / 2e-3).collect()
+        };
+        let key = |t: &f32| match cubic {
+            true => [slope(*t), value(*t), slope(*t)].concat(),
+            false => value(*t),
+        };
+        times.iter().flat_map(key).collect()
+    };
+    let channel = |target, property, value: &dyn Fn(f32) -> Vec<f32>| Channel {
+        target,
+        property,
+        interpolation: how,
+        times_secs: times.clone(),
+        values: keys(value),
+    };
+    clip.channels.extend([
+        channel(1, Property::Rotation, &|t| turn(t).to_array().to_vec()),
+        channel(1, Property::Translation, &|t| {
+            (way(t) / armature.scale).to_array().to_vec()
+        }),
+        channel(last, Property::Translation, &|t| {
+            (Vec3::new(t, -t, 1.0) / armature.scale).to_array().to_vec()
+        }),
+    ]);
+    character
+}
+
+fn interpolations() -> impl Strategy<Value = Interpolation> {
+    use Interpolation::{CubicSpline, Linear, Step};
+    prop::sample::select(vec![Linear, Step, CubicSpline])
+}
+
+/// Times between the keys, some of them within no thousandth of a second of a jump.
+fn moments(clip: &Clip) -> impl Iterator<Item = f32> {
+    let end = clip.duration_secs;
+    (0..150)
+        .map(move |i| end * (i as f32 + 0.5) / 150.0)
+        .filter(move |t| {
+            let phase = (t / end * 11.0).fract();
+            (0.02..0.98).contains(&phase)
+        })
+}
+
+fn joints(character: &Character, rig: &Rig, clip: &Clip, secs: f32) -> ModelPose {
+    let mut pose = rig.rest_pose().clone();
+    evaluate::pose(clip, &character.skeleton, secs, &mut pose);
+    let mut model = ModelPose::new(rig.len());
+    local_to_model(rig, &pose, &mut model);
+    model
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn extracted_root_motion_leaves_every_joint_where_it_was(
+        rows in rows(),
+        armature in armatures(),
+        how in interpolations(),
+        smooth_secs in prop::sample::select(vec![0.0f32, 0.3]),
+    ) {
+        let character = traveller(&rows, armature, how);
+        let count = character.skeleton.joints.len();
+        let subject = Subject::new(&character, flat(count), &[]).unwrap();
+        let mode = RootMotionMode::Extract;
+        let out = split(&subject, &character.clips[0], &RootMotionOptions { mode, smooth_secs }).unwrap();
+        prop_assert_eq!(out.carrier, Some(0));
+        // Rounding, and what straight pieces between keys may differ by.
+        prop_assert!(out.worst_metres <= 3e-4, "{}", out.worst_metres);
+        let rig = Rig::new(&character.skeleton, flat(count)).unwrap();
+        let first = joints(&character, &rig, &out.clip, 0.0).matrices[0];
+        for secs in moments(&character.clips[0]) {
+            let [a, b] = [&character.clips[0], &out.clip].map(|c| joints(&character, &rig, c, secs));
+            for j in 1..count {
+                let apart = a.position(j).distance(b.position(j));
+                prop_assert!(apart <= 3e-4, "joint {j} at {secs} s: {apart} m");
+            }
+            // The carrier stays upright and at its height.
+            let step = b.matrices[0] * first.inverse();
+            prop_assert!((step.transform_vector3(Vec3::Y) - Vec3::Y).length() < 1e-4);
+            prop_assert!((b.position(0).y - first.translation.y).abs() < 1e-4);
+        }
+        // And takes the hips' way.
+        let last = out.trajectory.last().unwrap();
+        let [a, b] = [0.0, character.clips[0].duration_secs]
+            .map(|t| joints(&character, &rig, &character.clips[0], t).position(1));
+        prop_assert!((last.x_metres - (b - a).x).abs() < 1e-3 && (last.z_metres - (b - a).z).abs() < 1e-3);
+    }
+
+    #[test]
+    fn in_place_and_the_trajectory_are_the_whole(
+        rows in rows(),
+        armature in armatures(),
+        how in interpolations(),
+    ) {
+        let character = traveller(&rows, armature, how);
+        let count = character.skeleton.joints.len();
+        let subject = Subject::new(&character, flat(count), &[]).unwrap();
+        let mode = RootMotionMode::InPlace;
+        let opts = RootMotionOptions { mode, smooth_secs: 0.0 };
+        let out = split(&subject, &character.clips[0], &opts).unwrap();
+        let rig = Rig::new(&character.skeleton, flat(count)).unwrap();
+        let start = joints(&character, &rig, &character.clips[0], 0.0).position(1);
+        for key in &out.trajectory {
+            let [a, b] = [&character.clips[0], &out.clip].map(|c| joints(&character, &rig, c, key.secs));
+            let (a_hips, b_hips) = (a.position(1), b.position(1));
+            prop_assert!((b_hips.x - start.x).abs() < 2e-4 && (b_hips.z - start.z).abs() < 2e-4);
+            let turn = Quat::from_rotation_y(key.yaw_radians);
+            let ground = Vec3::new(start.x, 0.0, start.z);
+            let way = Vec3::new(key.x_metres, 0.0, key.z_metres);
+            for j in 1..count {
+                let back = turn * (b.position(j) - ground) + ground + way;
+                prop_assert!(back.distance(a.position(j)) < 3e-4);
+            }
+            prop_assert!((a_hips.y - b_hips.y).abs() < 1e-4, "height stays with the hips");
+        }
+        // What is in place has no trajectory left.
+        let again = split(&subject, &out.clip, &RootMotionOptions::default()).unwrap();
+        for key in &again.trajectory {
+            prop_assert!(key.x_metres.abs() < 3e-4 && key.z_metres.abs() < 3e-4 && key.yaw_radians.abs() < 1e-3);
+        }
+    }
 }
 
 proptest! {

@@ -64,6 +64,21 @@ impl<'a> Subject<'a> {
         Ok(())
     }
 
+    /// The joint that carries the body: the root of the humanoid, its sacrum where no joint
+    /// stands for the root, else the first joint of the skin.
+    pub fn hips(&self) -> usize {
+        let joints = &self.rig.articulation().joints;
+        let named = |name: &str| joints.iter().position(|j| j.hanim.as_deref() == Some(name));
+        named("humanoid_root")
+            .or_else(|| named("sacroiliac"))
+            .unwrap_or(self.rig.root())
+    }
+
+    /// Name of a joint.
+    pub fn joint_name(&self, joint: usize) -> &str {
+        self.rig.name(joint)
+    }
+
     /// Where a clip has every joint at a time.
     pub(super) fn pose(&self, clip: &Clip, time_secs: f32, posed: &mut Posed) {
         evaluate::pose(clip, self.skeleton, time_secs, &mut posed.local);

@@ -15,7 +15,8 @@ mod morphs;
 mod proof;
 mod watch;
 
-use super::channel::{self, SAME_SECS};
+use super::channel;
+use super::grid::{VERIFIED_HZ, grid};
 use super::subject::Subject;
 use crate::clip::steps_at;
 use crate::reduce::{MotionSize, size_of};
@@ -25,9 +26,6 @@ use choice::{Choice, Kept};
 use morphs::MorphErrors;
 use proof::Proof;
 use watch::Watch;
-
-/// Least rate of the grid that the result is verified on.
-pub const VERIFIED_HZ: f32 = 120.0;
 
 /// How keys are reduced.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -75,7 +73,7 @@ pub fn reduce_keys(
         return Err(Mismatch::new("bound_metres", what));
     }
     steps_at(clip, clip.duration_secs, VERIFIED_HZ, 1)?;
-    let times = grid(clip);
+    let times = grid([clip], clip.duration_secs);
     let watch = Watch::new(subject, clip);
     let morphs = MorphErrors::new(subject, clip);
     let mut choices = choice::first(subject, clip, opts, &watch, &morphs);
@@ -101,23 +99,6 @@ pub fn reduce_keys(
         after: size_of(out.channels.iter()),
         clip: out,
     })
-}
-
-/// All key times, the ticks of [`VERIFIED_HZ`], and the middle between two keys that are nearer
-/// than these.
-fn grid(clip: &Clip) -> Vec<f32> {
-    let sorted = |mut times: Vec<f32>| {
-        times.sort_by(f32::total_cmp);
-        times.dedup_by(|b, a| *b - *a <= SAME_SECS);
-        times
-    };
-    let keys = clip.channels.iter().flat_map(|c| &c.times_secs);
-    let keys = sorted(keys.copied().chain([0.0, clip.duration_secs]).collect());
-    let ticks = (clip.duration_secs * VERIFIED_HZ).ceil() as usize;
-    let ticks = (0..ticks).map(|i| i as f32 / VERIFIED_HZ);
-    let near = keys.windows(2).filter(|w| w[1] - w[0] <= 2.0 / VERIFIED_HZ);
-    let middles = near.map(|w| 0.5 * (w[0] + w[1]));
-    sorted(keys.iter().copied().chain(ticks).chain(middles).collect())
 }
 
 #[cfg(test)]

@@ -1,16 +1,20 @@
-//! `convert --trim --rate --reduce-keys`: clips made clean, and what that did in numbers.
+//! `convert --trim --root-motion --rate --reduce-keys`: clips made clean, and what that did in
+//! numbers.
 //!
-//! The order is fixed, whatever the order of the flags: trim, rate, then (after the level of
-//! articulation) keys. The bound of the keys is against what they stood for just before.
+//! The order is fixed, whatever the order of the flags: trim, root motion, rate, then (after the
+//! level of articulation) keys. The bound of the keys is against what they stood for just before.
 
 use crate::load::{Format, Loaded};
 use crate::prepared::articulation_of;
 use crate::{arguments, fault};
 use anyhow::Context;
 use articula_build::clip_edit::key_reduction::{self, ReduceOptions, Reduced};
+use articula_build::clip_edit::root_motion::{
+    self, RootMotionMode, RootMotionOptions, TrajectoryKey,
+};
 use articula_build::clip_edit::{Subject, rate, trim};
 use articula_core::source::Clip;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -20,6 +24,13 @@ pub(super) struct HygieneArgs {
     /// Keep a part of each clip, in seconds: 1.5..3, ..3 or 2..
     #[arg(long, value_name = "FROM..TO", value_parser = part)]
     trim: Option<Part>,
+    /// What becomes of the hips' way over the ground and their heading: told, given to a joint
+    /// above them, or taken away
+    #[arg(long, value_name = "MODE", value_enum)]
+    root_motion: Option<RootMode>,
+    /// With --root-motion: leave sway that is shorter than this to the hips
+    #[arg(long, value_name = "SECS", value_parser = arguments::positive, requires = "root_motion")]
+    root_smooth: Option<f32>,
     /// Key every channel at this rate
     #[arg(long, value_name = "HZ", value_parser = arguments::positive)]
     rate: Option<f32>,
@@ -29,6 +40,18 @@ pub(super) struct HygieneArgs {
     /// With --reduce-keys: drop channels that show the rest pose, too
     #[arg(long, requires = "reduce_keys")]
     drop_rest: bool,
+}
+
+/// What becomes of root motion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+enum RootMode {
+    /// It stays; the report tells the trajectory
+    Keep,
+    /// The joint above the hips carries it
+    Extract,
+    /// It is taken away
+    InPlace,
 }
 
 /// A part of a clip; without a bound, from its start or to its end.
@@ -43,6 +66,7 @@ struct Part {
 pub(super) struct Edits {
     clip: String,
     trim: Option<Trimmed>,
+    root_motion: Option<RootMotionDone>,
     rate: Option<Resampled>,
     reduce_keys: Option<KeysReduced>,
 }
@@ -52,6 +76,31 @@ struct Trimmed {
     from_secs: f32,
     to_secs: f32,
     duration_secs: f32,
+}
+
+#[derive(Debug, Serialize)]
+struct RootMotionDone {
+    mode: RootMode,
+    hips: String,
+    /// The joint above the hips that can carry the trajectory; null if none can.
+    carrier: Option<String>,
+    /// From the first frame to the last, over the ground.
+    travel_m: f32,
+    /// The way itself.
+    path_m: f32,
+    turn_deg: f32,
+    /// Greatest distance of any joint from its source, the trajectory put back.
+    worst_m: f32,
+    trajectory: Vec<Place>,
+}
+
+/// Against the first frame.
+#[derive(Debug, Serialize)]
+struct Place {
+    secs: f32,
+    x_m: f32,
+    z_m: f32,
+    yaw_deg: f32,
 }
 
 #[derive(Debug, Serialize)]
@@ -85,12 +134,20 @@ impl HygieneArgs {
                 out.name()
             )));
         }
+        if self.root_motion == Some(RootMode::Extract) && out == Format::Vrma {
+            return Err(fault::usage(
+                "--root-motion extract: a .vrma file moves the bones of a humanoid alone, and the hips are the first of them; use in-place",
+            ));
+        }
         Ok(())
     }
 
     /// Whether anything is to be done.
     pub(super) fn asks(&self) -> bool {
-        self.trim.is_some() || self.rate.is_some() || self.reduce_keys.is_some()
+        self.trim.is_some()
+            || self.root_motion.is_some()
+            || self.rate.is_some()
+            || self.reduce_keys.is_some()
     }
 
     /// Does all but the keys; gives one entry for each clip, or none if nothing is asked for.
@@ -99,15 +156,27 @@ impl HygieneArgs {
             return Ok(Vec::new());
         }
         let place = loaded.place();
-        let clips = &mut loaded.character.clips;
-        let edit = |clip: &mut Clip| self.edit(clip).with_context(|| place.clone());
-        clips.iter_mut().map(edit).collect()
+        let subject = subject(loaded).with_context(|| place.clone())?;
+        let edit = |clip: &Clip| {
+            let mut clip = clip.clone();
+            let edits = self.edit(&subject, &mut clip);
+            Ok((clip, edits.with_context(|| place.clone())?))
+        };
+        let done = loaded.character.clips.par_iter().map(edit);
+        let done = done.collect::<anyhow::Result<Vec<(Clip, Edits)>>>()?;
+        let (clips, edits) = done.into_iter().unzip();
+        loaded.character.clips = clips;
+        Ok(edits)
     }
 
-    fn edit(&self, clip: &mut Clip) -> anyhow::Result<Edits> {
+    fn edit(&self, subject: &Subject<'_>, clip: &mut Clip) -> anyhow::Result<Edits> {
         Ok(Edits {
             clip: clip.name.clone(),
             trim: self.trim.map(|part| part.trim(clip)).transpose()?,
+            root_motion: self
+                .root_motion
+                .map(|mode| root_motion(subject, clip, mode, self.root_smooth))
+                .transpose()?,
             rate: self.rate.map(|rate| resample(clip, rate)).transpose()?,
             reduce_keys: None,
         })
@@ -150,6 +219,52 @@ fn subject(loaded: &Loaded) -> anyhow::Result<Subject<'_>> {
     )?)
 }
 
+fn root_motion(
+    subject: &Subject<'_>,
+    clip: &mut Clip,
+    mode: RootMode,
+    smooth_secs: Option<f32>,
+) -> anyhow::Result<RootMotionDone> {
+    let opts = RootMotionOptions {
+        mode: match mode {
+            RootMode::Keep => RootMotionMode::Keep,
+            RootMode::Extract => RootMotionMode::Extract,
+            RootMode::InPlace => RootMotionMode::InPlace,
+        },
+        smooth_secs: smooth_secs.unwrap_or(0.0),
+    };
+    let out = root_motion::split(subject, clip, &opts)?;
+    *clip = out.clip;
+    let way = |a: &TrajectoryKey, b: &TrajectoryKey| {
+        (a.x_metres - b.x_metres).hypot(a.z_metres - b.z_metres)
+    };
+    let last = out.trajectory.last().copied().unwrap_or_default();
+    let place = |key: &TrajectoryKey| Place {
+        secs: key.secs,
+        x_m: key.x_metres,
+        z_m: key.z_metres,
+        yaw_deg: key.yaw_radians.to_degrees(),
+    };
+    Ok(RootMotionDone {
+        mode,
+        hips: subject.joint_name(out.hips).to_owned(),
+        carrier: out.carrier.map(|j| subject.joint_name(j).to_owned()),
+        travel_m: way(&last, &TrajectoryKey::default()),
+        path_m: out.trajectory.windows(2).map(|w| way(&w[1], &w[0])).sum(),
+        turn_deg: last.yaw_radians.to_degrees(),
+        worst_m: out.worst_metres,
+        trajectory: out.trajectory.iter().map(place).collect(),
+    })
+}
+
+fn named(name: &str) -> String {
+    if name.is_empty() {
+        "without a name".into()
+    } else {
+        format!("\"{}\"", fault::clean(name))
+    }
+}
+
 fn keys(clip: &Clip) -> usize {
     clip.channels.iter().map(|c| c.times_secs.len()).sum()
 }
@@ -188,6 +303,9 @@ impl Edits {
                 t.from_secs, t.to_secs, t.duration_secs
             ));
         }
+        if let Some(root) = &self.root_motion {
+            text.push_str(&root.text());
+        }
         if let Some(r) = &self.rate {
             text.push_str(&format!(
                 "  keyed at {} Hz: {} -> {} keys\n",
@@ -198,6 +316,28 @@ impl Edits {
             text.push_str(&k.text());
         }
         text
+    }
+}
+
+impl RootMotionDone {
+    fn text(&self) -> String {
+        let hips = named(&self.hips);
+        let off = format!(
+            "every joint within {:.3} mm of its source",
+            1e3 * self.worst_m
+        );
+        let what = match (self.mode, &self.carrier) {
+            (RootMode::Keep, _) => "kept".to_owned(),
+            (RootMode::Extract, Some(carrier)) => {
+                format!("now of the joint {}, {off}", named(carrier))
+            }
+            (RootMode::Extract, None) => "left there, since no joint above can carry it (--json tells the trajectory, in-place takes it away)".to_owned(),
+            (RootMode::InPlace, _) => format!("taken away; with it, {off}"),
+        };
+        format!(
+            "  root motion of the hips {hips}: {:.3} m on a way of {:.3} m, {:.1} degrees; {what}\n",
+            self.travel_m, self.path_m, self.turn_deg,
+        )
     }
 }
 

@@ -1,0 +1,27 @@
+//! The times at which an edit is verified.
+
+use super::channel::SAME_SECS;
+use articula_core::source::Clip;
+
+/// Least rate of the grid that an edit is verified on.
+pub const VERIFIED_HZ: f32 = 120.0;
+
+/// All key times of some clips, the ticks of [`VERIFIED_HZ`] up to `end_secs`, and the middle
+/// between two keys that are nearer than these.
+pub(super) fn grid<'a>(clips: impl IntoIterator<Item = &'a Clip>, end_secs: f32) -> Vec<f32> {
+    let channels = clips.into_iter().flat_map(|clip| &clip.channels);
+    let keys = channels.flat_map(|c| &c.times_secs).copied();
+    let keys = rising(keys.chain([0.0, end_secs]).collect());
+    let ticks = (end_secs * VERIFIED_HZ).ceil() as usize;
+    let ticks = (0..ticks).map(|i| i as f32 / VERIFIED_HZ);
+    let near = keys.windows(2).filter(|w| w[1] - w[0] <= 2.0 / VERIFIED_HZ);
+    let middles = near.map(|w| 0.5 * (w[0] + w[1]));
+    rising(keys.iter().copied().chain(ticks).chain(middles).collect())
+}
+
+/// Sorted, times that are one only once.
+pub(super) fn rising(mut times: Vec<f32>) -> Vec<f32> {
+    times.sort_by(f32::total_cmp);
+    times.dedup_by(|b, a| *b - *a <= SAME_SECS);
+    times
+}

@@ -1,0 +1,460 @@
+//! Root motion: the way of the hips over the ground apart from the rest of a motion.
+//!
+//! The trajectory is a rigid step over the ground at every time: where the hips have gone since
+//! the first frame, and how far they have turned about the vertical. It starts at nothing, so the
+//! first frame never changes. Extracted, it becomes the motion of a joint above the hips, and
+//! whatever hangs from that joint moves against it, so that all world poses stay as they are.
+//! In place, it is taken away.
+//!
+//! All of it happens in model space, so parents that are turned (a Z-up root) or scaled (an
+//! armature of scale 100) need no care of their own.
+
+mod carrier;
+mod similarity;
+mod trajectory;
+
+pub use trajectory::TrajectoryKey;
+
+use super::channel::{self, SAME_SECS};
+use super::grid::{grid, rising};
+use super::subject::{Posed, Subject};
+use crate::clip::steps_at;
+use articula_core::Mismatch;
+use articula_core::math::{Transform, angle_between, same_hemisphere};
+use articula_core::source::{Channel, Clip, Interpolation, Property};
+use carrier::Carrier;
+use similarity::Similarity;
+use trajectory::Trajectory;
+
+/// What becomes of the trajectory.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum RootMotionMode {
+    /// It is only told.
+    #[default]
+    Keep,
+    /// It goes to a joint above the hips.
+    Extract,
+    /// It is taken away: the figure stays where it starts.
+    InPlace,
+}
+
+/// How root motion is treated.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RootMotionOptions {
+    /// What becomes of it.
+    pub mode: RootMotionMode,
+    /// The trajectory is the mean of the hips' way over this time, so that the sway of the hips
+    /// stays with them; 0 follows them exactly.
+    pub smooth_secs: f32,
+}
+
+/// A clip and its trajectory.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RootMotion {
+    /// The clip: unchanged if the trajectory is kept, or if no joint can carry it.
+    pub clip: Clip,
+    /// The joint whose way it is.
+    pub hips: usize,
+    /// The joint above the hips that can carry it, and does if it is extracted.
+    pub carrier: Option<usize>,
+    /// The trajectory, at the keys that the clip then has.
+    pub trajectory: Vec<TrajectoryKey>,
+    /// Greatest distance of any joint from where the source has it, when the trajectory is put
+    /// back; 0 if the clip is unchanged.
+    pub worst_metres: f32,
+}
+
+/// Between two keys, what moves against the carrier may be so far from the source.
+const SAME_METRES: f32 = 5e-5;
+const SAME_RADIANS: f32 = 1e-4;
+
+/// Halvings of one interval between two keys of the source at most.
+const MOST_HALVINGS: usize = 5;
+
+/// A jump of a step channel becomes a move that is as short as this; nothing is said of the time
+/// in between.
+const JUMP_SECS: f32 = 1e-4;
+
+/// Splits off the trajectory of the hips.
+///
+/// The joints that move against it get straight keys, as many as it takes; all other channels
+/// stay as they are.
+///
+/// # Errors
+/// A [`Mismatch`] if the clip is not one of this character, or is longer than can be verified.
+pub fn split(
+    subject: &Subject<'_>,
+    clip: &Clip,
+    opts: &RootMotionOptions,
+) -> Result<RootMotion, Mismatch> {
+    subject.check(clip)?;
+    steps_at(clip, clip.duration_secs, super::grid::VERIFIED_HZ, 1)?;
+    let trajectory = Trajectory::new(subject, clip, opts.smooth_secs);
+    let found = Carrier::find(subject, clip);
+    let in_place = opts.mode == RootMotionMode::InPlace;
+    let mut split = Split::new(subject, clip, &trajectory, found.as_ref(), in_place);
+    let mut out = RootMotion {
+        clip: clip.clone(),
+        hips: subject.hips(),
+        carrier: found.as_ref().and_then(|c| c.joint),
+        trajectory: Vec::new(),
+        worst_metres: 0.0,
+    };
+    let changes = in_place || opts.mode == RootMotionMode::Extract && found.is_some();
+    let times = split.times();
+    out.trajectory = trajectory.keys(&times);
+    if changes {
+        out.clip = split.clip(&times);
+        out.worst_metres = split.worst(&out.clip);
+    }
+    Ok(out)
+}
+
+/// What is needed to move joints against the trajectory.
+struct Split<'a> {
+    subject: &'a Subject<'a>,
+    clip: &'a Clip,
+    trajectory: &'a Trajectory<'a>,
+    carrier: Carrier,
+    /// The children of the carrier that move against it.
+    children: Vec<usize>,
+    in_place: bool,
+    /// Key times of what moves the hips, the carrier and its children.
+    keys: Vec<f32>,
+    /// Those at which something may jump.
+    jumps: Vec<f32>,
+    posed: Posed,
+    /// Model-from-carrier in the first frame.
+    first: Similarity,
+}
+
+/// Local transforms of the carrier and its children at a time, and where these belong.
+struct Frame {
+    secs: f32,
+    parent: Similarity,
+    carrier: Similarity,
+    children: Vec<Transform>,
+    /// Model space.
+    wanted: Vec<Transform>,
+}
+
+impl<'a> Split<'a> {
+    fn new(
+        subject: &'a Subject<'a>,
+        clip: &'a Clip,
+        trajectory: &'a Trajectory<'a>,
+        found: Option<&Carrier>,
+        in_place: bool,
+    ) -> Self {
+        let carrier = found.cloned().unwrap_or_else(|| Carrier::world(subject));
+        let mut posed = subject.rest();
+        subject.pose(clip, 0.0, &mut posed);
+        let (mut keys, mut jumps) = (vec![0.0, clip.duration_secs], Vec::new());
+        for channel in clip.channels.iter().filter(|c| c.property.is_of_joint()) {
+            let joint = channel.target;
+            if subject.rig.is_at_or_below(subject.hips(), joint)
+                || carrier.children.contains(&joint)
+            {
+                keys.extend(&channel.times_secs);
+                if channel.interpolation == Interpolation::Step {
+                    jumps.extend(&channel.times_secs[1..]);
+                }
+            }
+        }
+        Self {
+            keys: rising(keys),
+            jumps: rising(jumps),
+            // In place, what stands still in the world goes on standing still.
+            children: if in_place {
+                carrier.moving_children(subject, clip)
+            } else {
+                carrier.children.clone()
+            },
+            first: carrier.placed(subject, &posed).1,
+            subject,
+            clip,
+            trajectory,
+            carrier,
+            in_place,
+            posed,
+        }
+    }
+
+    fn frame(&mut self, secs: f32) -> Frame {
+        self.subject.pose(self.clip, secs, &mut self.posed);
+        let step = self.trajectory.step(secs, &self.posed);
+        let (parent, carrier) = self.carrier.placed(self.subject, &self.posed);
+        let (placed, seen) = if self.in_place {
+            (self.first, step.inverse())
+        } else {
+            (step * self.first, Similarity::IDENTITY)
+        };
+        let locals = self.children.iter().map(|j| self.posed.local.get(*j));
+        let wanted: Vec<Transform> = locals.map(|t| (seen * carrier).after(t)).collect();
+        let against = placed.inverse();
+        Frame {
+            secs,
+            parent,
+            carrier: parent.inverse() * placed,
+            children: wanted.iter().map(|t| against.after(*t)).collect(),
+            wanted,
+        }
+    }
+
+    /// The times at which all that changes gets keys: those of the source, and more where
+    /// straight pieces between them would leave its way.
+    fn times(&mut self) -> Vec<f32> {
+        let before_jumps = self.jumps.iter().map(|t| t - JUMP_SECS);
+        let mut times: Vec<f32> = self.keys.iter().copied().chain(before_jumps).collect();
+        times.retain(|t| (0.0..=self.clip.duration_secs).contains(t));
+        let times = rising(times);
+        let mut all = vec![times[0]];
+        let mut before = self.frame(times[0]);
+        for t in &times[1..] {
+            let after = self.frame(*t);
+            self.refine(&before, &after, MOST_HALVINGS, &mut all);
+            all.push(*t);
+            before = after;
+        }
+        all
+    }
+
+    fn refine(&mut self, a: &Frame, b: &Frame, halvings: usize, times: &mut Vec<f32>) {
+        let secs = 0.5 * (a.secs + b.secs);
+        if halvings == 0 || b.secs - a.secs <= 2.0 * JUMP_SECS {
+            return;
+        }
+        let at = |t: f32| a.secs + (b.secs - a.secs) * t;
+        if [0.25, 0.5, 0.75]
+            .iter()
+            .all(|t| follows(a, b, *t, &self.frame(at(*t))))
+        {
+            return;
+        }
+        let middle = self.frame(secs);
+        self.refine(a, &middle, halvings - 1, times);
+        times.push(secs);
+        self.refine(&middle, b, halvings - 1, times);
+    }
+
+    /// The clip with new channels for the carrier and what moves against it.
+    fn clip(&mut self, times: &[f32]) -> Clip {
+        let frames: Vec<Frame> = times.iter().map(|t| self.frame(*t)).collect();
+        let one_way = |locals: &mut Vec<Transform>| {
+            for i in 1..locals.len() {
+                let before = locals[i - 1].rotation;
+                locals[i].rotation = same_hemisphere(before, locals[i].rotation);
+            }
+        };
+        let mut moved: Vec<(usize, Vec<Transform>)> = Vec::new();
+        if let Some(joint) = self.carrier.joint {
+            let locals = frames.iter().map(|f| f.carrier.transform());
+            moved.push((joint, locals.collect()));
+        }
+        for (i, child) in self.children.iter().enumerate() {
+            moved.push((*child, frames.iter().map(|f| f.children[i]).collect()));
+        }
+        moved.iter_mut().for_each(|(_, locals)| one_way(locals));
+        let is_moved = |joint: usize| moved.iter().any(|(j, _)| *j == joint);
+        let mut out = self.clip.clone();
+        out.channels
+            .retain(|c| !c.property.is_of_joint() || !is_moved(c.target));
+        for (joint, locals) in &moved {
+            out.channels.extend(self.channels(*joint, times, locals));
+        }
+        channel::keep_length(&mut out);
+        out
+    }
+
+    fn channels(&self, joint: usize, times: &[f32], locals: &[Transform]) -> Vec<Channel> {
+        let rest = self.subject.rig.rest_pose().get(joint);
+        let channel = |property, width: usize, value: fn(&Transform) -> Vec<f32>| {
+            let mut out = Channel {
+                target: joint,
+                property,
+                interpolation: Interpolation::Linear,
+                times_secs: times.to_vec(),
+                values: locals.iter().flat_map(value).collect(),
+            };
+            let same = |a: &[f32], b: &[f32]| {
+                let size = b.iter().fold(1e-3f32, |s, v| s.max(v.abs()));
+                a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-6 * size)
+            };
+            let first = out.values[..width].to_vec();
+            if out.values.chunks(width).all(|v| same(v, &first)) {
+                out.times_secs.truncate(1);
+                out.values.truncate(width);
+            }
+            let keyed = |c: &Channel| c.target == joint && c.property == property;
+            // What nobody keyed and still is at rest needs no channel now.
+            let needed = out.times_secs.len() > 1
+                || !same(&first, &value(&rest))
+                || self.clip.channels.iter().any(keyed);
+            needed.then_some(out)
+        };
+        let turns = |t: &Transform| t.rotation.to_array().to_vec();
+        [
+            channel(Property::Translation, 3, |t| {
+                t.translation.to_array().to_vec()
+            }),
+            channel(Property::Rotation, 4, turns),
+            channel(Property::Scale, 3, |t| t.scale.to_array().to_vec()),
+        ]
+        .into_iter()
+        .flatten()
+        .collect()
+    }
+
+    /// Greatest distance of any joint from where the source has it, the trajectory put back.
+    fn worst(&mut self, out: &Clip) -> f32 {
+        let rig = &self.subject.rig;
+        let moves = |joint: usize| self.children.iter().any(|c| rig.is_at_or_below(joint, *c));
+        let joints: Vec<usize> = (0..rig.len()).filter(|j| moves(*j)).collect();
+        let mut shown = self.subject.rest();
+        let mut worst = 0.0f32;
+        let in_jump = |secs: f32| {
+            let next = self.jumps.partition_point(|t| *t <= secs);
+            let next = self.jumps.get(next);
+            next.is_some_and(|t| t - secs < JUMP_SECS - SAME_SECS)
+        };
+        let mut times = grid([self.clip, out], self.clip.duration_secs);
+        times.retain(|t| !in_jump(*t));
+        for secs in times {
+            self.subject.pose(self.clip, secs, &mut self.posed);
+            self.subject.pose(out, secs, &mut shown);
+            let back = if self.in_place {
+                self.trajectory.step(secs, &self.posed)
+            } else {
+                Similarity::IDENTITY
+            };
+            for j in &joints {
+                let there = back.point(shown.model.position(*j).as_dvec3()).as_vec3();
+                worst = worst.max(there.distance(self.posed.model.position(*j)));
+            }
+        }
+        worst
+    }
+}
+
+/// Whether straight pieces from one frame to another pass through one between them.
+fn follows(a: &Frame, b: &Frame, t: f32, between: &Frame) -> bool {
+    let carrier = blend(a.carrier.transform(), b.carrier.transform(), t);
+    let placed = between.parent * Similarity::of(carrier);
+    let ends = a.children.iter().zip(&b.children);
+    ends.zip(&between.wanted).all(|((a, b), wanted)| {
+        let shown = placed.after(blend(*a, *b, t));
+        let apart = shown.translation.distance(wanted.translation);
+        apart <= SAME_METRES && angle_between(shown.rotation, wanted.rotation) <= SAME_RADIANS
+    })
+}
+
+fn blend(a: Transform, b: Transform, t: f32) -> Transform {
+    Transform {
+        translation: a.translation.lerp(b.translation, t),
+        rotation: a.rotation.slerp(same_hemisphere(a.rotation, b.rotation), t),
+        scale: a.scale.lerp(b.scale, t),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_clips::{bar, line};
+    use super::*;
+    use articula_core::source::Character;
+    use glam::Vec3;
+    use std::f32::consts::TAU;
+
+    /// A root node, hips below it, and another node below the root that nothing moves.
+    fn figure(root_scale: Vec3) -> (Character, articula_core::articulation::Articulation) {
+        let (mut character, articulation) = bar(3);
+        let joints = &mut character.skeleton.joints;
+        joints[0].in_skin = false;
+        joints[0].rest.scale = root_scale;
+        joints[2].parent = Some(0);
+        joints[2].in_skin = false;
+        (character, articulation)
+    }
+
+    fn walk() -> Clip {
+        let mut clip = line(&[0.0, 1.0], &[1.0, 3.0]);
+        clip.channels[0].target = 1;
+        clip
+    }
+
+    fn done(character: &Character, clip: &Clip, mode: RootMotionMode) -> RootMotion {
+        let (_, articulation) = figure(Vec3::ONE);
+        let subject = Subject::new(character, articulation, &[]).unwrap();
+        let opts = RootMotionOptions {
+            mode,
+            smooth_secs: 0.0,
+        };
+        split(&subject, clip, &opts).unwrap()
+    }
+
+    fn keyed(clip: &Clip) -> Vec<(usize, Property, usize)> {
+        let channels = clip.channels.iter();
+        channels
+            .map(|c| (c.target, c.property, c.times_secs.len()))
+            .collect()
+    }
+
+    #[test]
+    fn a_straight_walk_by_hand() {
+        let (character, _) = figure(Vec3::ONE);
+        let kept = done(&character, &walk(), RootMotionMode::Keep);
+        assert_eq!((kept.hips, kept.carrier, &kept.clip), (1, Some(0), &walk()));
+        assert_eq!(kept.trajectory.last().unwrap().x_metres, 2.0);
+        let out = done(&character, &walk(), RootMotionMode::Extract);
+        // The node that stood still moves against the root, so that it still does.
+        use Property::Translation;
+        assert_eq!(
+            keyed(&out.clip),
+            [
+                (0, Translation, 2),
+                (1, Translation, 1),
+                (2, Translation, 2)
+            ]
+        );
+        assert_eq!(out.clip.channels[0].values, [0.0, 0.0, 0.0, 2.0, 0.0, 0.0]);
+        assert_eq!(out.clip.channels[1].values, [1.0, 0.0, 0.0]);
+        assert!(out.worst_metres < 1e-6);
+        let out = done(&character, &walk(), RootMotionMode::InPlace);
+        // One value all along, and a second key for the length of the clip.
+        assert_eq!(keyed(&out.clip), [(1, Translation, 2)]);
+        assert_eq!(out.clip.channels[0].values, [1.0, 0.0, 0.0, 1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn what_stretches_carries_nothing_but_the_figure_can_stay_in_place() {
+        let (character, _) = figure(Vec3::new(1.0, 2.0, 1.0));
+        let out = done(&character, &walk(), RootMotionMode::Extract);
+        assert_eq!((out.carrier, &out.clip), (None, &walk()));
+        let out = done(&character, &walk(), RootMotionMode::InPlace);
+        assert_eq!(out.carrier, None);
+        assert!(out.worst_metres < 1e-6);
+        let again = done(&character, &out.clip, RootMotionMode::Keep);
+        assert!(again.trajectory.iter().all(|k| k.x_metres.abs() < 1e-6));
+    }
+
+    #[test]
+    fn a_somersault_does_not_turn_around() {
+        let (character, _) = figure(Vec3::ONE);
+        let times: Vec<f32> = (0..=40).map(|i| i as f32 / 40.0).collect();
+        // Not quite straight, as captured ones are.
+        let turns = times.iter().flat_map(|t| {
+            (glam::Quat::from_rotation_x(TAU * t) * glam::Quat::from_rotation_y(0.1)).to_array()
+        });
+        let mut clip = walk();
+        clip.channels.push(Channel {
+            target: 1,
+            property: Property::Rotation,
+            interpolation: Interpolation::Linear,
+            values: turns.collect(),
+            times_secs: times,
+        });
+        let out = done(&character, &clip, RootMotionMode::Extract);
+        let widest = out.trajectory.iter().map(|k| k.yaw_radians.abs());
+        assert!(widest.fold(0.0, f32::max) < 0.2);
+        assert!(out.worst_metres < 1e-4);
+    }
+}
