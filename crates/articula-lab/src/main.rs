@@ -16,6 +16,7 @@ mod tables;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
+use tables::retargets::Pictures;
 
 /// Evaluation runs of Articula.
 #[derive(Parser)]
@@ -42,6 +43,8 @@ enum Table {
     ThesisGrid,
     /// Every file of the data: what is in it, and what each writer makes of it.
     Doors,
+    /// Motions of every kind on characters of every kind, and how good they are.
+    Retargets(Pictures),
     /// All of them.
     All,
 }
@@ -61,8 +64,10 @@ fn main() -> Result<()> {
         Table::MotionLod => tables::motion_lod::write(&run),
         Table::ThesisGrid => tables::thesis_grid::write(&run),
         Table::Doors => tables::doors::write(&run),
+        Table::Retargets(pictures) => tables::retargets::write(&run, &pictures),
         Table::All => {
             tables::doors::write(&run)?;
+            tables::retargets::write(&run, &Pictures::default())?;
             tables::motion_lod::write(&run)?;
             tables::thesis_grid::write(&run)
         }

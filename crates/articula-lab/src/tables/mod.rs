@@ -2,6 +2,7 @@
 
 pub(crate) mod doors;
 pub(crate) mod motion_lod;
+pub(crate) mod retargets;
 pub(crate) mod thesis_grid;
 
 use anyhow::{Context, Result};

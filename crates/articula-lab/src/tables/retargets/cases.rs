@@ -1,0 +1,257 @@
+//! Which motions are put onto which characters.
+
+use crate::open::{self, Content};
+use anyhow::{Context, Result, bail};
+use articula_build::clip::source_rate_hz;
+use articula_build::human::{HumanOptions, human};
+use articula_build::retarget::{Figure, RetargetOptions, Retargeted, retarget};
+use articula_core::articulation::Articulation;
+use articula_core::source::{Character, Clip};
+use articula_formats::mpeg4::bap;
+use articula_formats::profile;
+use std::path::Path;
+
+/// Where a motion comes from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Source {
+    /// A clip of a file of the data; the first without a name.
+    File(&'static str, &'static str),
+    /// Body animation parameters, told from another motion on our human.
+    Bap(&'static str),
+}
+
+/// Who receives it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Target {
+    File(&'static str),
+    /// The reference human.
+    Human,
+}
+
+/// One row of the table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Case {
+    pub(super) motion: &'static str,
+    pub(super) source: Source,
+    pub(super) onto: &'static str,
+    pub(super) target: Target,
+    /// Leading seconds that are left out: captures begin with a frame of the rest pose.
+    pub(super) skip_secs: f32,
+    /// Whether a small run has it.
+    pub(super) small: bool,
+    /// Whether it stands in the picture beside the table.
+    pub(super) shown: bool,
+}
+
+/// A character with the name that the table has for it.
+type Onto = (&'static str, Target);
+
+const CMU_WALK: &str = "bvh/cmu_12_01_walk.bvh";
+const PAB: &str = "glb/pab_arnaud.glb";
+const KAYKIT: &str = "glb/kaykit_mannequin/Med_MovementBasic.glb";
+const IDLE: &str = "vrm/idle_loop.vrma";
+
+const MH_WOMAN: Onto = onto("MakeHuman woman", "glb/mh_female_default163_arkit52.glb");
+const MH_MAN: Onto = onto("MakeHuman man", "glb/mh_male_cmu31.glb");
+const MAN: Onto = onto("Quaternius man", "glb/Quaternius_modular_men__Casual2.glb");
+const WOMAN: Onto = onto(
+    "Quaternius woman",
+    "glb/Quaternius_modular_women__Casual.glb",
+);
+const KNIGHT: Onto = onto("KayKit Knight", "glb/KayKit_Knight.glb");
+const GODETTE: Onto = onto("Godette", "vrm/Godette_vrm_v4.vrm");
+const HUMAN: Onto = ("our human", Target::Human);
+
+/// The table, in its order: every kind of motion, every kind of character.
+pub(super) const CASES: [Case; 14] = [
+    case("CMU walk", file(CMU_WALK), MH_MAN).skip(),
+    case("CMU walk", file(CMU_WALK), KNIGHT)
+        .skip()
+        .small()
+        .shown(),
+    case("CMU jumps", file("bvh/cmu_01_01.amc"), HUMAN).shown(),
+    case("FAIR1 dab", file("bvh/fair1_dab.bvh"), MH_WOMAN),
+    case("FAIR1 jumping", file("bvh/fair1_jumping.bvh"), MAN).shown(),
+    case("FAIR1 zombie", file("bvh/fair1_zombie.bvh"), GODETTE).shown(),
+    case("pab run", clip(PAB, "run"), WOMAN).small(),
+    case("pab walk", clip(PAB, "walk"), HUMAN).small(),
+    case(
+        "KayKit running",
+        clip(KAYKIT, "Rig_Medium|Running_A"),
+        MH_WOMAN,
+    ),
+    case(
+        "KayKit walking",
+        clip(KAYKIT, "Rig_Medium|Walking_A"),
+        GODETTE,
+    )
+    .small(),
+    case("VRMA idle", file(IDLE), KNIGHT),
+    case("VRMA idle", file(IDLE), WOMAN),
+    case("BAP walk", Source::Bap(CMU_WALK), MH_MAN),
+    case("X3D Jin", file("hanim/HAnimMotion.x3d"), HUMAN),
+];
+
+const fn case(motion: &'static str, source: Source, (onto, target): Onto) -> Case {
+    Case {
+        motion,
+        source,
+        onto,
+        target,
+        skip_secs: 0.0,
+        small: false,
+        shown: false,
+    }
+}
+
+const fn onto(name: &'static str, file: &'static str) -> Onto {
+    (name, Target::File(file))
+}
+
+const fn file(name: &'static str) -> Source {
+    Source::File(name, "")
+}
+
+const fn clip(name: &'static str, clip: &'static str) -> Source {
+    Source::File(name, clip)
+}
+
+impl Case {
+    const fn skip(self) -> Self {
+        Self {
+            skip_secs: 0.009,
+            ..self
+        }
+    }
+
+    const fn shown(self) -> Self {
+        Self {
+            shown: true,
+            ..self
+        }
+    }
+
+    const fn small(self) -> Self {
+        Self {
+            small: true,
+            ..self
+        }
+    }
+}
+
+/// A character and what its joints are.
+#[derive(Debug, Clone)]
+pub(super) struct Actor {
+    pub(super) character: Character,
+    pub(super) articulation: Articulation,
+}
+
+impl Actor {
+    pub(super) fn figure(&self) -> Figure<'_> {
+        Figure {
+            skeleton: &self.character.skeleton,
+            articulation: &self.articulation,
+        }
+    }
+
+    fn open(data: &Path, name: &str) -> Result<Self> {
+        let path = data.join(name);
+        match open::open(&path).with_context(|| name.to_owned())? {
+            Content::Figure(opened) => Ok(Self {
+                articulation: opened.mapping.articulation,
+                character: opened.character,
+            }),
+            Content::Data(_) => bail!("{name}: no character"),
+        }
+    }
+
+    fn human() -> Result<Self> {
+        let character = human(&HumanOptions { triangles: 12_000 })?;
+        let map = profile::map(&character.skeleton, profile::builtin(), None);
+        Ok(Self {
+            articulation: map.articulation,
+            character,
+        })
+    }
+}
+
+/// The motion of a case, alone in its character.
+pub(super) fn source(data: &Path, case: &Case) -> Result<Actor> {
+    let mut actor = match case.source {
+        Source::File(name, wanted) => {
+            let mut actor = Actor::open(data, name)?;
+            let clips = &mut actor.character.clips;
+            let index = clips
+                .iter()
+                .position(|c| wanted.is_empty() || c.name == wanted);
+            let index = index.with_context(|| format!("{name}: no clip \"{wanted}\""))?;
+            *clips = vec![clips.swap_remove(index)];
+            actor
+        }
+        Source::Bap(name) => bap_of(data, name)?,
+    };
+    if case.skip_secs > 0.0 {
+        skip(&mut actor.character.clips[0], case.skip_secs);
+    }
+    Ok(actor)
+}
+
+/// The character of a case.
+pub(super) fn target(data: &Path, case: &Case) -> Result<Actor> {
+    match case.target {
+        Target::File(name) => {
+            let mut actor = Actor::open(data, name)?;
+            if case.target == KNIGHT.1 {
+                // Without the arms and shields that it may carry, which hide its limbs.
+                let meshes = &mut actor.character.meshes;
+                meshes.retain(|m| m.name.starts_with("Knight_"));
+            }
+            Ok(actor)
+        }
+        Target::Human => Actor::human(),
+    }
+}
+
+/// The motion of a file told in body animation parameters: put onto our human, sampled,
+/// written, read.
+fn bap_of(data: &Path, name: &str) -> Result<Actor> {
+    let mut from = Actor::open(data, name)?;
+    skip(&mut from.character.clips[0], 0.009);
+    let mut human = Actor::human()?;
+    let clip = &from.character.clips[0];
+    let options = RetargetOptions::default();
+    let Retargeted { clip, .. } = retarget(from.figure(), human.figure(), clip, &options)?;
+    human.character.clips = vec![clip];
+    let told = bap::sample(&human.character, &human.articulation, 0, 30.0)?;
+    let text = bap::write(&told.clip);
+    let read = bap::read(
+        &text,
+        bap::Absent::default(),
+        &articula_formats::Limits::default(),
+    )?;
+    let character = bap::character(&read.value);
+    let map = profile::map(&character.skeleton, profile::builtin(), None);
+    Ok(Actor {
+        articulation: map.articulation,
+        character,
+    })
+}
+
+/// Leaves out the beginning of a clip; its keys are those of one rate.
+fn skip(clip: &mut Clip, secs: f32) {
+    let frame_secs = 1.0 / source_rate_hz(clip);
+    let start = (secs / frame_secs).round() * frame_secs;
+    for channel in &mut clip.channels {
+        let first = channel
+            .times_secs
+            .partition_point(|t| *t < start - 0.5 * frame_secs);
+        let first = first.min(channel.times_secs.len() - 1);
+        let width = channel.values.len() / channel.times_secs.len();
+        channel.times_secs.drain(..first);
+        channel.values.drain(..first * width);
+        for time in &mut channel.times_secs {
+            *time = (*time - start).max(0.0);
+        }
+    }
+    clip.duration_secs -= start;
+}

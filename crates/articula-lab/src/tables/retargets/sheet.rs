@@ -1,0 +1,167 @@
+//! A motion and what became of it, side by side at some moments.
+
+use super::cases::Actor;
+use super::measure::Played;
+use anyhow::{Context, Result};
+use articula_core::mesh::Mesh;
+use articula_core::pose::ModelPose;
+use articula_core::rig::Rig;
+use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::view::{Camera, Viewport};
+use articula_flat::appearance::Appearance;
+use articula_flat::contact_sheet::{Cell, Row, Tile};
+use articula_flat::frame::{Bounds, orbit_view};
+use articula_flat::projection::{Projection, Screen};
+use articula_flat::render::{RenderOptions, render};
+use articula_flat::skeleton::{SkeletonOptions, draw_skeleton, followed};
+use articula_flat::{Ground, Picture};
+use glam::{Affine3A, Vec2, Vec3};
+
+/// Size of one picture, pixels.
+const TILE: (u32, u32) = (128, 162);
+/// From where figures are seen: a little from their left and from above.
+const AZIMUTH: f32 = 0.6;
+const ELEVATION: f32 = 0.15;
+
+/// Moments of a clip that are shown.
+pub(super) const MOMENTS: usize = 6;
+
+/// Draws one figure in its poses.
+pub(super) struct Artist<'a> {
+    played: &'a Played,
+    mesh: Mesh,
+    look: Appearance,
+    camera: Camera,
+    ground: Ground,
+    bones: bool,
+}
+
+impl<'a> Artist<'a> {
+    /// Frames the camera on the moments; it follows the root over the ground.
+    pub(super) fn new(actor: &Actor, played: &'a Played, moments: &[usize]) -> Result<Self> {
+        let character = &actor.character;
+        let (look, _) = Appearance::new(&character.materials, &character.images);
+        let mesh = Mesh::new(&character.meshes, played.rig.len())?;
+        let mut artist = Self {
+            played,
+            bones: mesh.is_empty(),
+            mesh,
+            look,
+            camera: Camera::looking_at(Vec3::Z, Vec3::ZERO, Viewport::default()),
+            ground: Ground::below(
+                &Bounds {
+                    low: Vec3::ZERO,
+                    high: Vec3::ONE,
+                },
+                0.0,
+            ),
+        };
+        let mut cloud = Vec::new();
+        for moment in moments {
+            let model = artist.followed(*moment);
+            if artist.bones {
+                cloud.extend((0..model.matrices.len()).map(|j| model.position(j)));
+            } else {
+                cloud.extend(artist.skinned(&model).positions);
+            }
+        }
+        let bounds = Bounds::around(cloud.iter().map(|p| (*p, *p))).context("nothing to draw")?;
+        let viewport = Viewport {
+            width_px: TILE.0 as f32,
+            height_px: TILE.1 as f32,
+            fov_y_radians: 0.4,
+        };
+        let azimuth = facing(&played.rig, &played.models[0]) + AZIMUTH;
+        artist.camera = orbit_view(&bounds, azimuth, ELEVATION, viewport);
+        artist.ground = Ground::below(&bounds, if artist.bones { bounds.low.y } else { 0.0 });
+        Ok(artist)
+    }
+
+    /// The row of a sheet.
+    pub(super) fn row(&self, label: String, moments: &[usize]) -> Result<Row> {
+        let cell = |moment: &usize| {
+            let secs = *moment as f32 / self.played.rate_hz;
+            let tile = Tile {
+                picture: self.draw(*moment)?,
+                caption: format!("{secs:.2} s"),
+            };
+            Ok(Cell { tiles: vec![tile] })
+        };
+        let cells: Result<Vec<Cell>> = moments.iter().map(cell).collect();
+        Ok(Row {
+            label,
+            cells: cells?,
+        })
+    }
+
+    fn draw(&self, moment: usize) -> Result<Picture> {
+        let model = self.followed(moment);
+        let options = RenderOptions {
+            ground: Some(self.ground),
+            ..RenderOptions::default()
+        };
+        let skinned = self.skinned(&model);
+        let (mesh, look) = (&self.mesh, &self.look);
+        let mut picture = render(mesh, &skinned, look, &self.camera, &options)?;
+        if self.bones {
+            let screen = Screen::new(&self.camera, Projection::Perspective);
+            let rig = &self.played.rig;
+            let options = SkeletonOptions {
+                joints: Some(followed(rig, mesh)),
+                ..SkeletonOptions::default()
+            };
+            draw_skeleton(&mut picture, rig, &model, &screen, &[], &options);
+        }
+        Ok(picture)
+    }
+
+    /// The pose with its hips above the origin.
+    fn followed(&self, moment: usize) -> ModelPose {
+        let mut model = self.played.models[moment].clone();
+        let hips = hips(&self.played.rig, &model);
+        let middle = hips.map_or(Vec3::ZERO, |(left, right)| 0.5 * (left + right));
+        let back = Affine3A::from_translation(-Vec3::new(middle.x, 0.0, middle.z));
+        for matrix in &mut model.matrices {
+            *matrix = back * *matrix;
+        }
+        model
+    }
+
+    fn skinned(&self, model: &ModelPose) -> SkinnedMesh {
+        let mut matrices = vec![Affine3A::IDENTITY; self.mesh.bindings.len()];
+        palette(&self.mesh, model, &mut matrices);
+        let mut skinned = SkinnedMesh::new(&self.mesh);
+        skin(
+            &self.mesh,
+            &matrices,
+            &self.mesh.morph_weights,
+            &mut skinned,
+        );
+        skinned
+    }
+}
+
+/// The middles of equal parts of a clip.
+pub(super) fn moments(frames: usize) -> Vec<usize> {
+    let all = (0..MOMENTS).map(|i| (2 * i + 1) * frames / (2 * MOMENTS));
+    all.map(|f| f.min(frames - 1)).collect()
+}
+
+/// Where a figure looks, radians from +Z: square to the line between its hips.
+fn facing(rig: &Rig, model: &ModelPose) -> f32 {
+    let Some((left, right)) = hips(rig, model) else {
+        return 0.0;
+    };
+    let forward = (left - right).cross(Vec3::Y);
+    Vec2::new(forward.z, forward.x).to_angle()
+}
+
+/// The left and the right hip.
+fn hips(rig: &Rig, model: &ModelPose) -> Option<(Vec3, Vec3)> {
+    let joints = &rig.articulation().joints;
+    let place = |name: &str| {
+        let joint = joints.iter().position(|j| j.hanim.as_deref() == Some(name));
+        joint.map(|j| model.position(j))
+    };
+    place("l_hip").zip(place("r_hip"))
+}
