@@ -45,11 +45,11 @@ fn named(expressions: &[Expression], name: &str) -> usize {
 #[test]
 fn binary_expressions_and_overrides() {
     let Some(data) = vrm_data() else { return };
-    let check = |file: &str, table: &[((f32, f32), (f32, f32))]| {
+    let check = |file: &str, table: &[[(f32, f32); 2]]| {
         let file = open(&data.join(format!("VRMC_vrm_expressions_isBinary_{file}.vrm")));
         let expressions = &file.character.expressions;
         let (happy, blink) = (named(expressions, "happy"), named(expressions, "blink"));
-        for ((happy_in, blink_in), wanted) in table {
+        for [(happy_in, blink_in), wanted] in table {
             let mut drivers = vec![0.0; expressions.len()];
             drivers[happy] = *happy_in;
             drivers[blink] = *blink_in;
@@ -63,17 +63,17 @@ fn binary_expressions_and_overrides() {
     };
     // Happy is plain and blends blink away; blink is binary.
     let overridden = [
-        ((0.0, 0.4), (0.0, 0.0)),
-        ((0.0, 0.6), (0.0, 1.0)),
-        ((0.01, 1.0), (0.01, 0.0)),
-        ((1.0, 1.0), (1.0, 0.0)),
+        [(0.0, 0.4), (0.0, 0.0)],
+        [(0.0, 0.6), (0.0, 1.0)],
+        [(0.01, 1.0), (0.01, 0.0)],
+        [(1.0, 1.0), (1.0, 0.0)],
     ];
     check("Overridden", &overridden);
     // Happy is binary and blends blink away; blink is plain.
     let overrides = [
-        ((0.4, 0.7), (0.0, 0.7)),
-        ((0.6, 0.7), (1.0, 0.0)),
-        ((0.0, 1.0), (0.0, 1.0)),
+        [(0.4, 0.7), (0.0, 0.7)],
+        [(0.6, 0.7), (1.0, 0.0)],
+        [(0.0, 1.0), (0.0, 1.0)],
     ];
     check("Overrides", &overrides);
 }
