@@ -321,6 +321,7 @@ pub(crate) mod tests {
             }],
             morph_names: vec!["bulge".into()],
             morph_weights: vec![0.0],
+            ..source::Mesh::default()
         }
     }
 

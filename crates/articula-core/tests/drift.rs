@@ -410,6 +410,7 @@ fn skinned_triangle() -> Mesh {
         }],
         morph_names: vec!["bulge".into()],
         morph_weights: vec![0.5],
+        ..source::Mesh::default()
     };
     Mesh::new(&[source], 4).unwrap()
 }

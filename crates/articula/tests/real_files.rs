@@ -113,3 +113,41 @@ fn four_influences_and_morphs_are_counted() {
     assert_eq!(found["meshes"][0]["influences_max"], 4);
     assert_eq!(found["clips"][0]["morphs_animated"], 52);
 }
+
+#[test]
+fn coarser_levels_are_listed_with_their_share_of_the_screen() {
+    let Some(data) = real_data() else { return };
+    let here = folder("levels");
+    // 24, 12 and 6 corners; spheres of 5796, 324 and 36 corners, of 3864, 216 and 24 vertices.
+    let files = [
+        (
+            "SimpleSkinLOD",
+            [(8, 10), (4, 10), (2, 10)],
+            [0.5, 0.2, 0.01],
+        ),
+        (
+            "msft-lod",
+            [(1932, 3864), (108, 216), (12, 24)],
+            [0.2, 0.05, 0.001],
+        ),
+    ];
+    for (name, sizes, shares) in files {
+        let path = data.join(format!("fixtures/msft_lod/{name}.gltf"));
+        let found = json(&here, &["inspect", word(&path)]);
+        let meshes = found["meshes"].as_array().unwrap();
+        assert_eq!(
+            meshes.len(),
+            1,
+            "{name}: the coarser ones are not shown beside it"
+        );
+        let coarser = meshes[0]["levels"].as_array().unwrap();
+        let levels: Vec<_> = std::iter::once(&meshes[0]).chain(coarser).collect();
+        assert_eq!(levels.len(), 3, "{name}");
+        for ((level, (triangles, vertices)), share) in levels.iter().zip(sizes).zip(shares) {
+            assert_eq!(level["triangles"], triangles, "{name}");
+            assert_eq!(level["vertices"], vertices, "{name}");
+            let found = level["screen_coverage"].as_f64().unwrap();
+            assert!((found - share).abs() < 1e-6, "{name}: {found}");
+        }
+    }
+}

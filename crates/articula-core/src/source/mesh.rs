@@ -48,6 +48,17 @@ pub struct Primitive {
     pub material: Option<usize>,
 }
 
+/// A coarser form of a [`Mesh`], to be shown in its place when it is small on the screen.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct MeshLevel {
+    /// What moves it.
+    pub skin: Skin,
+    /// Its drawable parts, each with as many morph targets as the mesh has, or each with none.
+    pub primitives: Vec<Primitive>,
+    /// Least share of the screen that it is made for, if the file says so.
+    pub screen_coverage: Option<f32>,
+}
+
 /// A mesh as one node shows it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Mesh {
@@ -61,4 +72,8 @@ pub struct Mesh {
     pub morph_names: Vec<String>,
     /// Weight of each morph target at rest.
     pub morph_weights: Vec<f32>,
+    /// Least share of the screen that the parts above are made for, if the file says so.
+    pub screen_coverage: Option<f32>,
+    /// Coarser forms of the same, the finest first.
+    pub levels: Vec<MeshLevel>,
 }

@@ -15,5 +15,5 @@ pub use character::{Character, Image, Material};
 pub use clip::{Channel, Clip, Interpolation, Property};
 pub use credits::Credits;
 pub use expression::{Expression, JointBinding, Mask, MaskKind, MorphBinding};
-pub use mesh::{Mesh, MorphTarget, Primitive, Skin};
+pub use mesh::{Mesh, MeshLevel, MorphTarget, Primitive, Skin};
 pub use skeleton::{Joint, Skeleton};

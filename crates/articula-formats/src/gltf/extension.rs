@@ -11,6 +11,7 @@ const READ: &[&str] = &[
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_texture_transform",
+    "MSFT_lod",
     "VRM",
 ];
 const READ_FAMILIES: &[&str] = &[

@@ -6,7 +6,7 @@ use super::geometry::add_primitive;
 use super::write::WriteError;
 use crate::uri::mime_type;
 use articula_core::math::Transform;
-use articula_core::source::{Character, Image, Joint, Material, Mesh, Skin};
+use articula_core::source::{Character, Image, Joint, Material, Mesh, Primitive, Skin};
 use glam::{Affine3A, Mat4, Vec4};
 use serde_json::{Value, json};
 
@@ -81,12 +81,11 @@ impl Document {
     }
 
     fn add_meshes(&mut self, character: &Character) -> Vec<usize> {
-        let mut skins: Vec<(&Skin, usize)> = Vec::new();
+        let mut skins = Vec::new();
         let mut nodes = Vec::new();
         for mesh in &character.meshes {
-            let own = rigid_joint(mesh).filter(|&j| self.json["nodes"][j]["mesh"].is_null());
-            let is_skinned = own.is_none();
-            let index = self.add_mesh(mesh, is_skinned);
+            let own = rigid_joint(&mesh.skin).filter(|&j| self.json["nodes"][j]["mesh"].is_null());
+            let index = self.add_mesh(mesh, &mesh.primitives, own.is_none());
             let node = own.unwrap_or_else(|| {
                 let node = push(&mut self.json, "nodes", json!({"name": mesh.name}));
                 self.show(node);
@@ -95,19 +94,64 @@ impl Document {
             nodes.push(node);
             let Some(index) = index else { continue };
             set(&mut self.json["nodes"][node], "mesh", index);
-            if is_skinned {
-                let known = skins.iter().find(|(skin, _)| *skin == &mesh.skin);
-                let skin = known.map_or_else(|| self.add_skin(&mesh.skin), |(_, i)| *i);
-                skins.push((&mesh.skin, skin));
-                set(&mut self.json["nodes"][node], "skin", skin);
+            if own.is_none() {
+                self.bind(node, &mesh.skin, &mut skins);
             }
+            let own = own.map(|j| (j, character.skeleton.joints[j].rest));
+            self.add_levels(mesh, (node, own), &mut skins);
         }
         nodes
     }
 
-    /// Index of the new mesh; `None` if it has no triangle at all.
-    fn add_mesh(&mut self, mesh: &Mesh, is_skinned: bool) -> Option<usize> {
-        let drawn = mesh.primitives.iter().filter(|p| !p.triangles.is_empty());
+    /// Coarser levels, on nodes outside of the scene that the node of the mesh names.
+    fn add_levels<'a>(
+        &mut self,
+        mesh: &'a Mesh,
+        (node, own): (usize, Option<(usize, Transform)>),
+        skins: &mut Vec<(&'a Skin, usize)>,
+    ) {
+        let mut ids = Vec::new();
+        let mut coverages = vec![mesh.screen_coverage];
+        for level in &mesh.levels {
+            let hung = own.and_then(|(joint, rest)| hung(&level.skin, joint, rest));
+            let Some(index) = self.add_mesh(mesh, &level.primitives, hung.is_none()) else {
+                continue;
+            };
+            let mut value = json!({"name": mesh.name, "mesh": index});
+            if let Some(local) = hung {
+                write_transform(&mut value, local);
+            }
+            let stand_in = push(&mut self.json, "nodes", value);
+            if hung.is_none() {
+                self.bind(stand_in, &level.skin, skins);
+            }
+            ids.push(stand_in);
+            coverages.push(level.screen_coverage);
+        }
+        let coverages: Vec<f32> = coverages.into_iter().map_while(|c| c).collect();
+        if !coverages.is_empty() {
+            let extras = json!({"MSFT_screencoverage": shorts(&coverages)});
+            set(&mut self.json["nodes"][node], "extras", extras);
+        }
+        if !ids.is_empty() {
+            let extensions = json!({"MSFT_lod": {"ids": ids}});
+            set(&mut self.json["nodes"][node], "extensions", extensions);
+            self.use_extension("MSFT_lod");
+        }
+    }
+
+    /// Names a skin on a node; equal ones are stored once.
+    fn bind<'a>(&mut self, node: usize, skin: &'a Skin, skins: &mut Vec<(&'a Skin, usize)>) {
+        let known = skins.iter().find(|(known, _)| *known == skin);
+        let index = known.map_or_else(|| self.add_skin(skin), |(_, i)| *i);
+        skins.push((skin, index));
+        set(&mut self.json["nodes"][node], "skin", index);
+    }
+
+    /// Index of a new mesh of these parts of one; `None` if they have no triangle at all.
+    fn add_mesh(&mut self, mesh: &Mesh, parts: &[Primitive], is_skinned: bool) -> Option<usize> {
+        let drawn = parts.iter().filter(|p| !p.triangles.is_empty());
+        let has_morphs = parts.iter().any(|p| !p.morphs.is_empty());
         let primitives: Vec<Value> = drawn
             .map(|primitive| add_primitive(self, primitive, is_skinned))
             .collect();
@@ -115,7 +159,7 @@ impl Document {
             return None;
         }
         let mut value = json!({"name": mesh.name, "primitives": primitives});
-        if !mesh.morph_weights.is_empty() {
+        if has_morphs {
             set(&mut value, "weights", shorts(&mesh.morph_weights));
             set(
                 &mut value,
@@ -196,11 +240,25 @@ impl Document {
     }
 }
 
-/// The joint that a mesh hangs on rigidly.
-fn rigid_joint(mesh: &Mesh) -> Option<usize> {
-    let is_identity = mesh.skin.inverse_bind == [Affine3A::IDENTITY];
-    match mesh.skin.joints[..] {
+/// The joint that something hangs on rigidly.
+fn rigid_joint(skin: &Skin) -> Option<usize> {
+    let is_identity = skin.inverse_bind == [Affine3A::IDENTITY];
+    match skin.joints[..] {
         [joint] if is_identity => Some(joint),
+        _ => None,
+    }
+}
+
+/// Where a level hangs in the place of the joint that its mesh hangs on; `None` if it does not
+/// follow that joint alone, or not without shear.
+fn hung(skin: &Skin, joint: usize, rest: Transform) -> Option<Transform> {
+    if rigid_joint(skin) == Some(joint) {
+        return Some(rest);
+    }
+    match (&skin.joints[..], &skin.inverse_bind[..]) {
+        ([only], [offset]) if *only == joint => {
+            Transform::from_matrix(Mat4::from(rest.to_affine() * *offset))
+        }
         _ => None,
     }
 }
@@ -221,7 +279,6 @@ fn write_transform(node: &mut Value, rest: Transform) {
 /// Refuses what would otherwise become a broken file.
 fn check(character: &Character) -> Result<(), WriteError> {
     let wrong = |at: String, what: &str| Err(WriteError::mismatch(at, what));
-    let joints = character.skeleton.joints.len();
     for (j, joint) in character.skeleton.joints.iter().enumerate() {
         if joint.parent.is_some_and(|parent| parent >= j) {
             return wrong(format!("joint {j}"), "its parent does not come before it");
@@ -237,23 +294,48 @@ fn check(character: &Character) -> Result<(), WriteError> {
         }
     }
     for (m, mesh) in character.meshes.iter().enumerate() {
-        let skin = &mesh.skin;
-        let fits = skin.joints.len() == skin.inverse_bind.len() && !skin.joints.is_empty();
-        if !fits || skin.joints.iter().any(|&j| j >= joints) {
-            return wrong(
-                format!("mesh {m}"),
-                "its skin does not go with the skeleton",
-            );
+        let at = format!("mesh {m}");
+        check_parts(
+            character,
+            &mesh.skin,
+            &mesh.primitives,
+            mesh.morph_weights.len(),
+            &at,
+        )?;
+        for (l, level) in mesh.levels.iter().enumerate() {
+            let has_morphs = level.primitives.iter().any(|p| !p.morphs.is_empty());
+            let morphs = if has_morphs {
+                mesh.morph_weights.len()
+            } else {
+                0
+            };
+            let at = format!("mesh {m} level {l}");
+            check_parts(character, &level.skin, &level.primitives, morphs, &at)?;
         }
-        for (p, primitive) in mesh.primitives.iter().enumerate() {
-            let at = || format!("mesh {m} primitive {p}");
-            super::geometry::check(primitive, mesh, at)?;
-            if primitive
-                .material
-                .is_some_and(|i| i >= character.materials.len())
-            {
-                return wrong(at(), "it names a material that is not there");
-            }
+    }
+    Ok(())
+}
+
+fn check_parts(
+    character: &Character,
+    skin: &Skin,
+    primitives: &[Primitive],
+    morphs: usize,
+    at: &str,
+) -> Result<(), WriteError> {
+    let joints = character.skeleton.joints.len();
+    let fits = skin.joints.len() == skin.inverse_bind.len() && !skin.joints.is_empty();
+    if !fits || skin.joints.iter().any(|&j| j >= joints) {
+        let what = "its skin does not go with the skeleton";
+        return Err(WriteError::mismatch(at, what));
+    }
+    for (p, primitive) in primitives.iter().enumerate() {
+        let at = || format!("{at} primitive {p}");
+        super::geometry::check(primitive, (skin.joints.len(), morphs), at)?;
+        let materials = character.materials.len();
+        if primitive.material.is_some_and(|i| i >= materials) {
+            let what = "it names a material that is not there";
+            return Err(WriteError::mismatch(at(), what));
         }
     }
     Ok(())

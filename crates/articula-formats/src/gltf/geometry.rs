@@ -3,7 +3,7 @@
 use super::append::{Use, exact, float_bytes, set};
 use super::document::Document;
 use super::write::WriteError;
-use articula_core::source::{Mesh, MorphTarget, Primitive};
+use articula_core::source::{MorphTarget, Primitive};
 use glam::Vec3;
 use serde_json::{Value, json};
 
@@ -52,10 +52,10 @@ pub(super) fn add_primitive(
     value
 }
 
-/// Refuses arrays that do not go together.
+/// Refuses arrays that do not go together, or not with so many joints and morph targets.
 pub(super) fn check(
     primitive: &Primitive,
-    mesh: &Mesh,
+    (joint_count, morph_count): (usize, usize),
     at: impl Fn() -> String,
 ) -> Result<(), WriteError> {
     let count = primitive.positions.len();
@@ -68,7 +68,7 @@ pub(super) fn check(
         is_whole(primitive.colors.len()),
         primitive.joints.len() == influences,
         primitive.weights.len() == influences,
-        morphs.len() == mesh.morph_weights.len(),
+        morphs.len() == morph_count,
         morphs.iter().all(|m| m.positions.len() == count),
         morphs.iter().all(|m| is_whole(m.normals.len())),
     ];
@@ -82,8 +82,8 @@ pub(super) fn check(
             "a triangle names a vertex that is not there",
         ));
     }
-    let joints = mesh.skin.joints.len();
-    if primitive.joints.iter().any(|&j| usize::from(j) >= joints) {
+    let mut joints = primitive.joints.iter();
+    if joints.any(|&j| usize::from(j) >= joint_count) {
         return Err(WriteError::mismatch(
             at(),
             "a vertex follows a joint that is not there",

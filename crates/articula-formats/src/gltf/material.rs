@@ -54,6 +54,9 @@ fn read_material(
         alpha_cutoff: alpha_cutoff(place)?,
         ..Material::default()
     };
+    if place.dig(&["extensions", "MSFT_lod"]).is_some() {
+        reader.warn(place, "coarser levels of a material left out");
+    }
     let mut texcoords = Texcoords::default();
     if let Some(surface) = surface {
         if let Some(color) = surface.floats::<4>(factor)? {

@@ -2,6 +2,7 @@
 //!
 //! Source: glTF 2.0, 3.7. Differs: one mesh shown by two nodes becomes two meshes.
 
+use super::lod::{self, Lods};
 use super::place::Place;
 use super::primitive;
 use super::reader::Reader;
@@ -20,36 +21,40 @@ pub(super) struct Shown {
     pub(super) node_of_mesh: Vec<usize>,
 }
 
-/// Reads a mesh for each node that shows one, in the order of the nodes.
+/// What meshes are read with.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Given<'a> {
+    pub(super) skeletal: &'a Skeletal,
+    pub(super) skins: &'a [NodeSkin],
+    /// Texture coordinates that each material wants.
+    pub(super) texcoords: &'a [Texcoords],
+}
+
+/// Reads a mesh for each node that shows one, in the order of the nodes; those of coarser
+/// levels are shown by what they stand in for.
 pub(super) fn read_all(
     reader: &mut Reader<'_>,
-    skeletal: &Skeletal,
-    skins: &[NodeSkin],
-    texcoords: &[Texcoords],
+    given: &Given<'_>,
+    lods: &Lods,
 ) -> Result<Shown, ReadError> {
     let mut shown = Shown::default();
-    for n in 0..skeletal.joint_of_node.len() {
+    for n in 0..given.skeletal.joint_of_node.len() {
         let node = node_place(reader, n)?;
-        let Some(index) = node.get("mesh") else {
+        if node.get("mesh").is_none() || lods.is_coarser[n] {
             continue;
-        };
-        let i = index.index_below(reader.root.count("meshes"))?;
-        if !skeletal.in_scene[n] {
+        }
+        if !given.skeletal.in_scene[n] {
             reader.warn(&node, "its mesh is in no scene; left out");
             continue;
         }
-        let missing = || index.malformed("no such mesh");
-        let place = reader.root.entry("meshes", i).ok_or_else(missing)?;
-        let skin = node.index("skin", skins.len())?.map(|s| &skins[s]);
-        let joint_count = skin.map(|skin| skin.joints.len());
-        let primitives = read_primitives(reader, &place, joint_count, texcoords)?;
+        let (place, primitives) = read_parts(reader, &node, given)?;
         if primitives.is_empty() {
             reader.warn(&node, "its mesh has no triangles; left out");
             continue;
         }
         let mut mesh = Mesh {
             name: mesh_name(&node, &place),
-            skin: joint_skin(reader, n, skin, skeletal)?,
+            skin: joint_skin(reader, n, skin_of(&node, given)?, given.skeletal)?,
             primitives,
             ..Mesh::default()
         };
@@ -57,7 +62,31 @@ pub(super) fn read_all(
         shown.meshes.push(mesh);
         shown.node_of_mesh.push(n);
     }
+    lod::attach(reader, given, lods, &mut shown)?;
     Ok(shown)
+}
+
+/// The mesh that a node names, and its parts.
+pub(super) fn read_parts<'a>(
+    reader: &mut Reader<'a>,
+    node: &Place<'a>,
+    given: &Given<'_>,
+) -> Result<(Place<'a>, Vec<Primitive>), ReadError> {
+    let index = node.require("mesh")?;
+    let i = index.index_below(reader.root.count("meshes"))?;
+    let missing = || index.malformed("no such mesh");
+    let place = reader.root.entry("meshes", i).ok_or_else(missing)?;
+    let joint_count = skin_of(node, given)?.map(|skin| skin.joints.len());
+    let primitives = read_primitives(reader, &place, joint_count, given.texcoords)?;
+    Ok((place, primitives))
+}
+
+pub(super) fn skin_of<'a>(
+    node: &Place<'_>,
+    given: &Given<'a>,
+) -> Result<Option<&'a NodeSkin>, ReadError> {
+    let skin = node.index("skin", given.skins.len())?;
+    Ok(skin.map(|s| &given.skins[s]))
 }
 
 fn mesh_name(node: &Place<'_>, mesh: &Place<'_>) -> String {
@@ -69,7 +98,7 @@ fn mesh_name(node: &Place<'_>, mesh: &Place<'_>) -> String {
 }
 
 /// The skin in terms of joints; without one, the node itself is the only joint.
-fn joint_skin(
+pub(super) fn joint_skin(
     reader: &mut Reader<'_>,
     node: usize,
     skin: Option<&NodeSkin>,

@@ -9,7 +9,7 @@
 //! - `place`, `reader`, `accessor`: values that know their path, limits, arrays
 //! - `extension`: which required extensions are read
 //! - `node`, `skeleton`, `skin`: from nodes to joints
-//! - `material`, `texcoord`, `mesh`, `primitive`, `influences`: what is seen
+//! - `material`, `texcoord`, `mesh`, `primitive`, `influences`, `lod`: what is seen
 //! - `animation`: what moves
 //! - `vrm`, `khr_character`, `credits`: what is said of a human, and who made it
 //! - [`articulation`]: the extension `ARTICULA_articulation`
@@ -33,6 +33,7 @@ mod fresh;
 mod geometry;
 mod influences;
 mod khr_character;
+mod lod;
 mod material;
 mod mesh;
 mod node;
@@ -107,7 +108,8 @@ impl GltfFile {
 /// - *Joints* are the nodes that a skin or a humanoid extension names, that an animation
 ///   moves or that carry a mesh without skin, and every node above these; parents first,
 ///   depth first in the order of the document. All other nodes are left out.
-/// - *Meshes* are one for each node of a scene that shows one. A skinned mesh ignores its node's own
+/// - *Meshes* are one for each node of a scene that shows one; nodes that MSFT_lod names as
+///   coarser levels of another are levels of that one's mesh. A skinned mesh ignores its node's own
 ///   transform, as the format demands.
 /// - *Clips* are the animations in order: clip `i` is `animations[i]`.
 /// - *Expressions* are those of VRM, else those of KHR_character.
@@ -143,7 +145,13 @@ pub fn read(
     let human = vrm::read_nodes(&mut reader, tree.len());
     let skeletal = skeleton::read(&mut reader, &tree, &skins, &human)?;
     let look = material::read_all(&mut reader)?;
-    let shown = mesh::read_all(&mut reader, &skeletal, &skins, &look.texcoords)?;
+    let lods = lod::read(&mut reader, &tree);
+    let given = mesh::Given {
+        skeletal: &skeletal,
+        skins: &skins,
+        texcoords: &look.texcoords,
+    };
+    let shown = mesh::read_all(&mut reader, &given, &lods)?;
     let clips = animation::read_all(&mut reader, &skeletal, &shown)?;
     let articulation = articulation::read(&mut reader, &skeletal)?;
     let mut expressions = vrm::read_expressions(&mut reader, &shown)?;

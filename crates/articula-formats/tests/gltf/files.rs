@@ -71,6 +71,15 @@ const STATED: &[(&str, Counts)] = &[
         (0, 28911, 52220, 0, 0.0, 0),
     ),
     ("vrm/Godette_vrm_v4.vrm", (68, 3109, 3439, 0, 0.0, 0)),
+    // The finest of three levels each: 24 and 5796 corners.
+    (
+        "fixtures/msft_lod/SimpleSkinLOD.gltf",
+        (2, 10, 8, 1, 5.5, 0),
+    ),
+    (
+        "fixtures/msft_lod/msft-lod.gltf",
+        (0, 3864, 1932, 0, 0.0, 0),
+    ),
     ("vrm/hips_spine_twisting.vrma", (17, 0, 0, 1, 60.0, 0)),
 ];
 

@@ -13,6 +13,7 @@ mod features;
 mod files;
 mod hostile;
 mod khr_character;
+mod levels;
 mod mutated;
 mod quantized;
 mod tiny;

@@ -2,7 +2,7 @@
 //! with a value of bounded size or an error, and what was read can be written.
 
 use crate::tiny::Tiny;
-use crate::{compressed, khr_character, vrm};
+use crate::{compressed, khr_character, levels, vrm};
 use articula_core::source::{MorphBinding, Property};
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document, GltfFile};
@@ -127,8 +127,14 @@ fn fixtures() -> Vec<Vec<u8>> {
         vrm::animation(),
         khr_character::character(),
     ];
-    let plain = [moving, morphing, pictured, compressed::every_mode()];
-    plain.iter().chain(&human).map(Tiny::glb).collect()
+    let views = [compressed::every_mode(), levels::skinned()];
+    let plain = [moving, morphing, pictured];
+    plain
+        .iter()
+        .chain(&views)
+        .chain(&human)
+        .map(Tiny::glb)
+        .collect()
 }
 
 #[test]

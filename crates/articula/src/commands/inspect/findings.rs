@@ -108,8 +108,18 @@ pub(super) struct Mesh {
     pub(super) triangles: usize,
     pub(super) influences_max: usize,
     pub(super) morph_targets: usize,
-    /// Mesh levels; none are made yet.
-    pub(super) levels: Vec<usize>,
+    /// Least share of the screen that it is made for, as the file says.
+    pub(super) screen_coverage: Option<f32>,
+    /// Coarser forms that the file brings, the finest first.
+    pub(super) levels: Vec<MeshLevel>,
+}
+
+/// A coarser form of a mesh.
+#[derive(Debug, Serialize)]
+pub(super) struct MeshLevel {
+    pub(super) triangles: usize,
+    pub(super) vertices: usize,
+    pub(super) screen_coverage: Option<f32>,
 }
 
 /// What there is to animate a face with.
@@ -280,13 +290,21 @@ fn mesh_of(mesh: &source::Mesh) -> Mesh {
             .map(|v| v.iter().filter(|w| **w > 0.0).count())
             .max()
     };
+    let vertices = |parts: &[source::Primitive]| parts.iter().map(|p| p.positions.len()).sum();
+    let triangles = |parts: &[source::Primitive]| parts.iter().map(|p| p.triangles.len()).sum();
+    let levels = mesh.levels.iter().map(|level| MeshLevel {
+        triangles: triangles(&level.primitives),
+        vertices: vertices(&level.primitives),
+        screen_coverage: level.screen_coverage,
+    });
     Mesh {
         name: mesh.name.clone(),
-        vertices: mesh.primitives.iter().map(|p| p.positions.len()).sum(),
-        triangles: mesh.primitives.iter().map(|p| p.triangles.len()).sum(),
+        vertices: vertices(&mesh.primitives),
+        triangles: triangles(&mesh.primitives),
         influences_max: mesh.primitives.iter().filter_map(most).max().unwrap_or(0),
         morph_targets: mesh.morph_weights.len(),
-        levels: Vec::new(),
+        screen_coverage: mesh.screen_coverage,
+        levels: levels.collect(),
     }
 }
 

@@ -160,17 +160,37 @@ fn clips(found: &Findings) -> Table {
 }
 
 fn meshes(found: &Findings) -> Table {
-    let mut table = Table::new(&["name", "vertices", "triangles", "influences", "morphs"]);
+    let any = found.meshes.iter().any(|m| !m.levels.is_empty());
+    let headings = ["name", "vertices", "triangles", "influences", "morphs"];
+    let levels = any.then_some("coarser levels: triangles (least share of the screen)");
+    let headings: Vec<&str> = headings.into_iter().chain(levels).collect();
+    let mut table = Table::new(&headings);
     for mesh in found.meshes.iter().take(MOST_ROWS) {
-        table.row([
+        let mut cells = vec![
             mesh.name.clone(),
             mesh.vertices.to_string(),
-            mesh.triangles.to_string(),
+            shared(mesh.triangles, mesh.screen_coverage),
             mesh.influences_max.to_string(),
             mesh.morph_targets.to_string(),
-        ]);
+        ];
+        if any {
+            let levels = mesh.levels.iter().take(MOST_NAMES);
+            let levels: Vec<String> = levels
+                .map(|level| shared(level.triangles, level.screen_coverage))
+                .collect();
+            cells.push(levels.join(", "));
+        }
+        table.row(cells);
     }
     table
+}
+
+/// Triangles, and the share of the screen that they are made for.
+fn shared(triangles: usize, screen_coverage: Option<f32>) -> String {
+    match screen_coverage {
+        Some(share) => format!("{triangles} ({share})"),
+        None => triangles.to_string(),
+    }
 }
 
 fn joints(found: &Findings) -> Table {
