@@ -13,10 +13,10 @@ const UPRIGHT_COSINE: f32 = 0.8;
 const SQUARE_RADIANS: f32 = 0.35;
 /// Share of the leg below which a lowest joint is still taken to stand on the floor at 0.
 const NEAR_FLOOR: f32 = 0.15;
-/// How far the joint of the toes stands above the floor where the rest pose does not tell, as
-/// a share of the leg (measured: 0.01 to 0.04 on the rigs of real data).
+/// Height of the joint of the toes above the floor where the rest pose does not tell, as a share
+/// of the leg: about the middle of 20 rigs, whose values run from 0 to 0.07.
 const TOE_HEIGHT: f32 = 0.03;
-/// The same of the ankle.
+/// The same of the ankle, which is a joint at the heel in some rigs: 0.02 to 0.39.
 const ANKLE_HEIGHT: f32 = 0.1;
 
 /// One leg: hip, knee, ankle and the joint where the toes bend.

@@ -19,6 +19,8 @@ const FLOOR_SECS: f32 = 0.07;
 /// The same for something above the floor, where height does not tell.
 const RAISED_SPEEDS: [f32; 2] = [0.06, 0.15];
 const RAISED_SECS: f32 = 0.3;
+/// Farthest that a point in contact comes from where it began, in leg lengths.
+const FARTHEST: f32 = 0.12;
 /// Speeds are taken over this time, so that noise of fast captures does not end a contact.
 const SPEED_SECS: f32 = 0.04;
 
@@ -61,20 +63,33 @@ pub(super) fn contacts(path: &[Vec3], motion: &Motion, leg: f32, floor: f32) -> 
         }
     }
     found.sort_by_key(|c| c.frames.start);
+    keep_still(&mut found, path, leg);
     found
+}
+
+/// Drops contacts during which a point goes far: it slides on purpose, or the whole clip is in
+/// slow motion.
+fn keep_still(contacts: &mut Vec<Contact>, path: &[Vec3], leg: f32) {
+    contacts.retain(|c| {
+        let start = path[c.frames.start];
+        let way = c.frames.clone().map(|f| path[f].distance(start));
+        way.fold(0.0, f32::max) < FARTHEST * leg
+    });
 }
 
 /// Contacts of a point that may rest on anything, such as a hand.
 pub(super) fn rests(path: &[Vec3], motion: &Motion, leg: f32) -> Vec<Contact> {
     let speeds = speeds(path, motion.rate_hz, leg);
     let least = ((RAISED_SECS * motion.rate_hz).ceil() as usize).max(1);
-    still(&speeds, least)
-        .into_iter()
+    let still = still(&speeds, least).into_iter();
+    let mut found: Vec<Contact> = still
         .map(|frames| Contact {
             frames,
             on_floor: false,
         })
-        .collect()
+        .collect();
+    keep_still(&mut found, path, leg);
+    found
 }
 
 fn still(speeds: &[f32], least: usize) -> Vec<Range<usize>> {

@@ -3,7 +3,7 @@
 use super::rest::Rest;
 use crate::clip::{MOST_NUMBERS, source_rate_hz};
 use articula_core::Mismatch;
-use articula_core::math::Transform;
+use articula_core::math::{Transform, angle_between};
 use articula_core::pose::LocalPose;
 use articula_core::source::{Clip, Interpolation, Property, Skeleton, evaluate};
 use glam::{Affine3A, Quat, Vec3};
@@ -75,6 +75,22 @@ impl Motion {
     /// Rotations from rest at a frame.
     pub(super) fn deltas(&self, frame: usize) -> &[Quat] {
         &self.deltas[frame * self.joints..][..self.joints]
+    }
+
+    /// Fastest turn of a mapped joint against its parent between two frames: joint, radians a
+    /// second.
+    pub(super) fn fastest(&self, rest: &Rest) -> Option<(usize, f32)> {
+        let local = |frame: usize, j: usize| {
+            let deltas = self.deltas(frame);
+            let above = rest.parents[j].map_or(Quat::IDENTITY, |p| deltas[p]);
+            above.inverse() * deltas[j]
+        };
+        let mapped = (0..self.joints).filter(|j| rest.hanim[*j].is_some());
+        let speed = |j: usize| {
+            let steps = (1..self.frames()).map(|f| angle_between(local(f - 1, j), local(f, j)));
+            (j, self.rate_hz * steps.fold(0.0, f32::max))
+        };
+        mapped.map(speed).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Positions at a frame.

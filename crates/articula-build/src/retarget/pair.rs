@@ -12,7 +12,7 @@ use super::steps::Steps;
 use super::tracks::Tracks;
 use super::transfer::Transfer;
 use super::twist::Twists;
-use super::{Figure, RetargetOptions, Retargeted};
+use super::{Figure, RetargetOptions, RetargetReport, Retargeted};
 use articula_core::Mismatch;
 use articula_core::source::Clip;
 
@@ -84,10 +84,15 @@ impl<'a> Retargeter<'a> {
             gauge.after(&transfer, frame, &pose);
             tracks.push(target, &pose);
         }
-        let fastest = tracks.fastest(motion.rate_hz);
+        let report = RetargetReport {
+            fastest: tracks.fastest(motion.rate_hz),
+            fastest_source: motion.fastest(&source.rest),
+            quality: gauge.quality(plan.scale),
+            ..report(source, target, plan, &twists)
+        };
         Ok(Retargeted {
             clip: tracks.clip(&clip.name, &motion.times_secs),
-            report: report(source, target, plan, fastest, gauge.quality(plan.scale)),
+            report,
         })
     }
 

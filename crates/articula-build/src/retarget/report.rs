@@ -2,6 +2,7 @@
 
 use super::plan::{Drive, Plan, Side};
 use super::quality::Quality;
+use super::twist::Twists;
 
 /// Where a target joint's rotation comes from.
 #[derive(Debug, Clone, PartialEq)]
@@ -11,7 +12,8 @@ pub enum Origin {
         /// Index in the source skeleton.
         source: usize,
     },
-    /// Source joints of the same chain, each with its share; the shares sum to 1.
+    /// Source joints of the same chain, each with its share. The shares sum to 1, except of a
+    /// twist joint: its one share is of the turn about the limb.
     Shared {
         /// Index in the source skeleton, and share.
         sources: Vec<(usize, f32)>,
@@ -42,17 +44,14 @@ pub struct RetargetReport {
     pub scale: f32,
     /// Fastest turn of a joint relative to its parent: joint of the target, radians a second.
     pub fastest: Option<(usize, f32)>,
+    /// The same of the source's mapped joints: joint of the source, radians a second.
+    pub fastest_source: Option<(usize, f32)>,
     /// How good it is.
     pub quality: Quality,
 }
 
-pub(super) fn report(
-    source: &Side,
-    target: &Side,
-    plan: &Plan,
-    fastest: Option<(usize, f32)>,
-    quality: Quality,
-) -> RetargetReport {
+/// The report without what the frames tell.
+pub(super) fn report(source: &Side, target: &Side, plan: &Plan, twists: &Twists) -> RetargetReport {
     let mut used = vec![false; source.rest.len()];
     let joints = plan
         .drives
@@ -60,7 +59,7 @@ pub(super) fn report(
         .enumerate()
         .map(|(joint, drive)| {
             let origin = match drive {
-                Drive::Held => Origin::Held,
+                Drive::Held => held_or_twisted(plan, twists, joint),
                 Drive::Twin(s) => Origin::Mapped { source: s.joint },
                 Drive::Between(a, b, share) => Origin::Shared {
                     sources: vec![(a.joint, 1.0 - share), (b.joint, *share)],
@@ -89,7 +88,19 @@ pub(super) fn report(
         joints,
         dropped,
         scale: plan.scale,
-        fastest,
-        quality,
+        fastest: None,
+        fastest_source: None,
+        quality: Quality::default(),
+    }
+}
+
+/// What a joint is that the plan holds: twist may be spread to it.
+fn held_or_twisted(plan: &Plan, twists: &Twists, joint: usize) -> Origin {
+    let share = twists.shares().find(|s| s.0 == joint);
+    match share.map(|(_, turns, share)| (&plan.drives[turns], share)) {
+        Some((Drive::Twin(s), share)) => Origin::Shared {
+            sources: vec![(s.joint, share)],
+        },
+        _ => Origin::Held,
     }
 }

@@ -19,9 +19,12 @@ const LEVEL_RADIANS: f32 = 0.6;
 /// Share of the frames in which a foot may lie below the floor: noise, and feet that dip.
 const BELOW_FLOOR: f32 = 0.05;
 
-/// Feet that are farther below the floor of the rest pose than this, in leg lengths, belong to
-/// a motion with another floor.
-const FAR_BELOW: f32 = 0.1;
+/// Feet that are usually farther from the floor of the rest pose than this, in leg lengths,
+/// may belong to a motion with another floor.
+const OTHER_FLOOR: f32 = 0.1;
+/// Contacts of heels that make a walk, and how far they are apart in leg lengths.
+const STEPS: usize = 4;
+const STEP: f32 = 0.3;
 
 /// A point that goes with an end joint: where a sole touches the floor, or the wrist itself.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -167,8 +170,8 @@ fn path(motion: &Motion, joint: usize, sole: Sole) -> Vec<Vec3> {
         .collect()
 }
 
-/// Height of the floor under a motion: that of the rest pose if it stands on one and the feet
-/// do not go far below it, otherwise where the soles are when they are lowest.
+/// Height of the floor under a motion: that of the rest pose if it stands on one and nothing
+/// speaks against it, otherwise where the soles are when they are lowest.
 fn found_floor(source: &Side, motion: &Motion) -> f32 {
     let body = &source.body;
     let feet: Vec<(usize, [Sole; 2])> = body
@@ -185,12 +188,38 @@ fn found_floor(source: &Side, motion: &Motion) -> f32 {
     };
     let mut lows: Vec<f32> = (0..motion.frames()).filter_map(lowest).collect();
     lows.sort_by(f32::total_cmp);
-    let at = (lows.len() as f32 * BELOW_FLOOR) as usize;
-    let found = lows.get(at).copied().unwrap_or(0.0);
-    if body.stands_on_floor && found > -FAR_BELOW * body.leg_metres {
+    let at = |share: f32| lows.get((lows.len() as f32 * share) as usize).copied();
+    let (Some(found), Some(usual)) = (at(BELOW_FLOOR), at(0.5)) else {
         return 0.0;
+    };
+    if !body.stands_on_floor {
+        return found;
     }
-    found
+    // Who rises out of the ground, lies or sits is not where the feet are; who mostly stands,
+    // is; and above the floor of the rest pose only who takes steps there.
+    let far = OTHER_FLOOR * body.leg_metres;
+    let mostly_there = usual - found < far;
+    let steps = || walks(source, motion, &feet, found);
+    if mostly_there && (found < -far || (found > far && steps())) {
+        return found;
+    }
+    0.0
+}
+
+/// Whether a figure takes steps on a floor.
+fn walks(source: &Side, motion: &Motion, feet: &[(usize, [Sole; 2])], floor: f32) -> bool {
+    let leg = source.body.leg_metres;
+    let mut places: Vec<Vec3> = Vec::new();
+    for (ankle, [heel, _]) in feet {
+        let path = path(motion, *ankle, *heel);
+        let found = contacts::contacts(&path, motion, leg, floor);
+        let on_floor = found.iter().filter(|c| c.on_floor);
+        places.extend(on_floor.map(|c| path[c.frames.start]));
+    }
+    let low = places.iter().copied().reduce(Vec3::min);
+    let high = places.iter().copied().reduce(Vec3::max);
+    let spread = low.zip(high).map_or(Vec3::ZERO, |(l, h)| h - l);
+    places.len() >= STEPS && spread.x.max(spread.z) > STEP * leg
 }
 
 /// Height of the floor under a figure at rest.

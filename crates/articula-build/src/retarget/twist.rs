@@ -82,6 +82,17 @@ impl Twists {
         parts.map(|p| p.joint).collect()
     }
 
+    /// Each joint that shares twist, with the joint whose turn it is and its share.
+    pub(super) fn shares(&self) -> impl Iterator<Item = (usize, usize, f32)> + '_ {
+        self.segments.iter().flat_map(|segment| {
+            let turns = match segment.against {
+                Against::Above(_) => segment.upper,
+                Against::Below => segment.lower,
+            };
+            segment.parts.iter().map(move |p| (p.joint, turns, p.share))
+        })
+    }
+
     /// Spreads the twist of a pose whose limbs are bent.
     pub(super) fn spread(&mut self, plan: &Plan, target: &Side, pose: &mut Pose) {
         if self.segments.is_empty() {
