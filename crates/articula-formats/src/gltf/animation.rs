@@ -5,6 +5,7 @@
 use super::mesh::Shown;
 use super::node;
 use super::place::Place;
+use super::pointer::{self, Pointed};
 use super::reader::Reader;
 use super::skeleton::Skeletal;
 use crate::error::ReadError;
@@ -21,8 +22,13 @@ pub(super) fn animated_nodes(reader: &Reader<'_>, nodes: usize) -> Result<Vec<bo
             let Some(target) = channel.get("target") else {
                 continue;
             };
-            let node = target.index("node", nodes)?;
-            let moves = matches!(target.text("path"), "translation" | "rotation" | "scale");
+            let named = target.index("node", nodes)?;
+            let pointed = pointer::text(&target).and_then(pointer::parse);
+            let (node, path) = match pointed {
+                Some(Pointed::Node(node, path)) if node < nodes => (Some(node), path),
+                _ => (named, target.text("path")),
+            };
+            let moves = matches!(path, "translation" | "rotation" | "scale");
             if let (Some(node), true) = (node, moves) {
                 animated[node] = true;
             }
@@ -72,38 +78,84 @@ fn read_channels<'a>(
     let mut channels = Vec::new();
     let mut seen = HashSet::new();
     for place in animation.entries("channels")? {
-        let Some(target) = read_target(reader, &place, skeletal, shown)? else {
-            continue;
-        };
-        if !seen.insert((target.target, target.property)) {
-            reader.warn(&place, "a second channel for the same property; left out");
-            continue;
-        }
-        let sampler = place.require("sampler")?;
-        let i = sampler.index_below(animation.count("samplers"))?;
-        let missing = || sampler.malformed("no such sampler");
-        let sampler = animation.entry("samplers", i).ok_or_else(missing)?;
-        if let Some(channel) = read_sampler(reader, &sampler, target)? {
-            channels.push(channel);
+        for target in read_targets(reader, &place, skeletal, shown)? {
+            if !seen.insert((target.target, target.property)) {
+                reader.warn(&place, "a second channel for the same property; left out");
+                continue;
+            }
+            let sampler = place.require("sampler")?;
+            let i = sampler.index_below(animation.count("samplers"))?;
+            let missing = || sampler.malformed("no such sampler");
+            let sampler = animation.entry("samplers", i).ok_or_else(missing)?;
+            if let Some(channel) = read_sampler(reader, &sampler, target)? {
+                channels.push(channel);
+            }
         }
     }
     Ok(channels)
 }
 
-/// The target in terms of joints and meshes; `None`, with a warning, if it is not one.
-fn read_target(
+/// What a channel drives, in terms of joints and meshes; nothing, with a warning, if that is
+/// none of them.
+fn read_targets(
     reader: &mut Reader<'_>,
     channel: &Place<'_>,
     skeletal: &Skeletal,
     shown: &Shown,
-) -> Result<Option<Target>, ReadError> {
+) -> Result<Vec<Target>, ReadError> {
     let target = channel.require("target")?;
-    let path = target.text("path");
-    let Some(node) = target.index("node", skeletal.joint_of_node.len())? else {
-        let what = format!("a channel for no node (path \"{}\") left out", cut(path));
-        reader.warn(&target, what);
-        return Ok(None);
+    let nodes = skeletal.joint_of_node.len();
+    let Some(pointer) = pointer::text(&target) else {
+        let path = target.text("path");
+        let Some(node) = target.index("node", nodes)? else {
+            let what = format!("a channel for no node (path \"{}\") left out", cut(path));
+            reader.warn(&target, what);
+            return Ok(Vec::new());
+        };
+        let found = read_target(reader, &target, (node, path), skeletal, shown)?;
+        return Ok(found.into_iter().collect());
     };
+    let found = match pointer::parse(pointer) {
+        Some(Pointed::Node(node, path)) if node < nodes => {
+            let found = read_target(reader, &target, (node, path), skeletal, shown)?;
+            return Ok(found.into_iter().collect());
+        }
+        Some(Pointed::MeshWeights(mesh)) => mesh_targets(reader, mesh, shown),
+        _ => Vec::new(),
+    };
+    if found.is_empty() {
+        let what = format!("a channel for \"{}\" left out", cut(pointer));
+        reader.warn(&target, what);
+    }
+    Ok(found)
+}
+
+/// The shown meshes that a mesh of the document gives their weights.
+fn mesh_targets(reader: &Reader<'_>, mesh: usize, shown: &Shown) -> Vec<Target> {
+    let takes_weights = |n: usize| {
+        let node = reader.root.entry("nodes", n)?;
+        let own = node.get("mesh")?.whole().ok()? == mesh as u64;
+        (own && node.get("weights").is_none()).then_some(())
+    };
+    let each = shown.node_of_mesh.iter().enumerate();
+    each.filter(|(_, n)| takes_weights(**n).is_some())
+        .map(|(target, _)| Target {
+            target,
+            property: Property::Weights,
+            width: shown.meshes[target].morph_weights.len(),
+        })
+        .filter(|target| target.width > 0)
+        .collect()
+}
+
+/// The target of a node's property; `None`, with a warning, if it is not one.
+fn read_target(
+    reader: &mut Reader<'_>,
+    target: &Place<'_>,
+    (node, path): (usize, &str),
+    skeletal: &Skeletal,
+    shown: &Shown,
+) -> Result<Option<Target>, ReadError> {
     let expression = skeletal.expression_of_node.get(&node);
     if let (Some(&target), "translation") = (expression, path) {
         // Only the way along x counts; the array still has three floats a key.
@@ -117,10 +169,10 @@ fn read_target(
         "translation" => (Property::Translation, 3),
         "rotation" => (Property::Rotation, 4),
         "scale" => (Property::Scale, 3),
-        "weights" => return Ok(weights_target(reader, &target, node, shown)),
+        "weights" => return Ok(weights_target(reader, target, node, shown)),
         other => {
             let what = format!("a channel with path \"{}\" left out", cut(other));
-            reader.warn(&target, what);
+            reader.warn(target, what);
             return Ok(None);
         }
     };

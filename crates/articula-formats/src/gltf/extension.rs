@@ -8,6 +8,7 @@ use crate::error::ReadError;
 const READ: &[&str] = &[
     "ARTICULA_articulation",
     "EXT_meshopt_compression",
+    "KHR_animation_pointer",
     "KHR_mesh_quantization",
     "KHR_meshopt_compression",
     "KHR_texture_transform",

@@ -10,7 +10,7 @@
 //! - `extension`: which required extensions are read
 //! - `node`, `skeleton`, `skin`: from nodes to joints
 //! - `material`, `texcoord`, `mesh`, `primitive`, `influences`, `lod`: what is seen
-//! - `animation`: what moves
+//! - `animation`, `pointer`: what moves
 //! - `vrm`, `khr_character`, `credits`: what is said of a human, and who made it
 //! - [`articulation`]: the extension `ARTICULA_articulation`
 //! - `append`, `clips`, `prune`: a document changed
@@ -38,6 +38,7 @@ mod material;
 mod mesh;
 mod node;
 mod place;
+mod pointer;
 mod primitive;
 mod prune;
 mod reader;

@@ -327,16 +327,69 @@ fn keys_out_of_order_go_with_their_values() {
     );
 }
 
+fn pointed(pointer: &str) -> serde_json::Value {
+    json!({"path": "pointer", "extensions": {"KHR_animation_pointer": {"pointer": pointer}}})
+}
+
+#[test]
+fn pointers_to_joints_and_weights_drive_what_plain_targets_drive() {
+    let mut by_pointer = Tiny::skinned();
+    let mut plain = Tiny::skinned();
+    for tiny in [&mut by_pointer, &mut plain] {
+        tiny.json["nodes"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!({"name": "loose"}));
+    }
+    for (path, kind, width) in [("translation", "VEC3", 3), ("rotation", "VEC4", 4)] {
+        let values: Vec<f32> = (0..2)
+            .flat_map(|_| [0., 0., 0., 1.][4 - width..].to_vec())
+            .collect();
+        let at = by_pointer.floats(kind, &values);
+        by_pointer.channel(
+            pointed(&format!("/nodes/3/{path}")),
+            "LINEAR",
+            &[0., 1.],
+            at,
+        );
+        let at = plain.floats(kind, &values);
+        plain.channel(json!({"node": 3, "path": path}), "LINEAR", &[0., 1.], at);
+    }
+    by_pointer.json["extensionsRequired"] = json!(["KHR_animation_pointer"]);
+    let character = good(&by_pointer).character;
+    assert_eq!(character, good(&plain).character);
+    assert_eq!(
+        character.skeleton.joints[2].name, "loose",
+        "moved, so a joint"
+    );
+
+    // A mesh's weights are those of its nodes, but for one that has its own.
+    let mut tiny = Tiny::triangle();
+    let offsets = tiny.floats("VEC3", &[1.0; 9]);
+    tiny.json["meshes"][0]["primitives"][0]["targets"] = json!([{"POSITION": offsets}]);
+    tiny.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "weights": [1]}, {"mesh": 0}]);
+    let values = tiny.floats("SCALAR", &[0., 1.]);
+    tiny.channel(pointed("/meshes/0/weights"), "LINEAR", &[0., 1.], values);
+    let channels = good(&tiny).character.clips[0].channels.clone();
+    let targets: Vec<_> = channels.iter().map(|c| (c.target, c.property)).collect();
+    assert_eq!(targets, [(0, Property::Weights), (2, Property::Weights)]);
+    assert_eq!(channels[1].values, [0., 1.]);
+}
+
 #[test]
 fn channels_that_drive_nothing_we_have_are_left_out() {
-    let mut tiny = Tiny::skinned();
-    let values = tiny.floats("VEC3", &[1.0; 3]);
-    let pointer = json!({"path": "pointer",
-        "extensions": {"KHR_animation_pointer": {"pointer": "/nodes/0/translation"}}});
-    tiny.channel(pointer, "LINEAR", &[0.], values);
-    let (file, warning) = one_warning(&tiny);
-    assert_eq!(file.character.clips[0].channels, []);
-    assert!(warning.contains("path \"pointer\""), "{warning}");
+    for pointer in [
+        "/materials/0/alphaCutoff",
+        "/nodes/2/weights/0",
+        "/nodes/9/scale",
+    ] {
+        let mut tiny = Tiny::skinned();
+        let values = tiny.floats("VEC3", &[1.0; 3]);
+        tiny.channel(pointed(pointer), "LINEAR", &[0.], values);
+        let (file, warning) = one_warning(&tiny);
+        assert_eq!(file.character.clips[0].channels, []);
+        assert!(warning.contains(pointer), "{warning}");
+    }
 }
 
 #[test]
