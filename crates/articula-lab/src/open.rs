@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use articula_core::source::Character;
 use articula_formats::mpeg4::{bap, epf, fap, fdp};
 use articula_formats::profile::Mapping;
-use articula_formats::{Limits, Warning, acclaim, bvh, gltf, profile, x3d};
+use articula_formats::{Limits, Warning, acclaim, bva, bvh, gltf, profile, x3d};
 use glam::Vec3;
 use std::path::Path;
 
@@ -45,6 +45,7 @@ pub(crate) enum Format {
     Vrm,
     Vrma,
     Bvh,
+    Bva,
     Asf,
     Amc,
     X3d,
@@ -54,12 +55,13 @@ pub(crate) enum Format {
     Fdp,
 }
 
-const FORMATS: [(&str, Format, &str); 13] = [
+const FORMATS: [(&str, Format, &str); 14] = [
     ("glb", Format::Glb, "GLB"),
     ("gltf", Format::Gltf, "glTF"),
     ("vrm", Format::Vrm, "VRM"),
     ("vrma", Format::Vrma, "VRMA"),
     ("bvh", Format::Bvh, "BVH"),
+    ("bva", Format::Bva, "BVA"),
     ("asf", Format::Asf, "ASF"),
     ("amc", Format::Amc, "AMC"),
     ("x3d", Format::X3d, "X3D"),
@@ -160,6 +162,15 @@ pub(crate) fn figure(bytes: &[u8], format: Format, path: &Path, told: Told) -> R
             let read = bvh::read(bytes, &options, &limits)?;
             let file = read.value;
             Ok(opened(file.character, None, file.end_sites, &read.warnings))
+        }
+        Format::Bva => {
+            let read = bva::read(bytes, &bva::ReadOptions::default(), &limits)?;
+            Ok(opened(
+                read.value.character,
+                None,
+                Vec::new(),
+                &read.warnings,
+            ))
         }
         Format::Asf => pair(bytes, None, told),
         Format::Amc => {

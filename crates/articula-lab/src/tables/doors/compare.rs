@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use articula_build::clip::source_rate_hz;
-use articula_core::articulation::Articulation;
+use articula_core::articulation::{Articulation, JointArticulation};
 use articula_core::hierarchy::local_to_model;
 use articula_core::mesh::Mesh;
 use articula_core::pose::{LocalPose, ModelPose};
@@ -35,6 +35,9 @@ pub(super) enum Kept {
     All,
     /// Those of skins; all, where there is no skin.
     Skin,
+    /// Those with a twin in the standard, found by it; the skin is not looked at, since its
+    /// vertices come in another order.
+    Twins,
 }
 
 /// Compares a character as it was with one that was written and read again; without clips at
@@ -46,9 +49,10 @@ pub(super) fn apart(
 ) -> Result<Apart> {
     let mut was = Side::new(was)?;
     let mut is = Side::new(is)?;
-    let pairs = pairs(was.character, is.character, kept);
+    let pairs = pairs(&was, &is, kept);
     let clips = was.character.clips.len().min(is.character.clips.len());
-    let skinned = was.mesh.len() == is.mesh.len() && !was.mesh.is_empty();
+    let same_order = kept != Kept::Twins && was.mesh.len() == is.mesh.len();
+    let skinned = same_order && !was.mesh.is_empty();
     let mut apart = Apart {
         joints: pairs.len(),
         clips,
@@ -90,12 +94,15 @@ fn times(clip: &Clip) -> Vec<f32> {
 
 /// Joints of both sides with the same name, those of one name in their order. Some formats call
 /// the first joint `root` whatever its name was.
-fn pairs(was: &Character, is: &Character, kept: Kept) -> Vec<(usize, usize)> {
+fn pairs(was: &Side<'_>, is: &Side<'_>, kept: Kept) -> Vec<(usize, usize)> {
+    if kept == Kept::Twins {
+        return twins(was, is);
+    }
     let mut known: HashMap<String, VecDeque<usize>> = HashMap::new();
-    for (j, joint) in is.skeleton.joints.iter().enumerate() {
+    for (j, joint) in is.character.skeleton.joints.iter().enumerate() {
         known.entry(plain(&joint.name, j)).or_default().push_back(j);
     }
-    let joints = &was.skeleton.joints;
+    let joints = &was.character.skeleton.joints;
     let any_skin = joints.iter().any(|j| j.in_skin);
     let counts = |j: &Joint| kept == Kept::All || j.in_skin || !any_skin;
     let first = joints.iter().position(counts);
@@ -107,6 +114,20 @@ fn pairs(was: &Character, is: &Character, kept: Kept) -> Vec<(usize, usize)> {
         Some((j, twin?))
     };
     counted.filter_map(pair).collect()
+}
+
+/// Joints of both sides that stand for the same joint of the standard.
+fn twins(was: &Side<'_>, is: &Side<'_>) -> Vec<(usize, usize)> {
+    let is = &is.rig.articulation().joints;
+    let was = was.rig.articulation().joints.iter().enumerate();
+    let pair = |(j, joint): (usize, &JointArticulation)| {
+        let name = joint.hanim.as_ref()?;
+        let twin = is
+            .iter()
+            .position(|other| other.hanim.as_ref() == Some(name));
+        Some((j, twin?))
+    };
+    was.filter_map(pair).collect()
 }
 
 /// A name as formats that allow no blanks write it.

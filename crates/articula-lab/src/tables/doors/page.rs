@@ -69,7 +69,7 @@ pub(super) fn page(doors: &[Door], errors: Option<&Errors>) -> Result<String> {
 }
 
 /// The writers of text formats, as the table has them.
-const TEXTS: [Writer; 2] = [Writer::Bvh, Writer::Acclaim];
+const TEXTS: [Writer; 3] = [Writer::Bvh, Writer::Acclaim, Writer::X3d];
 
 /// How far joints and skin are apart, and whether anything is missing.
 fn millimetres(trip: &Trip) -> String {
@@ -191,7 +191,8 @@ written anew, made anew; clips that drive expressions are written out as morph w
 compared with what it was written from: the joints in model space at up to 500 frames of every clip,
 the skinned vertices at five frames of each. Cells are the greatest distances found in millimetres,
 first of a joint, then of a vertex. The bounds that a test holds are 0.001 mm for GLB and 0.1 mm for
-the text formats, all joints and all clips that the format holds. BVH and ASF
+the text formats, all joints and all clips that the format holds (X3D: joints that stand for one of
+the standard; its vertices come in another order). BVH and ASF
 files do not say their unit and up axis: the reader is told what was written. The last column counts
 the errors of the Khronos validator: the most of any written GLB, and those of the source.
 

@@ -7,7 +7,7 @@ use articula_build::clip::source_rate_hz;
 use articula_build::expression::bake;
 use articula_core::source::{Character, Clip};
 use articula_formats::gltf::Document;
-use articula_formats::{acclaim, bvh};
+use articula_formats::{acclaim, bvh, x3d};
 use std::path::{Path, PathBuf};
 
 /// Farthest that a joint or vertex of a GLB may be from where it was, millimetres: its numbers
@@ -29,6 +29,8 @@ pub(super) enum Writer {
     Bvh,
     /// An Acclaim skeleton, and a motion of the first clip.
     Acclaim,
+    /// An H-Anim figure in X3D.
+    X3d,
 }
 
 /// What a writer made.
@@ -68,12 +70,13 @@ impl Trip {
 }
 
 impl Writer {
-    pub(super) const ALL: [Self; 5] = [
+    pub(super) const ALL: [Self; 6] = [
         Self::Through,
         Self::Clips,
         Self::Anew,
         Self::Bvh,
         Self::Acclaim,
+        Self::X3d,
     ];
 
     /// Name as the table has it.
@@ -84,12 +87,17 @@ impl Writer {
             Self::Anew => "GLB, all anew",
             Self::Bvh => "BVH, first clip",
             Self::Acclaim => "ASF and AMC, first clip",
+            Self::X3d => "X3D",
         }
     }
 
     /// Whether the Khronos validator can judge it.
     pub(super) fn is_glb(self) -> bool {
         matches!(self, Self::Through | Self::Clips | Self::Anew)
+    }
+
+    fn holds_all_clips(self) -> bool {
+        self.is_glb() || self == Self::X3d
     }
 
     /// Farthest that a joint may be from where it was, millimetres.
@@ -134,6 +142,15 @@ impl Writer {
                 let made = acclaim::write(character, Some(0), &options)?;
                 Some(Bytes::Pair(made.asf, made.amc))
             }
+            (Self::X3d, _) => {
+                let baked = Character {
+                    clips: baked(character)?,
+                    ..character.clone()
+                };
+                let articulation = &opened.mapping.articulation;
+                let made = x3d::write(&baked, articulation, &x3d::WriteOptions::default())?;
+                Some(Bytes::One(made.bytes))
+            }
             _ => None,
         })
     }
@@ -165,8 +182,12 @@ pub(super) fn trips(opened: &Opened, path: &Path, stem: &Path) -> Result<Vec<Tri
         let clips = opened.character.clips.len();
         trips.push(Trip {
             writer,
-            joints: joints(&opened.character, writer),
-            clips: if writer.is_glb() { clips } else { clips.min(1) },
+            joints: joints(opened, writer),
+            clips: if writer.holds_all_clips() {
+                clips
+            } else {
+                clips.min(1)
+            },
             apart: bytes.and_then(|bytes| again(opened, writer, &bytes, path)),
             path: kept,
         });
@@ -180,13 +201,16 @@ fn again(was: &Opened, writer: Writer, bytes: &Bytes, path: &Path) -> Result<Apa
         Bytes::One(bytes) if writer.is_glb() => {
             open::figure(bytes, Format::Glb, path, Told::Nothing)?
         }
+        Bytes::One(bytes) if writer == Writer::X3d => {
+            open::figure(bytes, Format::X3d, path, Told::Nothing)?
+        }
         Bytes::One(bytes) => open::figure(bytes, Format::Bvh, path, Told::AsWritten)?,
         Bytes::Pair(asf, amc) => open::pair(asf, amc.as_deref(), Told::AsWritten)?,
     };
-    let kept = if writer.is_glb() {
-        Kept::All
-    } else {
-        Kept::Skin
+    let kept = match writer {
+        _ if writer.is_glb() => Kept::All,
+        Writer::X3d => Kept::Twins,
+        _ => Kept::Skin,
     };
     apart(
         (&was.character, &was.mapping.articulation),
@@ -195,13 +219,16 @@ fn again(was: &Opened, writer: Writer, bytes: &Bytes, path: &Path) -> Result<Apa
     )
 }
 
-/// Joints that a writer keeps: all or, in formats of joints alone, those of skins.
-fn joints(character: &Character, writer: Writer) -> usize {
-    let all = character.skeleton.joints.len();
-    let skin = character.skeleton.joints.iter().filter(|j| j.in_skin);
+/// Joints that a writer keeps: all or, in formats of joints alone, those of skins. In X3D those
+/// are compared that stand for a joint of the standard; read again, a lone hand has none.
+fn joints(opened: &Opened, writer: Writer) -> usize {
+    let joints = &opened.character.skeleton.joints;
+    let skin = joints.iter().filter(|j| j.in_skin);
     match skin.count() {
-        0 => all,
-        _ if writer.is_glb() => all,
+        _ if writer == Writer::X3d && !opened.mapping.humanoid => 0,
+        _ if writer == Writer::X3d => opened.mapping.articulation.mapped(),
+        0 => joints.len(),
+        _ if writer.is_glb() => joints.len(),
         skin => skin,
     }
 }
