@@ -19,4 +19,12 @@ fuzz_target!(|bytes: &[u8]| {
     let anew = Document::from_character(&file.value.character).expect("what is read fits");
     let written = anew.write_glb().expect("it is small");
     gltf::read(&written, &Limits::default(), &mut alone).expect("what is written can be read");
+    let nodes = &file.value.node_of_joint;
+    let bones = file.value.humanoid.iter().flatten();
+    let bones: Vec<_> = bones.map(|(j, bone)| (nodes[*j], bone.clone())).collect();
+    let mut character = file.value.document;
+    if character.set_khr_character(&bones, "TPose", None).is_ok() {
+        let written = character.write_glb().expect("it is small");
+        gltf::read(&written, &Limits::default(), &mut alone).expect("what is written can be read");
+    }
 });
