@@ -73,7 +73,7 @@ fn a_motion_finds_its_skeleton() {
     std::fs::write(alone.join("man.asf"), ASF.replace("name head", "name tail")).unwrap();
     let why = fault(&alone, 1, &["inspect", "walk.amc"]);
     assert!(
-        why.starts_with("error: walk.amc: with the skeleton ./man.asf: asf line "),
+        why.starts_with("error: walk.amc: with the skeleton man.asf: asf line "),
         "{why}"
     );
 }

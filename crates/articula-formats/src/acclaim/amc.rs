@@ -148,12 +148,9 @@ impl MotionText {
         words: &[&str],
         bones: Bones<'_>,
     ) -> Result<(), ReadError> {
-        let name = if name.eq_ignore_ascii_case("root") {
-            "root"
-        } else {
-            name
-        };
-        let Some(&slot) = bones.tree.names.get(name) else {
+        let is_root = name.eq_ignore_ascii_case("root");
+        let slot = bones.tree.names.get(name).copied();
+        let Some(slot) = slot.or(is_root.then_some(Some(0))) else {
             let name = shortened(name);
             let what = format!(
                 "\"{name}\" is no bone of the skeleton; is this the .asf that the motion was made with?"

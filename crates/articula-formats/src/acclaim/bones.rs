@@ -201,8 +201,12 @@ impl<'a> Builder<'a> {
 
     /// A name that the format can hold and no other bone has.
     fn unique(&mut self, name: &str, joint: usize) -> String {
-        let odd = |c: char| c.is_whitespace() || c.is_control() || "#:,()".contains(c);
+        let odd = |c: char| c.is_whitespace() || c.is_control() || "#,()".contains(c);
         let mut plain = name.trim().replace(odd, "_");
+        // A colon in front would make it a keyword.
+        if plain.starts_with(':') {
+            plain.replace_range(..1, "_");
+        }
         // A number alone would be the number of a frame.
         if plain.bytes().all(|b| b.is_ascii_digit()) {
             plain = format!("joint_{joint}");

@@ -176,7 +176,7 @@ fn odd_spelling_is_read_alike() {
         .replace("dof rx", "DOF RX")
         .replace("direction 0 -1 0", "direction (0, -2, 0)")
         .replace("begin", "Begin");
-    let amc = AMC.replace('\n', "\r\n\r\n").replace("root", "ROOT");
+    let amc = AMC.replace('\n', "\r\n\r\n").replace("root", "Root");
     let found = plain(&format!("\u{feff}{asf}"), Some(&amc)).unwrap();
     assert!(found.warnings.is_empty(), "{:?}", found.warnings);
     assert_eq!(found.value, wanted);

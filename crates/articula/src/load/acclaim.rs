@@ -52,6 +52,9 @@ fn skeleton(source: &Source<'_>) -> anyhow::Result<(PathBuf, Option<&'static str
     };
     let mut beside = files::in_folder(here)?;
     beside.retain(|path| Format::of_name(path) == Some(Format::Asf));
+    for path in &mut beside {
+        *path = folder.join(path.file_name().unwrap_or_default());
+    }
     if let Some((chosen, how)) = choose(source.path, &beside) {
         return Ok((chosen.clone(), how));
     }
