@@ -5,6 +5,7 @@
 mod random_figure;
 
 use articula_build::clip_edit::Subject;
+use articula_build::clip_edit::cycle::{CloseOptions, close};
 use articula_build::clip_edit::key_reduction::{ReduceOptions, Reduced, reduce_keys};
 use articula_build::clip_edit::root_motion::{RootMotionMode, RootMotionOptions, split};
 use articula_core::hierarchy::local_to_model;
@@ -245,6 +246,45 @@ proptest! {
         let [a, b] = [0.0, character.clips[0].duration_secs]
             .map(|t| joints(&character, &rig, &character.clips[0], t).position(1));
         prop_assert!((last.x_metres - (b - a).x).abs() < 1e-3 && (last.z_metres - (b - a).z).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_closed_loop_ends_as_it_starts(
+        rows in rows(),
+        armature in armatures(),
+        how in interpolations(),
+        window_secs in prop::option::of(0.05f32..0.5),
+    ) {
+        let character = traveller(&rows, armature, how);
+        let count = character.skeleton.joints.len();
+        let subject = Subject::new(&character, flat(count), &[]).unwrap();
+        let clip = &character.clips[0];
+        let out = close(&subject, clip, &CloseOptions { window_secs }).unwrap();
+        prop_assert!(out.seam_radians <= 1e-5, "{}", out.seam_radians);
+        let rig = Rig::new(&character.skeleton, flat(count)).unwrap();
+        let end = clip.duration_secs;
+        let [a, b] = [0.0, end].map(|t| joints(&character, &rig, &out.clip, t));
+        // One step over the ground takes the whole body from the first pose to the last.
+        let step = b.matrices[1] * a.matrices[1].inverse();
+        prop_assert!((step.transform_vector3(Vec3::Y) - Vec3::Y).length() < 1e-4);
+        prop_assert!((b.position(1).y - a.position(1).y).abs() < 1e-4, "the height is closed");
+        for j in 1..count - 1 {
+            let taken = step.transform_point3(a.position(j));
+            prop_assert!(taken.distance(b.position(j)) < 1e-4, "joint {j}");
+        }
+        // The way over the ground is as long as before.
+        let [p, q] = [0.0, end].map(|t| joints(&character, &rig, clip, t).position(1));
+        let way = Vec3::new((q - p).x, 0.0, (q - p).z).length();
+        prop_assert!((out.travel_metres - way).abs() < 1e-3 * way.max(1.0));
+        let again = close(&subject, &out.clip, &CloseOptions { window_secs }).unwrap();
+        prop_assert!(again.moved_metres < 1e-3, "{}", again.moved_metres);
+        if let Some(w) = window_secs.filter(|w| 2.2 * w < end) {
+            let middle = 0.5 * end;
+            let [p, q] = [clip, &out.clip].map(|c| joints(&character, &rig, c, middle));
+            for j in 1..count {
+                prop_assert!(p.position(j).distance(q.position(j)) < 1e-3, "{w} s do not reach {middle}");
+            }
+        }
     }
 
     #[test]

@@ -64,6 +64,14 @@ pub(super) fn key_value(channel: &Channel, key: usize) -> &[f32] {
     &channel.values[first..first + width]
 }
 
+/// The same, to be changed.
+pub(super) fn key_value_mut(channel: &mut Channel, key: usize) -> &mut [f32] {
+    let width = width(channel);
+    let parts = parts(channel.interpolation);
+    let first = (key * parts + parts / 2) * width;
+    &mut channel.values[first..first + width]
+}
+
 /// The key at a time, if there is one.
 pub(super) fn key_at(channel: &Channel, time_secs: f32) -> Option<usize> {
     let times = &channel.times_secs;

@@ -2,6 +2,7 @@
 //!
 //! - [`trim`]: a part of a clip, its keys at both cuts exact
 //! - [`rate`]: every channel keyed at one rate
+//! - [`cycle`]: the part that loops, and its ends made to meet
 //! - [`root_motion`]: the way over the ground apart from the rest
 //! - [`key_reduction`]: fewer keys, with a bound in metres of the character
 //!
@@ -15,6 +16,7 @@ mod subject;
 #[cfg(test)]
 mod test_clips;
 
+pub mod cycle;
 pub mod key_reduction;
 pub mod rate;
 pub mod root_motion;

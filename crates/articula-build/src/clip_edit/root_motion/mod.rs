@@ -10,8 +10,8 @@
 //! armature of scale 100) need no care of their own.
 
 mod carrier;
-mod similarity;
-mod trajectory;
+pub(super) mod similarity;
+pub(super) mod trajectory;
 
 pub use trajectory::TrajectoryKey;
 

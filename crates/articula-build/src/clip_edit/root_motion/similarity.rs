@@ -10,27 +10,27 @@ const SAME_SCALE: f32 = 1e-4;
 
 /// Scale first, then rotation, then translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Similarity {
-    pub(super) translation: DVec3,
-    pub(super) rotation: DQuat,
-    pub(super) scale: f64,
+pub(in super::super) struct Similarity {
+    pub(in super::super) translation: DVec3,
+    pub(in super::super) rotation: DQuat,
+    pub(in super::super) scale: f64,
 }
 
 impl Similarity {
-    pub(super) const IDENTITY: Self = Self {
+    pub(in super::super) const IDENTITY: Self = Self {
         translation: DVec3::ZERO,
         rotation: DQuat::IDENTITY,
         scale: 1.0,
     };
 
     /// Whether a transform is one: scaled alike along all axes, mirroring none.
-    pub(super) fn is(t: Transform) -> bool {
+    pub(in super::super) fn is(t: Transform) -> bool {
         let (least, greatest) = (t.scale.min_element(), t.scale.max_element());
         least > 0.0 && greatest - least <= SAME_SCALE * greatest
     }
 
     /// The same transform if it is one, else with the mean of its scales.
-    pub(super) fn of(t: Transform) -> Self {
+    pub(in super::super) fn of(t: Transform) -> Self {
         Self {
             translation: t.translation.as_dvec3(),
             rotation: t.rotation.as_dquat().normalize(),
@@ -39,7 +39,7 @@ impl Similarity {
     }
 
     /// A turn about the vertical through a point of the ground, which it then takes elsewhere.
-    pub(super) fn on_ground(yaw: f64, from: DVec3, to: DVec3) -> Self {
+    pub(in super::super) fn on_ground(yaw: f64, from: DVec3, to: DVec3) -> Self {
         let rotation = DQuat::from_rotation_y(yaw);
         let level = |p: DVec3| DVec3::new(p.x, 0.0, p.z);
         Self {
@@ -49,7 +49,7 @@ impl Similarity {
         }
     }
 
-    pub(super) fn inverse(self) -> Self {
+    pub(in super::super) fn inverse(self) -> Self {
         let (rotation, scale) = (self.rotation.conjugate(), 1.0 / self.scale);
         Self {
             translation: rotation * self.translation * -scale,
@@ -58,12 +58,12 @@ impl Similarity {
         }
     }
 
-    pub(super) fn point(self, p: DVec3) -> DVec3 {
+    pub(in super::super) fn point(self, p: DVec3) -> DVec3 {
         self.rotation * (p * self.scale) + self.translation
     }
 
     /// This after any transform, scaled as that may be.
-    pub(super) fn after(self, t: Transform) -> Transform {
+    pub(in super::super) fn after(self, t: Transform) -> Transform {
         Transform {
             translation: self.point(t.translation.as_dvec3()).as_vec3(),
             rotation: (self.rotation * t.rotation.as_dquat())
@@ -74,7 +74,7 @@ impl Similarity {
     }
 
     /// As a local transform.
-    pub(super) fn transform(self) -> Transform {
+    pub(in super::super) fn transform(self) -> Transform {
         self.after(Transform::IDENTITY)
     }
 }

@@ -29,7 +29,7 @@ const SURE: f64 = 0.4;
 const UNSURE: f64 = 0.15;
 
 /// The trajectory of one clip.
-pub(super) struct Trajectory<'a> {
+pub(in super::super) struct Trajectory<'a> {
     subject: &'a Subject<'a>,
     clip: &'a Clip,
     hips: usize,
@@ -54,7 +54,11 @@ struct Place {
 impl<'a> Trajectory<'a> {
     /// With `smooth_secs` above 0, each place is a weighted mean over that time around it (over
     /// less near the ends, so that these stay).
-    pub(super) fn new(subject: &'a Subject<'a>, clip: &'a Clip, smooth_secs: f32) -> Self {
+    pub(in super::super) fn new(
+        subject: &'a Subject<'a>,
+        clip: &'a Clip,
+        smooth_secs: f32,
+    ) -> Self {
         let mut posed = subject.rest();
         subject.pose(clip, 0.0, &mut posed);
         let hips = subject.hips();
@@ -84,7 +88,7 @@ impl<'a> Trajectory<'a> {
     }
 
     /// The trajectory at some rising times.
-    pub(super) fn keys(&self, times: &[f32]) -> Vec<TrajectoryKey> {
+    pub(in super::super) fn keys(&self, times: &[f32]) -> Vec<TrajectoryKey> {
         let mut posed = self.subject.rest();
         let mut yaw = 0.0;
         let key = |secs: &f32| {

@@ -1,13 +1,15 @@
-//! `convert --trim --root-motion --rate --reduce-keys`: clips made clean, and what that did in
-//! numbers.
+//! `convert --trim --loop --root-motion --rate --reduce-keys`: clips made clean, and what that did
+//! in numbers.
 //!
-//! The order is fixed, whatever the order of the flags: trim, root motion, rate, then (after the
-//! level of articulation) keys. The bound of the keys is against what they stood for just before.
+//! The order is fixed, whatever the order of the flags: trim, loop, root motion, rate, then (after
+//! the level of articulation) keys. The bound of the keys is against what they stood for just
+//! before.
 
 use crate::load::{Format, Loaded};
 use crate::prepared::articulation_of;
 use crate::{arguments, fault};
 use anyhow::Context;
+use articula_build::clip_edit::cycle::{self, CloseOptions, FindOptions};
 use articula_build::clip_edit::key_reduction::{self, ReduceOptions, Reduced};
 use articula_build::clip_edit::root_motion::{
     self, RootMotionMode, RootMotionOptions, TrajectoryKey,
@@ -24,6 +26,12 @@ pub(super) struct HygieneArgs {
     /// Keep a part of each clip, in seconds: 1.5..3, ..3 or 2..
     #[arg(long, value_name = "FROM..TO", value_parser = part)]
     trim: Option<Part>,
+    /// Keep the part of each clip that loops best, and make its ends meet
+    #[arg(long = "loop")]
+    looped: bool,
+    /// With --loop: share what is missing over so much of either end [default: half of the loop]
+    #[arg(long, value_name = "SECS", value_parser = arguments::positive, requires = "looped")]
+    loop_window: Option<f32>,
     /// What becomes of the hips' way over the ground and their heading: told, given to a joint
     /// above them, or taken away
     #[arg(long, value_name = "MODE", value_enum)]
@@ -66,6 +74,8 @@ struct Part {
 pub(super) struct Edits {
     clip: String,
     trim: Option<Trimmed>,
+    #[serde(rename = "loop")]
+    looped: Option<Looped>,
     root_motion: Option<RootMotionDone>,
     rate: Option<Resampled>,
     reduce_keys: Option<KeysReduced>,
@@ -76,6 +86,43 @@ struct Trimmed {
     from_secs: f32,
     to_secs: f32,
     duration_secs: f32,
+}
+
+/// The best part of a clip; unless it is a loop, the clip stays as it is.
+#[derive(Debug, Serialize)]
+struct Looped {
+    is_loop: bool,
+    /// Whether it is the whole clip, whose ends met from the start.
+    is_whole: bool,
+    /// Null for a clip that is too short or too still to repeat anything.
+    part: Option<LoopPart>,
+    /// The lowest score of a loop.
+    score_least: f32,
+    closed: Option<ClosedDone>,
+}
+
+#[derive(Debug, Serialize)]
+struct LoopPart {
+    start_secs: f32,
+    end_secs: f32,
+    period_secs: f32,
+    /// Greatest jump of a joint from the end to the start, before it was closed.
+    seam_m: f32,
+    seam_rms_m: f32,
+    seam_m_per_sec: f32,
+    score: f32,
+}
+
+#[derive(Debug, Serialize)]
+struct ClosedDone {
+    window_secs: f32,
+    /// Greatest distance that any joint was moved by closing.
+    moved_m: f32,
+    /// Of one round, over the ground.
+    travel_m: f32,
+    turn_deg: f32,
+    /// Greatest angle that is left between the first and the last pose.
+    seam_deg: f32,
 }
 
 #[derive(Debug, Serialize)]
@@ -145,6 +192,7 @@ impl HygieneArgs {
     /// Whether anything is to be done.
     pub(super) fn asks(&self) -> bool {
         self.trim.is_some()
+            || self.looped
             || self.root_motion.is_some()
             || self.rate.is_some()
             || self.reduce_keys.is_some()
@@ -173,6 +221,10 @@ impl HygieneArgs {
         Ok(Edits {
             clip: clip.name.clone(),
             trim: self.trim.map(|part| part.trim(clip)).transpose()?,
+            looped: match self.looped {
+                true => Some(looped(subject, clip, self.loop_window)?),
+                false => None,
+            },
             root_motion: self
                 .root_motion
                 .map(|mode| root_motion(subject, clip, mode, self.root_smooth))
@@ -217,6 +269,45 @@ fn subject(loaded: &Loaded) -> anyhow::Result<Subject<'_>> {
         articulation,
         &loaded.end_sites,
     )?)
+}
+
+/// Cuts a clip to its loop and closes it, if it has one.
+fn looped(
+    subject: &Subject<'_>,
+    clip: &mut Clip,
+    window_secs: Option<f32>,
+) -> anyhow::Result<Looped> {
+    let found = cycle::find(subject, clip, &FindOptions::default())?;
+    let is_loop = found.is_some_and(|f| f.is_loop);
+    let part = found.map(|f| f.cycle);
+    let mut closed = None;
+    if let Some(part) = part.filter(|_| is_loop) {
+        *clip = trim::trim(clip, part.start_secs..=part.end_secs)?;
+        let out = cycle::close(subject, clip, &CloseOptions { window_secs })?;
+        *clip = out.clip;
+        closed = Some(ClosedDone {
+            window_secs: out.window_secs,
+            moved_m: out.moved_metres,
+            travel_m: out.travel_metres,
+            turn_deg: out.turn_radians.to_degrees(),
+            seam_deg: out.seam_radians.to_degrees(),
+        });
+    }
+    Ok(Looped {
+        is_loop,
+        is_whole: found.is_some_and(|f| f.is_whole),
+        part: part.map(|part| LoopPart {
+            start_secs: part.start_secs,
+            end_secs: part.end_secs,
+            period_secs: part.end_secs - part.start_secs,
+            seam_m: part.seam_metres,
+            seam_rms_m: part.seam_rms_metres,
+            seam_m_per_sec: part.seam_metres_per_sec,
+            score: part.score,
+        }),
+        score_least: cycle::LEAST_SCORE,
+        closed,
+    })
 }
 
 fn root_motion(
@@ -303,6 +394,9 @@ impl Edits {
                 t.from_secs, t.to_secs, t.duration_secs
             ));
         }
+        if let Some(looped) = &self.looped {
+            text.push_str(&looped.text());
+        }
         if let Some(root) = &self.root_motion {
             text.push_str(&root.text());
         }
@@ -316,6 +410,39 @@ impl Edits {
             text.push_str(&k.text());
         }
         text
+    }
+}
+
+impl Looped {
+    fn text(&self) -> String {
+        let Some(p) = &self.part else {
+            return "  no loop: too short or too still to repeat anything\n".into();
+        };
+        let part = format!(
+            "{:.3} .. {:.3} s, {:.3} s long, seam {:.1} mm, score {:.3}",
+            p.start_secs,
+            p.end_secs,
+            p.period_secs,
+            1e3 * p.seam_m,
+            p.score
+        );
+        match &self.closed {
+            Some(c) => format!(
+                "  {}: {part}; closing moved joints by up to {:.1} mm; a round goes {:.3} m, {:.1} degrees\n",
+                if self.is_whole {
+                    "a loop as it is"
+                } else {
+                    "loop found"
+                },
+                1e3 * c.moved_m,
+                c.travel_m,
+                c.turn_deg,
+            ),
+            None => format!(
+                "  no loop, left as it was: the best part ({part}) is below a score of {}\n",
+                self.score_least
+            ),
+        }
     }
 }
 

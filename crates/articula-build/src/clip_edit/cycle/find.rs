@@ -1,0 +1,313 @@
+//! The part of a clip whose end goes over into its start with the least jump.
+//!
+//! Source: the distance between frames of Kovar, Gleicher and Pighin, Motion Graphs, SIGGRAPH
+//! 2002: joint positions around both frames, after the ground is aligned. Differs: each frame is
+//! laid to its own trajectory once, instead of every pair to each other, and what happens around
+//! a frame is its velocity; so a pair costs a hundred numbers and all pairs can be looked at.
+
+use super::super::root_motion::trajectory::Trajectory;
+use super::super::subject::Subject;
+use crate::clip::{source_rate_hz, steps_at};
+use articula_core::Mismatch;
+use articula_core::articulation::Region;
+use articula_core::source::Clip;
+use glam::{Quat, Vec3};
+
+/// Most frames that are compared with each other; longer clips are looked at more coarsely.
+const MOST_FRAMES: usize = 2048;
+
+/// Highest rate at which frames are compared.
+const COMPARED_HZ: f32 = 60.0;
+
+/// What a difference of velocity weighs: as much as the way that it makes in this time.
+const VELOCITY_SECS: f32 = 0.1;
+
+/// Velocities are taken over this time to both sides.
+const AROUND_SECS: f32 = 1.0 / 60.0;
+
+/// A loop must leave its first pose by this much of what the clip does on the whole.
+const LEAST_REACH: f32 = 0.5;
+
+/// A clip whose ends are nowhere farther apart than this part of the figure's height is a loop as
+/// it is: 1 cm for a grown-up.
+const WHOLE_SEAM: f32 = 0.006;
+
+/// A shorter loop is preferred to a better one up to this factor.
+const NEARLY: f32 = 1.5;
+
+/// Below this score a part is no loop: its ends differ by more than a fifth of what the clip does.
+pub const LEAST_SCORE: f32 = 0.8;
+
+/// Parts of a frame that the ends of a loop are placed by.
+const PARTS: usize = 4;
+
+/// What is looked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FindOptions {
+    /// Shortest loop.
+    pub least_secs: f32,
+}
+
+impl Default for FindOptions {
+    fn default() -> Self {
+        Self { least_secs: 0.4 }
+    }
+}
+
+/// A part of a clip, and how its end goes over into its start. Root motion does not count:
+/// both are laid to where the hips are and face.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cycle {
+    /// Where it starts.
+    pub start_secs: f32,
+    /// Where it ends, and is at its start again.
+    pub end_secs: f32,
+    /// Greatest jump of a joint at the seam.
+    pub seam_metres: f32,
+    /// Root mean square of the joints' jumps.
+    pub seam_rms_metres: f32,
+    /// Root mean square of the differences of their velocities.
+    pub seam_metres_per_sec: f32,
+    /// 1 if neither poses nor velocities jump, 0 if they do as much as between any two moments
+    /// of the clip that differ much. For a whole clip, at whose ends velocities are seen from one
+    /// side only, it is of the poses alone.
+    pub score: f32,
+}
+
+/// The best part of a clip.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Found {
+    /// The part.
+    pub cycle: Cycle,
+    /// Whether it is good enough to be called a loop: its score is at least [`LEAST_SCORE`], or
+    /// it is the whole clip and its ends meet.
+    pub is_loop: bool,
+    /// Whether it is the whole clip, whose ends meet within 0.6 % of the figure's height.
+    pub is_whole: bool,
+}
+
+/// Poses of a clip laid to their trajectory, for comparison.
+struct Frames {
+    times: Vec<f32>,
+    joints: usize,
+    /// For each frame the positions of all joints, then their ways in [`VELOCITY_SECS`].
+    points: Vec<Vec3>,
+}
+
+impl Frames {
+    fn at(subject: &Subject<'_>, clip: &Clip, around_secs: f32, times: Vec<f32>) -> Self {
+        let joints = compared(subject);
+        let trajectory = Trajectory::new(subject, clip, 0.0);
+        let mut posed = subject.rest();
+        let mut points = Vec::with_capacity(2 * times.len() * joints.len());
+        let hips = subject.hips();
+        let mut world = |secs: f32| -> (Vec3, Vec<Vec3>) {
+            subject.pose(clip, secs, &mut posed);
+            let ground = posed.model.position(hips) * Vec3::new(1.0, 0.0, 1.0);
+            let joints = joints.iter().map(|j| posed.model.position(*j));
+            (ground, joints.collect())
+        };
+        for key in trajectory.keys(&times) {
+            let back = Quat::from_rotation_y(-key.yaw_radians);
+            let from = (key.secs - around_secs).max(0.0);
+            let to = (key.secs + around_secs).min(clip.duration_secs);
+            let ((_, before), (_, after)) = (world(from), world(to));
+            let (ground, now) = world(key.secs);
+            points.extend(now.iter().map(|p| back * (*p - ground)));
+            let ways = before.iter().zip(&after);
+            let secs = VELOCITY_SECS / (to - from).max(1e-6);
+            points.extend(ways.map(|(a, b)| back * (*b - *a) * secs));
+        }
+        Self {
+            times,
+            joints: joints.len(),
+            points,
+        }
+    }
+
+    fn frame(&self, i: usize) -> (&[Vec3], &[Vec3]) {
+        let at = 2 * i * self.joints;
+        let (middle, end) = (at + self.joints, at + 2 * self.joints);
+        (&self.points[at..middle], &self.points[middle..end])
+    }
+
+    /// Difference of two frames, of their velocities too; metres.
+    fn distance(&self, i: usize, j: usize) -> f32 {
+        let ((p, v), (q, w)) = (self.frame(i), self.frame(j));
+        let squares = |a: &[Vec3], b: &[Vec3]| -> f32 {
+            let pairs = a.iter().zip(b);
+            pairs.map(|(a, b)| a.distance_squared(*b)).sum()
+        };
+        ((squares(p, q) + squares(v, w)) / self.joints as f32).sqrt()
+    }
+
+    /// How far the poses of the clip are from each other: for the middle one of some frames, the
+    /// distance that one in ten of the others exceeds. Single odd frames, such as a T-pose
+    /// before a capture, do not count.
+    fn spread(&self) -> f32 {
+        let frames = self.times.len();
+        let at = |mut sorted: Vec<f32>, part: f32| {
+            sorted.sort_by(f32::total_cmp);
+            sorted[((sorted.len() - 1) as f32 * part) as usize]
+        };
+        let far = |i: usize| at((0..frames).map(|j| self.distance(i, j)).collect(), 0.9);
+        at(
+            (0..frames).step_by(frames.div_ceil(64)).map(far).collect(),
+            0.5,
+        )
+    }
+
+    fn cycle(&self, i: usize, j: usize, spread: f32) -> Cycle {
+        let ((p, v), (q, w)) = (self.frame(i), self.frame(j));
+        let mean = |a: &[Vec3], b: &[Vec3]| -> f32 {
+            let pairs = a.iter().zip(b);
+            let squares = pairs.map(|(a, b)| a.distance_squared(*b));
+            (squares.sum::<f32>() / self.joints as f32).sqrt()
+        };
+        let apart = p.iter().zip(q).map(|(a, b)| a.distance(*b));
+        Cycle {
+            start_secs: self.times[i],
+            end_secs: self.times[j],
+            seam_metres: apart.fold(0.0, f32::max),
+            seam_rms_metres: mean(p, q),
+            seam_metres_per_sec: mean(v, w) / VELOCITY_SECS,
+            score: 1.0 - self.distance(i, j) / spread.max(1e-9),
+        }
+    }
+}
+
+/// The joints whose places are compared: those of the standard but for hands and face, which are
+/// many and small. Where fewer than four are known, all of the skin.
+fn compared(subject: &Subject<'_>) -> Vec<usize> {
+    let articulation = &subject.rig.articulation().joints;
+    let body = |j: &usize| {
+        let joint = &articulation[*j];
+        joint.hanim.is_some() && !matches!(joint.region, Region::Hands | Region::Face)
+    };
+    let body: Vec<usize> = (0..subject.rig.len()).filter(body).collect();
+    if body.len() >= 4 {
+        return body;
+    }
+    let skin: Vec<usize> = subject.rig.skin_joints().iter().collect();
+    if skin.is_empty() {
+        (0..subject.rig.len()).collect()
+    } else {
+        skin
+    }
+}
+
+/// The best part for every length: its first frame and the distance over its seam.
+fn by_length(frames: &Frames, least: usize, spread: f32) -> Vec<Option<(usize, f32)>> {
+    let count = frames.times.len();
+    let mut best: Vec<Option<(usize, f32)>> = vec![None; count];
+    for i in 0..count {
+        // A part that hardly moves is no loop, however well it closes.
+        let mut reach = 0.0f32;
+        for j in i + 1..count {
+            let distance = frames.distance(i, j);
+            reach = reach.max(distance);
+            let slot = &mut best[j - i];
+            if j - i >= least
+                && reach >= LEAST_REACH * spread
+                && slot.is_none_or(|(_, d)| distance < d)
+            {
+                *slot = Some((i, distance));
+            }
+        }
+    }
+    best
+}
+
+/// Looks for the part of a clip that repeats best: the clip itself where its ends meet; else,
+/// among the parts of every length, the shortest that is nearly as good as the best. `None` if
+/// the clip is shorter than the shortest loop, or never leaves its first pose.
+///
+/// # Errors
+/// A [`Mismatch`] if the clip is not one of this character, or is longer than can be looked at.
+pub fn find(
+    subject: &Subject<'_>,
+    clip: &Clip,
+    opts: &FindOptions,
+) -> Result<Option<Found>, Mismatch> {
+    subject.check(clip)?;
+    let source_hz = source_rate_hz(clip);
+    let rate = source_hz.min(COMPARED_HZ);
+    let steps = steps_at(clip, clip.duration_secs, rate, 1)?;
+    let rate = rate * (MOST_FRAMES as f32 / steps.max(1) as f32).min(1.0);
+    let least = (opts.least_secs * rate).ceil() as usize;
+    let count = (clip.duration_secs * rate) as usize + 1;
+    if count < 3 || count <= least {
+        return Ok(None);
+    }
+    let around = (1.0 / source_hz).max(AROUND_SECS);
+    let at = |times: Vec<f32>| Frames::at(subject, clip, around, times);
+    let frames = at((0..count).map(|i| i as f32 / rate).collect());
+    let spread = frames.spread();
+    let whole = at(vec![0.0, clip.duration_secs]).cycle(0, 1, spread);
+    if whole.seam_metres <= WHOLE_SEAM * height(subject) {
+        let score = 1.0 - whole.seam_rms_metres / spread.max(1e-9);
+        return Ok(Some(Found {
+            cycle: Cycle { score, ..whole },
+            is_loop: true,
+            is_whole: true,
+        }));
+    }
+    let Some((i, j)) = shortest(&by_length(&frames, least, spread)) else {
+        return Ok(None);
+    };
+    let cycle = refined(&frames, i, j, spread, clip.duration_secs, at);
+    Ok(Some(Found {
+        is_loop: cycle.score >= LEAST_SCORE,
+        is_whole: false,
+        cycle,
+    }))
+}
+
+/// First and last frame of the shortest part that is nearly as good as the best: where the first
+/// valley lies whose slope gets that low.
+fn shortest(best: &[Option<(usize, f32)>]) -> Option<(usize, usize)> {
+    let distance = |length: usize| best[length].map_or(f32::INFINITY, |(_, d)| d);
+    let least = (0..best.len()).map(distance).fold(f32::INFINITY, f32::min);
+    let first = (0..best.len()).find(|l| distance(*l) <= NEARLY * least)?;
+    let valley = first..best.len().min(first + first / 4 + 2);
+    let length = valley.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
+    best[length].map(|(start, _)| (start, start + length))
+}
+
+/// The same part with its ends moved by less than a frame.
+fn refined(
+    frames: &Frames,
+    i: usize,
+    j: usize,
+    spread: f32,
+    end_secs: f32,
+    at: impl Fn(Vec<f32>) -> Frames,
+) -> Cycle {
+    let step = (frames.times[1] - frames.times[0]) / PARTS as f32;
+    let near = |k: usize| {
+        let time = frames.times[k];
+        let around = (0..2 * PARTS + 1).map(move |p| time + (p as f32 - PARTS as f32) * step);
+        around.filter(move |t| (0.0..=end_secs).contains(t))
+    };
+    let starts = near(i).count();
+    let fine = at(near(i).chain(near(j)).collect());
+    let pairs = (0..starts).flat_map(|a| (starts..fine.times.len()).map(move |b| (a, b)));
+    let best = pairs.min_by(|x, y| {
+        let distance = |p: &(usize, usize)| fine.distance(p.0, p.1);
+        distance(x).total_cmp(&distance(y))
+    });
+    best.map_or_else(
+        || frames.cycle(i, j, spread),
+        |(a, b)| fine.cycle(a, b, spread),
+    )
+}
+
+/// Height of the joints that are compared, at rest.
+fn height(subject: &Subject<'_>) -> f32 {
+    let rest = subject.rest();
+    let heights = compared(subject)
+        .into_iter()
+        .map(|j| rest.model.position(j).y);
+    let (low, high) = heights.fold((f32::MAX, f32::MIN), |(l, h), y| (l.min(y), h.max(y)));
+    (high - low).max(0.0)
+}
