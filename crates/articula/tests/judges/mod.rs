@@ -49,7 +49,7 @@ pub(crate) fn data_is_here() -> bool {
 
 /// Whether node and the judges' packages are there (`cargo xtask test` installs them).
 pub(crate) fn judges_are_here() -> bool {
-    let packages = ["gltf-validator", "meshoptimizer", "three"];
+    let packages = ["gltf-validator", "meshoptimizer", "three", "x_ite"];
     let packages = packages.map(|name| oracle_folder().join("node_modules").join(name));
     let packages = packages.iter().all(|folder| folder.is_dir());
     let node = || Command::new("node").arg("--version").output().is_ok();

@@ -1,16 +1,14 @@
-//! Meshes as they lie at rest: those that follow one joint, and skin.
+//! Meshes as they lie in the pose of zero: those that follow one joint, and skin.
 //!
-//! All skin shares one list of points, as the standard has it. A point whose joints show the
-//! same matrix at rest is moved exactly as in the source; where a skin was bound in another pose
-//! than that of rest, its points are bound anew at rest.
+//! All skin shares one list of points, as the standard has it. A point whose joints carry it to
+//! the same place is moved exactly as in the source; where skins were bound in different poses,
+//! that fails for all but the first, whose points are bound anew.
 
 use super::bones::Bones;
+use super::zero::{agree, influences, model_from_mesh};
 use crate::error::Warning;
 use articula_core::source::{Character, Mesh, Primitive};
-use glam::{DAffine3, DMat3, DVec3, Vec3};
-
-/// Joint matrices of one point may differ by this at rest before it counts as bound elsewhere.
-const SAME_BIND: f64 = 1e-4;
+use glam::{DAffine3, DVec3, Vec3};
 
 /// A mesh ready to be written.
 #[derive(Debug)]
@@ -21,14 +19,14 @@ pub(super) struct Body {
     pub(super) bone: Option<usize>,
     /// Number of its first point in the list of skin points.
     pub(super) first_point: usize,
-    /// Points of all its primitives, at rest.
+    /// Points of all its primitives.
     pub(super) points: Vec<Vec3>,
-    /// Normals of each primitive, at rest; empty where it has none.
+    /// Normals of each primitive; empty where it has none.
     pub(super) normals: Vec<Vec<Vec3>>,
     pub(super) targets: Vec<BodyTarget>,
 }
 
-/// A morph target, piece by piece: bone (`None` for all of a rigid body), point, offset at rest.
+/// A morph target, piece by piece: bone (the one of a rigid body), points, offsets.
 #[derive(Debug)]
 pub(super) struct BodyTarget {
     pub(super) pieces: Vec<(usize, Vec<(usize, Vec3)>)>,
@@ -37,7 +35,7 @@ pub(super) struct BodyTarget {
 /// Points that each bone moves, with their weights.
 pub(super) type SkinWeights = Vec<Vec<(usize, f32)>>;
 
-/// Lays every mesh out at rest.
+/// Lays every mesh out.
 pub(super) fn bodies(
     character: &Character,
     bones: &Bones,
@@ -63,7 +61,7 @@ pub(super) fn bodies(
         }
         if loose > 0 {
             let what = format!(
-                "{loose} points are bound in another pose than that of rest and follow several joints; bound anew at rest"
+                "{loose} points follow several joints but were bound in another pose than other skin; bound anew"
             );
             warnings.push(Warning::new(format!("mesh \"{}\"", mesh.name), what));
         }
@@ -76,9 +74,9 @@ pub(super) fn bodies(
     (list, weights)
 }
 
-/// How a mesh's space becomes that of the model at rest.
+/// How a mesh's space becomes that of the model.
 struct Layout {
-    /// Of each joint of the skin: model-from-mesh at rest.
+    /// Of each joint of the skin: model-from-mesh.
     matrices: Vec<DAffine3>,
     /// Of each joint of the skin, the bone that it is.
     bones: Vec<usize>,
@@ -86,45 +84,11 @@ struct Layout {
 
 impl Layout {
     fn new(mesh: &Mesh, bones: &Bones) -> Self {
-        let skin = &mesh.skin;
-        let matrix = |(&joint, bind): (&usize, &glam::Affine3A)| {
-            let bind = DAffine3::from_mat3_translation(
-                DMat3::from_cols(
-                    bind.matrix3.x_axis.as_dvec3(),
-                    bind.matrix3.y_axis.as_dvec3(),
-                    bind.matrix3.z_axis.as_dvec3(),
-                ),
-                bind.translation.as_dvec3(),
-            );
-            bones.rest[joint] * bind
-        };
+        let joints = mesh.skin.joints.iter();
         Self {
-            matrices: skin
-                .joints
-                .iter()
-                .zip(&skin.inverse_bind)
-                .map(matrix)
-                .collect(),
-            bones: skin
-                .joints
-                .iter()
-                .map(|&j| bones.of_joint[j].unwrap_or(0))
-                .collect(),
+            matrices: model_from_mesh(mesh, &bones.zero.matrices),
+            bones: joints.map(|&j| bones.of_joint[j].unwrap_or(0)).collect(),
         }
-    }
-
-    /// Influences of a vertex that count.
-    fn influences<'p>(
-        primitive: &'p Primitive,
-        vertex: usize,
-    ) -> impl Iterator<Item = (usize, f32)> + Clone + 'p {
-        let range = vertex * primitive.influences..(vertex + 1) * primitive.influences;
-        let pairs = primitive.joints[range.clone()]
-            .iter()
-            .zip(&primitive.weights[range]);
-        pairs
-            .map(|(j, w)| (usize::from(*j), *w))
-            .filter(|(_, w)| *w > 0.0)
     }
 
     /// The bone that moves every vertex alone, if there is one.
@@ -132,7 +96,7 @@ impl Layout {
         let mut only = None;
         for primitive in &mesh.primitives {
             for vertex in 0..primitive.positions.len() {
-                for (joint, _) in Self::influences(primitive, vertex) {
+                for (joint, _) in influences(primitive, vertex) {
                     if *only.get_or_insert(joint) != joint {
                         return None;
                     }
@@ -145,27 +109,26 @@ impl Layout {
 
     /// Model-from-mesh of a vertex, and whether its joints agree on it.
     fn matrix(&self, primitive: &Primitive, vertex: usize) -> (DAffine3, bool) {
-        let mut influences = Self::influences(primitive, vertex);
+        let mut influences = influences(primitive, vertex);
         let Some((first, weight)) = influences.next() else {
             return (self.matrices.first().copied().unwrap_or_default(), true);
         };
         let base = self.matrices[first];
-        let (mut sum, mut total, mut agree) = (scaled(&base, weight), f64::from(weight), true);
+        let (mut sum, mut total, mut agrees) = (scaled(&base, weight), f64::from(weight), true);
         for (joint, weight) in influences {
             let other = self.matrices[joint];
-            let size = base.matrix3.x_axis.length().max(1e-12);
-            agree &= base.abs_diff_eq(other, SAME_BIND * size);
+            agrees &= agree(&base, &other);
             let part = scaled(&other, weight);
             sum.matrix3 += part.matrix3;
             sum.translation += part.translation;
             total += f64::from(weight);
         }
-        let matrix = if agree {
+        let matrix = if agrees {
             base
         } else {
             scaled(&sum, (1.0 / total) as f32)
         };
-        (matrix, agree)
+        (matrix, agrees)
     }
 
     /// Lays out one primitive; counts the vertices that are bound anew.
@@ -173,8 +136,8 @@ impl Layout {
         let mut loose = 0;
         let mut normals = Vec::with_capacity(primitive.normals.len());
         for (vertex, position) in primitive.positions.iter().enumerate() {
-            let (matrix, agree) = self.matrix(primitive, vertex);
-            loose += usize::from(!agree);
+            let (matrix, agrees) = self.matrix(primitive, vertex);
+            loose += usize::from(!agrees);
             let point = body.first_point + body.points.len();
             body.points
                 .push(matrix.transform_point3(position.as_dvec3()).as_vec3());
@@ -184,7 +147,7 @@ impl Layout {
                 normals.push(turned.as_vec3());
             }
             if body.bone.is_none() {
-                for (joint, weight) in Self::influences(primitive, vertex) {
+                for (joint, weight) in influences(primitive, vertex) {
                     let list = &mut weights[self.bones[joint]];
                     match list.last_mut() {
                         Some((last, sum)) if *last == point => *sum += weight,
@@ -210,7 +173,7 @@ impl Layout {
                     if *offset == Vec3::ZERO {
                         continue;
                     }
-                    for (joint, weight) in Self::influences(primitive, vertex) {
+                    for (joint, weight) in influences(primitive, vertex) {
                         let moved = self.matrices[joint].transform_vector3(offset.as_dvec3());
                         let share = (moved * f64::from(weight)).as_vec3();
                         let of_bone = pieces.entry(self.bones[joint]).or_default();

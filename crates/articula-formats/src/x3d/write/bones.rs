@@ -1,25 +1,28 @@
-//! Joints in the terms of H-Anim: at rest all unturned, each turning about its center.
+//! Joints in the terms of H-Anim: in the pose of zero all unturned, each turning about its
+//! center.
 //!
-//! With `B` a joint's model matrix at rest and `G` at some time, its H-Anim matrix is
-//! `P = G · B⁻¹`: the identity at rest, and what moves every point that is given as it lies at
-//! rest. Of a joint with local transform `T · R · S`, at rest `T0 · R0 · S0`, below a parent
-//! with `B = b · O` (scale and orientation), the fields are
+//! With `B` a joint's model matrix in that pose and `G` at some time, its H-Anim matrix is
+//! `P = G · B⁻¹`: what moves every point that is given as it lies in that pose. Of a joint with
+//! local transform `T · R · S`, there `T0 · R0 · S0`, below a parent with `B = b · O` (scale and
+//! orientation), the fields are
 //!
-//! - `center` = where the joint lies at rest,
+//! - `center` = where the joint lies in the pose,
 //! - `translation` = `b · O · (T - T0)`,
 //! - `rotation` = `O · R · R0⁻¹ · O⁻¹`,
 //! - `scale` = `S / S0`, with `scaleOrientation` = `O · R0`.
 //!
-//! Keys stay keys: all four are linear in the local values. Exact as long as no joint at rest
+//! Keys stay keys: all four are linear in the local values. Exact as long as no joint of the pose
 //! stretches its children unevenly; then `O` is the nearest orientation.
 
 use super::names::Names;
+use super::zero::{ZeroPose, zero_pose};
 use crate::error::Warning;
 use crate::x3d::placement::Similarity;
 use articula_core::articulation::Articulation;
 use articula_core::hanim_table;
+use articula_core::math::Transform;
 use articula_core::source::{Character, Property};
-use glam::{DAffine3, DQuat, DVec3, Quat, Vec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3, Quat, Vec3};
 use std::collections::HashSet;
 
 /// A joint as it is written.
@@ -30,43 +33,79 @@ pub(super) struct Bone {
     pub(super) name: String,
     /// Name in the skeleton.
     pub(super) given_name: String,
-    /// Model matrix at rest.
-    pub(super) rest: DAffine3,
-    /// Linear part of the parent's model matrix at rest, and its orientation.
+    /// Where it lies in the pose of zero.
+    pub(super) center: Vec3,
+    /// The parent's model matrix in that pose, and its orientation.
     above: DAffine3,
     orientation: DQuat,
-    rest_translation: DVec3,
-    rest_rotation: DQuat,
-    rest_scale: DVec3,
-    /// Whether a clip stretches it unevenly.
+    zero: Local,
+    /// Local transform at rest.
+    rest: Transform,
+    /// Whether nothing above stretches it unevenly in the pose of zero.
+    is_even: bool,
+    /// Whether a clip, or the rest pose, stretches it unevenly.
     pub(super) is_stretched: bool,
 }
 
+/// A local transform, taken apart.
+#[derive(Debug, Clone, Copy)]
+struct Local {
+    translation: DVec3,
+    rotation: DQuat,
+    scale: DVec3,
+}
+
+impl Local {
+    /// Takes a matrix apart so that axes are mirrored as they are at rest.
+    fn of(matrix: &DAffine3, rest: &Transform) -> Self {
+        let m = matrix.matrix3;
+        let lengths = DVec3::new(m.x_axis.length(), m.y_axis.length(), m.z_axis.length());
+        let scale = lengths * rest.scale.as_dvec3().signum();
+        let turned = m * DMat3::from_diagonal(scale).inverse();
+        let rotation = if turned.is_finite() && turned.determinant() > 0.0 {
+            DQuat::from_mat3(&turned).normalize()
+        } else {
+            rest.rotation.as_dquat().normalize()
+        };
+        Self {
+            translation: matrix.translation,
+            rotation,
+            scale,
+        }
+    }
+}
+
 impl Bone {
-    pub(super) fn center(&self) -> Vec3 {
-        self.rest.translation.as_vec3()
+    /// The joint's own fields at rest: translation, rotation, scale.
+    pub(super) fn rest(&self) -> (Vec3, DQuat, Vec3) {
+        let rest = &self.rest;
+        (
+            self.translation(rest.translation),
+            self.rotation(rest.rotation.normalize()),
+            self.scale(rest.scale),
+        )
     }
 
     /// The field `translation` for a local translation.
     pub(super) fn translation(&self, local: Vec3) -> Vec3 {
-        let moved = local.as_dvec3() - self.rest_translation;
+        let moved = local.as_dvec3() - self.zero.translation;
         self.above.transform_vector3(moved).as_vec3()
     }
 
     /// The field `rotation` for a local rotation, as a quaternion.
     pub(super) fn rotation(&self, local: Quat) -> DQuat {
-        let turned = local.as_dquat() * self.rest_rotation.inverse();
+        let turned = local.as_dquat() * self.zero.rotation.inverse();
         (self.orientation * turned * self.orientation.inverse()).normalize()
     }
 
     /// The field `scale` for a local scale.
     pub(super) fn scale(&self, local: Vec3) -> Vec3 {
         let by = |axis: usize| {
-            let rest = self.rest_scale[axis];
-            if rest == 0.0 {
+            let zero = self.zero.scale[axis];
+            if zero == 0.0 {
                 1.0
             } else {
-                f64::from(local[axis]) / rest
+                f64::from(local[axis]) / zero
             }
         };
         DVec3::new(by(0), by(1), by(2)).as_vec3()
@@ -74,7 +113,7 @@ impl Bone {
 
     /// The field `scaleOrientation`.
     pub(super) fn scale_orientation(&self) -> DQuat {
-        (self.orientation * self.rest_rotation).normalize()
+        (self.orientation * self.zero.rotation).normalize()
     }
 }
 
@@ -84,8 +123,7 @@ impl Bone {
 pub(super) struct Bones {
     pub(super) list: Vec<Bone>,
     pub(super) of_joint: Vec<Option<usize>>,
-    /// Model matrix at rest of every joint of the skeleton.
-    pub(super) rest: Vec<DAffine3>,
+    pub(super) zero: ZeroPose,
 }
 
 /// Chooses and names the joints. What never moves, moves nothing and is no joint of a skin is
@@ -97,21 +135,10 @@ pub(super) fn bones(
     warnings: &mut Vec<Warning>,
 ) -> Bones {
     let joints = &character.skeleton.joints;
-    let rest = rest_matrices(character);
     let mut moving = vec![false; joints.len()];
-    let mut stretched = vec![false; joints.len()];
     for channel in character.clips.iter().flat_map(|c| &c.channels) {
         if channel.property.is_of_joint() {
             moving[channel.target] = true;
-        }
-        if channel.property == Property::Scale {
-            let (keys, _) = channel.values.as_chunks::<3>();
-            let rest = joints[channel.target].rest.scale;
-            let even = |k: &[f32; 3]| {
-                let [x, y, z] = (Vec3::from_array(*k) / rest).to_array();
-                (x - y).abs() < 1e-5 && (y - z).abs() < 1e-5
-            };
-            stretched[channel.target] |= !keys.iter().all(even);
         }
     }
     let used: HashSet<usize> = character
@@ -122,49 +149,28 @@ pub(super) fn bones(
     let mut bones = Bones {
         list: Vec::new(),
         of_joint: vec![None; joints.len()],
-        rest,
+        zero: zero_pose(character),
     };
     let mut uneven = 0;
     for (index, joint) in joints.iter().enumerate() {
         let hanim = articulation.joints[index].hanim.as_deref();
         let wanted = joint.in_skin || moving[index] || used.contains(&index) || hanim.is_some();
-        let parent = joint.parent;
+        let parent = joint.parent.and_then(|p| bones.of_joint[p]);
         if !wanted {
             // Children find the ancestor that is written.
-            bones.of_joint[index] = parent.and_then(|p| bones.of_joint[p]);
+            bones.of_joint[index] = parent;
             continue;
         }
-        let above = parent.map_or(DAffine3::IDENTITY, |p| bones.rest[p]);
-        let mut mirrored = above;
-        if above.matrix3.determinant() < 0.0 {
-            mirrored.matrix3 *= -1.0;
-        }
-        let even = Similarity::of(&mirrored);
-        uneven += usize::from(even.is_none() && moving[index]);
-        let orientation = even.unwrap_or_else(|| Similarity::near(&mirrored)).rotation;
-        let standard = hanim.map(standard_name).unwrap_or_default();
-        let wish = if standard.is_empty() {
-            &joint.name
-        } else {
-            standard
-        };
-        bones.list.push(Bone {
-            parent: parent.and_then(|p| bones.of_joint[p]),
-            name: names.give(wish, "joint"),
-            given_name: joint.name.clone(),
-            rest: bones.rest[index],
-            above,
-            orientation,
-            rest_translation: joint.rest.translation.as_dvec3(),
-            rest_rotation: joint.rest.rotation.as_dquat().normalize(),
-            rest_scale: joint.rest.scale.as_dvec3(),
-            is_stretched: stretched[index],
-        });
-        bones.of_joint[index] = Some(bones.list.len() - 1);
+        let wish = hanim.map_or(joint.name.as_str(), standard_name);
+        let bone = bones.bone(character, index, (parent, names.give(wish, "joint")));
+        uneven += usize::from(!bone.is_even && moving[index]);
+        bones.of_joint[index] = Some(bones.list.len());
+        bones.list.push(bone);
     }
+    mark_stretched(character, &mut bones);
     if uneven > 0 {
         let what = format!(
-            "{uneven} moving joints hang below joints that are stretched at rest; their turns are nearly those of the source"
+            "{uneven} moving joints hang below joints that are stretched unevenly; their turns are nearly those of the source"
         );
         warnings.push(Warning::new("skeleton", what));
     }
@@ -176,15 +182,60 @@ fn standard_name(hanim: &str) -> &str {
     hanim_table::find(hanim).map_or(hanim, |i| hanim_table::JOINTS[i].name_v2)
 }
 
-fn rest_matrices(character: &Character) -> Vec<DAffine3> {
-    let mut matrices: Vec<DAffine3> = Vec::new();
-    for joint in &character.skeleton.joints {
-        let local = DAffine3::from_scale_rotation_translation(
-            joint.rest.scale.as_dvec3(),
-            joint.rest.rotation.as_dquat().normalize(),
-            joint.rest.translation.as_dvec3(),
-        );
-        matrices.push(joint.parent.map_or(local, |p| matrices[p] * local));
+impl Bones {
+    fn bone(&self, character: &Character, index: usize, own: (Option<usize>, String)) -> Bone {
+        let joint = &character.skeleton.joints[index];
+        let zero = self.zero.matrices[index];
+        let above = joint
+            .parent
+            .map_or(DAffine3::IDENTITY, |p| self.zero.matrices[p]);
+        let mut upright = above;
+        if above.matrix3.determinant() < 0.0 {
+            upright.matrix3 *= -1.0;
+        }
+        let even = Similarity::of(&upright);
+        let local = match self.zero.is_binding {
+            true => Local::of(&(above.inverse() * zero), &joint.rest),
+            // Exactly, so that no field is written where nothing differs.
+            false => Local {
+                translation: joint.rest.translation.as_dvec3(),
+                rotation: joint.rest.rotation.as_dquat().normalize(),
+                scale: joint.rest.scale.as_dvec3(),
+            },
+        };
+        Bone {
+            parent: own.0,
+            name: own.1,
+            given_name: joint.name.clone(),
+            center: zero.translation.as_vec3(),
+            is_even: even.is_some(),
+            orientation: even.unwrap_or_else(|| Similarity::near(&upright)).rotation,
+            above,
+            zero: local,
+            rest: joint.rest,
+            is_stretched: false,
+        }
     }
-    matrices
+}
+
+/// Finds the joints that are ever stretched more along one axis than along another.
+fn mark_stretched(character: &Character, bones: &mut Bones) {
+    let uneven = |scale: Vec3| {
+        let [x, y, z] = scale.to_array();
+        (x - y).abs() > 1e-5 || (y - z).abs() > 1e-5
+    };
+    for bone in &mut bones.list {
+        bone.is_stretched = uneven(bone.rest().2);
+    }
+    for channel in character.clips.iter().flat_map(|c| &c.channels) {
+        if channel.property == Property::Scale
+            && let Some(bone) = bones.of_joint[channel.target]
+        {
+            let bone = &mut bones.list[bone];
+            let (keys, _) = channel.values.as_chunks::<3>();
+            bone.is_stretched |= keys
+                .iter()
+                .any(|k| uneven(bone.scale(Vec3::from_array(*k))));
+        }
+    }
 }

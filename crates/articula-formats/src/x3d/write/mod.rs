@@ -2,8 +2,9 @@
 //!
 //! - `names`: names that the standard allows, each once
 //! - `markup`: tags, attributes, numbers
-//! - `bones`: joints in the standard's terms, at rest all unturned
-//! - `bodies`: meshes as they lie at rest, rigid ones and skin
+//! - `zero`: the pose in which all joints are unturned
+//! - `bones`: joints in the standard's terms
+//! - `bodies`: meshes as they lie in that pose, rigid ones and skin
 //! - `shapes`: triangles, colours and pictures
 //! - `tracks`: clips as interpolators and routes
 //! - `writer`: the document
@@ -15,5 +16,6 @@ pub(in crate::x3d) mod names;
 mod shapes;
 mod tracks;
 mod writer;
+mod zero;
 
 pub use writer::{WriteError, WriteOptions, Written, write};

@@ -5,6 +5,7 @@
 //! clip runs when the file is opened; the others are switched off.
 //!
 //! Source: ISO/IEC 19775-1, 8.4.1 (TimeSensor), clause 19 (interpolators), 4.4.8 (routes).
+//! A clip also holds at rest what only other clips move, as players keep what was shown last.
 //! Steps become two keys at one time. Curves become straight pieces.
 
 use super::bodies::Body;
@@ -13,6 +14,7 @@ use super::markup::Markup;
 use super::names::Names;
 use articula_core::source::{Channel, Character, Clip, Interpolation, Property, evaluate};
 use glam::{DQuat, Quat, Vec3};
+use std::collections::HashSet;
 
 /// Longest straight piece of a curve, seconds.
 const PIECE_SECS: f32 = 1.0 / 60.0;
@@ -67,7 +69,7 @@ pub(super) fn write(
         },
     };
     writer.sensor(clip, runs);
-    for channel in &clip.channels {
+    for channel in clip.channels.iter().chain(&held(driven.character, clip)) {
         match channel.property {
             Property::Weights => writer.weights(driven, channel),
             Property::Translation | Property::Rotation | Property::Scale => {
@@ -81,6 +83,33 @@ pub(super) fn write(
         }
     }
     writer.routes
+}
+
+/// What other clips move and this one does not: a player would leave it as the last clip did.
+fn held(character: &Character, clip: &Clip) -> Vec<Channel> {
+    let key = |c: &Channel| (c.target, c.property);
+    let own: HashSet<_> = clip.channels.iter().map(key).collect();
+    let mut seen = HashSet::new();
+    let all = character.clips.iter().flat_map(|c| &c.channels);
+    let others = all.filter(|c| !own.contains(&key(c)) && seen.insert(key(c)));
+    let at_rest = |c: &Channel| {
+        let joint = || character.skeleton.joints[c.target].rest;
+        let values = match c.property {
+            Property::Translation => joint().translation.to_array().to_vec(),
+            Property::Rotation => joint().rotation.to_array().to_vec(),
+            Property::Scale => joint().scale.to_array().to_vec(),
+            Property::Weights => character.meshes[c.target].morph_weights.clone(),
+            Property::Expression => return None,
+        };
+        Some(Channel {
+            target: c.target,
+            property: c.property,
+            interpolation: Interpolation::Linear,
+            times_secs: vec![0.0],
+            values,
+        })
+    };
+    others.filter_map(at_rest).collect()
 }
 
 struct Writer<'m> {

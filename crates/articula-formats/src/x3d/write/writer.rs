@@ -10,7 +10,7 @@ use crate::error::Warning;
 use crate::x3d::Site;
 use articula_core::articulation::Articulation;
 use articula_core::source::{Character, Credits, Property};
-use glam::Vec3;
+use glam::{DQuat, Vec3};
 use thiserror::Error;
 
 /// Where the XML schema of X3D 4.0 is published; nothing here asks for it.
@@ -81,6 +81,10 @@ pub fn write(
     let bones = bones(character, articulation, &mut names, &mut warnings);
     if bones.list.is_empty() {
         return Err(WriteError::NoJoint);
+    }
+    if bones.zero.is_binding {
+        let what = "skin was bound in another pose than that of rest: the figure's own pose is that of binding, and its joints show the rest pose";
+        warnings.push(Warning::new("skeleton", what));
     }
     let (bodies, weights) = bodies(character, &bones, &mut warnings);
     note_losses(character, &mut warnings);
@@ -265,7 +269,7 @@ impl Document<'_> {
     /// A camera that sees the whole figure from the front.
     fn viewpoint(&mut self) {
         let points = self.bodies.iter().flat_map(|b| b.points.iter().copied());
-        let points = points.chain(self.bones.list.iter().map(Bone::center));
+        let points = points.chain(self.bones.list.iter().map(|b| b.center));
         let (low, high) = points.fold((Vec3::MAX, Vec3::MIN), |(l, h), p| (l.min(p), h.max(p)));
         let middle = (low + high) / 2.0;
         let size = (high - low).max_element().max(0.1);
@@ -339,7 +343,17 @@ impl Document<'_> {
         markup.open("HAnimJoint").set("DEF", &self.bone_defs[index]);
         markup.set("name", &bone.name);
         describe(markup, &bone.name, &bone.given_name);
-        markup.numbers("center", 3, bone.center().to_array());
+        markup.numbers("center", 3, bone.center.to_array());
+        let (translation, rotation, scale) = bone.rest();
+        if translation.length() > 1e-7 {
+            markup.numbers("translation", 3, translation.to_array());
+        }
+        if rotation.angle_between(DQuat::IDENTITY) > 1e-7 {
+            markup.numbers("rotation", 4, axis_angle(rotation));
+        }
+        if scale.distance(Vec3::ONE) > 1e-6 {
+            markup.numbers("scale", 3, scale.to_array());
+        }
         if bone.is_stretched {
             let orientation = axis_angle(bone.scale_orientation());
             markup.numbers("scaleOrientation", 4, orientation);
@@ -410,7 +424,7 @@ impl Document<'_> {
         let usual = format!("{}_tip", self.bones.list[bone].name);
         let name = self.names.give(&site.name, &usual);
         let def = self.defs.give(&format!("hanim_{name}"), "site");
-        let place = self.bones.rest[site.joint].transform_point3(site.offset.as_dvec3());
+        let place = self.bones.zero.matrices[site.joint].transform_point3(site.offset.as_dvec3());
         let markup = &mut self.markup;
         markup.open("HAnimSite").set("DEF", &def).set("name", &name);
         markup.numbers("translation", 3, place.as_vec3().to_array());
