@@ -171,7 +171,16 @@ fn the_unit_of_a_bvh_file_can_be_given() {
     assert!((height("0.02") / height("0.01") - 2.0).abs() < 1e-5);
     let told = json(&here, &["inspect", "a.bvh", "--unit-metres", "0.01"]);
     let warnings = told["warnings"].to_string();
-    assert!(!warnings.contains("give the scale"), "{warnings}");
+    assert!(!warnings.contains("--unit-metres"), "{warnings}");
+    // A guess is shown with the flag that overrides it, by both commands.
+    for words in [&["inspect", "a.bvh"][..], &["convert", "a.bvh", "a.glb"]] {
+        let guessed = json(&here, words)["warnings"].to_string();
+        assert!(guessed.contains("read as"), "{guessed}");
+        assert!(
+            guessed.contains("give --unit-metres M if that is wrong"),
+            "{guessed}"
+        );
+    }
 }
 
 #[test]

@@ -112,7 +112,30 @@ pub(crate) fn character(path: &Path, args: &ReadArgs) -> anyhow::Result<Loaded> 
         limits,
         profiles: &profiles,
     };
-    format.loader()(&source).with_context(place)
+    let mut loaded = format.loader()(&source).with_context(place)?;
+    for warning in &mut loaded.warnings {
+        name_the_flag(&mut warning.what);
+    }
+    Ok(loaded)
+}
+
+/// What readers ask for where they had to guess, and the flag that gives it. Readers know no
+/// flags.
+const FLAGS: [(&str, &str); 3] = [
+    ("give the scale to metres", "give --unit-metres M"),
+    ("give the up axis", "give --up y or --up z"),
+    ("give the rate", "give --amc-rate-hz HZ"),
+];
+
+fn name_the_flag(what: &mut String) {
+    for (asked, flag) in FLAGS {
+        if let Some(start) = what
+            .strip_suffix(" if that is wrong")
+            .and_then(|w| w.strip_suffix(asked))
+        {
+            *what = format!("{start}{flag} if that is wrong");
+        }
+    }
 }
 
 fn profiles(own: &[PathBuf], limits: &Limits) -> anyhow::Result<Vec<Profile>> {
