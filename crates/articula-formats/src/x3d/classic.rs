@@ -292,7 +292,8 @@ impl<'a, 'l> Parser<'a, 'l> {
             }
             '"' => {
                 let Some(length) = quoted(&rest[1..]) else {
-                    return Err(self.expected(start, "a quotation mark at the end of a string"));
+                    let what = "a string without a quotation mark at its end";
+                    return Err(self.builder.malformed(start, what));
                 };
                 self.at += length + 2;
                 Ok(Token::Text(&rest[1..=length]))

@@ -9,6 +9,9 @@
 )]
 
 mod compare;
+mod features;
+mod hostile;
+mod mutated;
 #[path = "../real/mod.rs"]
 mod real;
 mod written;

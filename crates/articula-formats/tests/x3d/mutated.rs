@@ -1,0 +1,196 @@
+//! Seeded mutations, and truncation at every byte, of small files in both encodings: whatever
+//! the bytes, reading ends with a value of bounded size or an error, and what was read can be
+//! written and read again.
+
+use articula_formats::x3d::{self, WriteOptions};
+use articula_formats::{Limits, profile};
+
+/// Mutations tried on each file.
+const TRIES: u64 = 4000;
+
+const XML: &str = "<?xml version='1.0'?><!DOCTYPE X3D SYSTEM 'x'><X3D version='4.0'><head>
+<unit category='length' conversionFactor='0.5'/></head><Scene><Transform scale='2 2 2'>
+<HAnimHumanoid DEF='h' name='ann' info='\"authorName=x\"'>
+<HAnimJoint DEF='r' name='humanoid_root' center='0 1 0' containerField='skeleton'
+ skinCoordIndex='0 1' skinCoordWeight='1 .5'>
+<HAnimSegment name='s'><Coordinate DEF='c' point='0 0 0 1 0 0 0 1 0 1 1 0'/>
+<HAnimDisplacer DEF='d' name='smile' coordIndex='2' displacements='0 0 3'/>
+<Shape><Appearance><Material diffuseColor='1 0 0'/><ImageTexture url='\"a.png\"'/></Appearance>
+<IndexedFaceSet convex='false' creaseAngle='1' coordIndex='0 1 3 2 -1'><Coordinate USE='c'/>
+</IndexedFaceSet></Shape><Shape><Sphere radius='0.1'/></Shape></HAnimSegment>
+<HAnimJoint DEF='k' name='l_hip' center='0 .5 0' rotation='1 0 0 .1' scale='1 2 1'
+ scaleOrientation='0 0 1 .5' skinCoordIndex='1 2' skinCoordWeight='.5 1'>
+<HAnimDisplacer name='bump' coordIndex='1' displacements='0 0 1'/>
+<HAnimSite name='tip' translation='0 .1 0'/></HAnimJoint></HAnimJoint>
+<Coordinate DEF='p' point='0 0 0 1 0 0 0 1 0' containerField='skinCoord'/>
+<Shape containerField='skin'><IndexedTriangleSet index='0 1 2'><Coordinate USE='p'/>
+</IndexedTriangleSet></Shape><HAnimJoint USE='r' containerField='joints'/>
+<HAnimMotion name='m' joints='l_hip' channels='2 Xrotation Yposition' values='1 2 3 4'/>
+<HAnimPose name='T' transitionDuration='1'><HAnimJoint name='l_hip' rotation='0 0 1 1'/></HAnimPose>
+</HAnimHumanoid></Transform><TimeSensor DEF='t' cycleInterval='2'/>
+<OrientationInterpolator DEF='i' key='0 .5 .5 1' keyValue='0 0 1 0 0 0 1 1 0 0 1 2 0 0 1 0'/>
+<ROUTE fromNode='t' fromField='fraction_changed' toNode='i' toField='set_fraction'/>
+<ROUTE fromNode='i' fromField='value_changed' toNode='k' toField='set_rotation'/>
+<ROUTE fromNode='t' fromField='fraction_changed' toNode='d' toField='set_weight'/>
+</Scene></X3D>";
+
+const CLASSIC: &str = "#VRML V2.0 utf8\nPROTO Joint [ field SFVec3f center 0 0 0 ] { Group {} }
+Humanoid { name \"ann\" scale 2 2 2 humanoidBody [ DEF r Joint { name \"HumanoidRoot\" # c
+center 0 1 0 children [ Segment { name \"s\" children [ Shape { geometry IndexedFaceSet {
+coord DEF c Coordinate { point [ 0 0 0, 1 0 0, 0 1 0 ] } coordIndex [ 0 1 2 -1 ] } } ]
+coord USE c displacers Displacer { name \"d\" coordIndex [ 1 ] displacements [ 0 0 1 ] } }
+DEF k Joint { name \"l_hip\" center 0 .5 0 rotation 1 0 0 .1 } ] } ] joints [ USE r USE k ] }
+DEF t TimeSensor { cycleInterval 2 loop TRUE } DEF i PositionInterpolator { key [ 0, 1 ]
+keyValue [ 0 0 0, 0 1 0 ] } ROUTE t.fraction_changed TO i.set_fraction
+ROUTE i.value_changed TO k.set_translation";
+
+/// The words that the format knows, put in anywhere.
+const WORDS: [&str; 20] = [
+    "<Group>",
+    "</Group>",
+    "<HAnimJoint USE='r'/>",
+    "USE='c'",
+    "&amp;",
+    "<!--",
+    "]]>",
+    "-1",
+    "1e9",
+    "-1e9",
+    "99999999999",
+    "NaN",
+    "0",
+    "{",
+    "}",
+    "[",
+    "\"",
+    "DEF r",
+    "USE k",
+    "#",
+];
+
+/// Sebastiano Vigna's SplitMix64 (2014): small, and the same everywhere.
+struct Dice(u64);
+
+impl Dice {
+    fn roll(&mut self, sides: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % sides.max(1) as u64) as usize
+    }
+}
+
+fn mutated(good: &str, dice: &mut Dice) -> Vec<u8> {
+    let mut bytes = good.as_bytes().to_vec();
+    for _ in 0..=dice.roll(3) {
+        let at = dice.roll(bytes.len());
+        match dice.roll(8) {
+            0 => bytes.truncate(at),
+            1 => bytes.insert(at, dice.roll(256) as u8),
+            2 => bytes.extend_from_within(at..),
+            3 => {
+                let word = WORDS[dice.roll(WORDS.len())].bytes();
+                bytes.splice(at..at, [b' '].into_iter().chain(word).chain([b' ']));
+            }
+            4 => {
+                let end = (at + dice.roll(12)).min(bytes.len());
+                bytes.drain(at..end);
+            }
+            _ => replace_number(&mut bytes, at, WORDS[7 + dice.roll(6)]),
+        }
+    }
+    bytes
+}
+
+/// Puts a word in the place of the next run of digits.
+fn replace_number(bytes: &mut Vec<u8>, at: usize, word: &str) {
+    let is_digit = |b: &u8| b.is_ascii_digit();
+    let Some(start) = bytes[at..].iter().position(is_digit).map(|i| at + i) else {
+        return;
+    };
+    let length = bytes[start..].iter().take_while(|b| is_digit(b)).count();
+    bytes.splice(start..start + length, word.bytes());
+}
+
+/// Whether the bytes were read; panics if what was read breaks a promise.
+fn survives(bytes: &[u8]) -> bool {
+    let limits = Limits {
+        bytes: 1 << 20,
+        elements: 1 << 18,
+        nodes: 1 << 10,
+        ..Limits::default()
+    };
+    let mut picture = |_: &str| Ok(b"\x89PNG".to_vec());
+    let Ok(read) = x3d::read(bytes, &limits, &mut picture) else {
+        return false;
+    };
+    assert!(read.warnings.len() <= 1001);
+    let character = read.value.character;
+    for (index, joint) in character.skeleton.joints.iter().enumerate() {
+        assert!(joint.parent.is_none_or(|p| p < index));
+        assert!(joint.rest.is_finite());
+    }
+    for channel in character.clips.iter().flat_map(|c| &c.channels) {
+        assert!(!channel.times_secs.is_empty());
+        assert!(channel.times_secs.windows(2).all(|w| w[0] < w[1]));
+        assert!(channel.values.iter().all(|v| v.is_finite()));
+    }
+    for mesh in &character.meshes {
+        assert_eq!(mesh.skin.joints.len(), mesh.skin.inverse_bind.len());
+        assert!(mesh.skin.inverse_bind.iter().all(|m| m.is_finite()));
+        for primitive in &mesh.primitives {
+            let vertices = primitive.positions.len();
+            assert!(primitive.positions.iter().all(|p| p.is_finite()));
+            assert!(primitive.normals.iter().all(|n| n.is_finite()));
+            assert_eq!(primitive.weights.len(), vertices * primitive.influences);
+            assert_eq!(primitive.morphs.len(), mesh.morph_names.len());
+            let corners = primitive.triangles.iter().flatten();
+            assert!(corners.into_iter().all(|v| (*v as usize) < vertices));
+        }
+    }
+    let mapping = profile::map(&character.skeleton, profile::builtin(), None);
+    let options = WriteOptions {
+        sites: read.value.sites,
+    };
+    let written = x3d::write(&character, &mapping.articulation, &options).unwrap();
+    let again = x3d::read(&written.bytes, &Limits::default(), &mut picture);
+    // A figure may be as large as numbers go, and then be larger by what joints add.
+    assert!(again.is_ok() || is_huge(&again.unwrap_err().to_string()));
+    true
+}
+
+fn is_huge(error: &str) -> bool {
+    error.contains("a number up to 1e9") || error.contains("beyond all measure")
+}
+
+fn check(good: &str) {
+    assert!(survives(good.as_bytes()), "the unharmed file is good");
+    let mut dice = Dice(20071);
+    let read = (0..TRIES).filter(|_| survives(&mutated(good, &mut dice)));
+    let read = read.count() as u64;
+    // One mutant in ten at least must be read, or the test would test little.
+    assert!(
+        read > TRIES / 10 && read < TRIES,
+        "{read} mutants were read"
+    );
+}
+
+#[test]
+fn mutated_xml() {
+    check(XML);
+}
+
+#[test]
+fn mutated_classic_files() {
+    check(CLASSIC);
+}
+
+#[test]
+fn files_cut_off_at_every_byte() {
+    for good in [XML, CLASSIC] {
+        for end in 0..good.len() {
+            survives(&good.as_bytes()[..end]);
+        }
+    }
+}

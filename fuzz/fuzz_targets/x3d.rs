@@ -1,0 +1,31 @@
+//! Any bytes as an X3D or VRML97 file: a value or an error, and whatever is read can be written.
+#![no_main]
+
+use articula_formats::x3d::{self, WriteOptions};
+use articula_formats::{Limits, profile};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let limits = Limits {
+        bytes: 1 << 20,
+        elements: 1 << 18,
+        nodes: 1 << 12,
+        ..Limits::default()
+    };
+    let mut picture = |_: &str| Ok(vec![0x89, b'P', b'N', b'G']);
+    let Ok(file) = x3d::read(bytes, &limits, &mut picture) else {
+        return;
+    };
+    let character = &file.value.character;
+    let mapping = profile::map(&character.skeleton, profile::builtin(), None);
+    let options = WriteOptions {
+        sites: file.value.sites,
+    };
+    let written = x3d::write(character, &mapping.articulation, &options).expect("it has joints");
+    if let Err(error) = x3d::read(&written.bytes, &Limits::default(), &mut picture) {
+        // A figure as large as numbers go grows when its joints are added up.
+        let why = error.to_string();
+        let huge = why.contains("up to 1e9") || why.contains("beyond all measure");
+        assert!(huge, "{why}");
+    }
+});
