@@ -116,7 +116,7 @@ fn every_wrong_classic_file_is_told_why() {
     );
     check(&classic("Group { a ]"), "a value of a is expected");
     check(&classic("ROUTE a TO b"), "ROUTE node.field TO node.field");
-    check(&classic("PROTO a [ { ] }"), "an HAnimHumanoid");
+    check(&classic("PROTO a [ { ] } { }"), "an HAnimHumanoid");
     check(&classic("PROTO a [ "), "a value is expected");
     check(&classic("DEF { }"), "a name is expected");
 }
