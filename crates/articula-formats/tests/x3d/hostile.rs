@@ -101,10 +101,7 @@ fn every_wrong_classic_file_is_told_why() {
         &classic("Group {"),
         "the end of the file was found, a field of Group",
     );
-    check(
-        &classic("Group { children [ "),
-        "] at the end of a list",
-    );
+    check(&classic("Group { children [ "), "] at the end of a list");
     check(&classic("Group { a [ 1 2"), "] at the end of a list");
     check(
         &classic("Group { a \"b"),
