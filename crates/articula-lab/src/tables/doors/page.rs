@@ -196,4 +196,6 @@ the standard; its vertices come in another order). BVH and ASF
 files do not say their unit and up axis: the reader is told what was written. The last column counts
 the errors of the Khronos validator: the most of any written GLB, and those of the source.
 
+| file | GLB | BVH | ASF, AMC | X3D | validator errors |
+| --- | --- | --- | --- | --- | --- |
 ";
