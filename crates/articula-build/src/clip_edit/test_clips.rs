@@ -60,6 +60,7 @@ pub(super) fn clips() -> impl Strategy<Value = Clip> {
                     Property::Rotation,
                     Property::Scale,
                     Property::Weights,
+                    Property::Expression,
                 ][what];
                 let interpolation = [
                     Interpolation::Linear,
