@@ -17,6 +17,7 @@
 //! - [`thesis_metric`]: the second step of the thesis' metric, kept as a baseline
 //! - [`drift`]: ours, untabled: holds joints while what is shown stays within the tolerance
 //! - [`key_table`]: ours, tabled: nested keys for a ladder of tolerances
+//! - [`ladder`], [`level_error`]: merged levels of a crowd, and what each costs
 //!
 //! What is deliberately absent: files, clocks, threads, logging, JSON, and any allocation in a
 //! function that runs once a frame (a test counts them).
@@ -31,6 +32,8 @@ pub mod hanim_table;
 pub mod hierarchy;
 pub mod joint_state;
 pub mod key_table;
+pub mod ladder;
+pub mod level_error;
 pub mod loa;
 pub mod math;
 pub mod mesh;

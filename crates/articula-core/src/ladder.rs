@@ -1,0 +1,277 @@
+//! Levels of a rig as prefixes of one joint order: merged joints move with an ancestor.
+//!
+//! Source: `spec/motion-lod.md` part 8 and `spec/runtime.md` part 3. Level 0 has every joint;
+//! each further level keeps fewer. A joint that a level does not keep is *merged*: it stands in
+//! the rig's mean pose, so it moves with its nearest kept ancestor. Kept joints keep their true
+//! transforms, because every level contains the ancestors of what it contains. Which joints go
+//! first is decided by `articula-build` from the character's motion.
+
+use crate::Mismatch;
+use crate::loa::JointSet;
+use crate::math::Transform;
+use crate::pose::LocalPose;
+use crate::rig::Rig;
+
+/// Most levels of a ladder: a level fits in four bits.
+pub const MAX_LEVELS: usize = 16;
+
+/// One joint order of a rig, and how many of its joints each level keeps.
+///
+/// A *place* is a position in that order. Parents stand at smaller places than their children.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ladder {
+    joints: Vec<u16>,
+    places: Vec<u16>,
+    parents: Vec<Option<u16>>,
+    kept: Vec<u16>,
+    mean: Vec<Transform>,
+}
+
+impl Ladder {
+    /// Checks an order of all joints of a rig and the number that each level keeps, and takes
+    /// the mean pose in which merged joints stand.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if `joints` is not a permutation of the rig's joints with parents first,
+    /// `kept` does not fall strictly from all joints, ends below 1 or has more than
+    /// [`MAX_LEVELS`] entries, or the mean pose is of another rig or not finite.
+    pub fn new(
+        rig: &Rig,
+        joints: Vec<u16>,
+        kept: Vec<u16>,
+        mean: &LocalPose,
+    ) -> Result<Self, Mismatch> {
+        let places = places_of(rig, &joints)?;
+        if mean.len() != rig.len() {
+            let what = format!("{} joints, the rig has {}", mean.len(), rig.len());
+            return Err(Mismatch::new("mean", what));
+        }
+        if let Some(j) = (0..rig.len()).find(|&j| !mean.get(j).is_finite()) {
+            let what = "the mean transform must be finite";
+            return Err(Mismatch::new(format!("mean[{j}]"), what));
+        }
+        let falls = kept.windows(2).all(|w| w[0] > w[1]);
+        let whole = kept.first().is_some_and(|n| usize::from(*n) == rig.len());
+        if !whole || !falls || kept.last() == Some(&0) || kept.len() > MAX_LEVELS {
+            let what = format!(
+                "{kept:?} must fall from {} to at least 1 in at most {MAX_LEVELS} levels",
+                rig.len()
+            );
+            return Err(Mismatch::new("kept", what));
+        }
+        let parents = joints
+            .iter()
+            .map(|&j| rig.parent(usize::from(j)).map(|p| places[p]))
+            .collect();
+        Ok(Self {
+            mean: joints.iter().map(|&j| mean.get(usize::from(j))).collect(),
+            joints,
+            places,
+            parents,
+            kept,
+        })
+    }
+
+    /// The ladder of one level that keeps every joint, breadth first.
+    ///
+    /// # Errors
+    /// Never in fact: the rig's own order is an order of its joints.
+    pub fn whole(rig: &Rig) -> Result<Self, Mismatch> {
+        let kept = vec![rig.len() as u16];
+        Self::new(rig, breadth_first(rig), kept, rig.rest_pose())
+    }
+
+    /// The ladder whose levels keep given joint sets, such as named levels of articulation;
+    /// ancestors of kept joints are kept too. The full rig is added in front if it is not there,
+    /// a set that keeps nothing keeps the roots' first joint.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if a set is not within the one before, once closed over ancestors.
+    pub fn of_sets(rig: &Rig, sets: &[JointSet], mean: &LocalPose) -> Result<Self, Mismatch> {
+        let mut closed = vec![rig.all()];
+        for (s, set) in sets.iter().enumerate() {
+            let set = with_ancestors(rig, set);
+            let last = closed[closed.len() - 1];
+            if set.iter().any(|j| !last.contains(j)) {
+                let what = "keeps a joint that the level before has merged";
+                return Err(Mismatch::new(format!("sets[{s}]"), what));
+            }
+            if set != last {
+                closed.push(set);
+            }
+        }
+        let order = breadth_first(rig);
+        let level_of = |j: usize| closed.iter().rposition(|set| set.contains(j)).unwrap_or(0);
+        let mut joints = order;
+        // Stable: breadth first within what a level adds.
+        joints.sort_by_key(|&j| std::cmp::Reverse(level_of(usize::from(j))));
+        let kept = closed.iter().map(|set| set.len() as u16).collect();
+        Self::new(rig, joints, kept, mean)
+    }
+
+    /// Number of joints of the rig.
+    pub fn len(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Never true: a rig has at least one joint.
+    pub fn is_empty(&self) -> bool {
+        self.joints.is_empty()
+    }
+
+    /// Number of levels, at least 1.
+    pub fn levels(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// Number of joints that a level keeps: the first places of the order.
+    pub fn kept(&self, level: usize) -> usize {
+        usize::from(self.kept[level])
+    }
+
+    /// The joints that a level keeps.
+    pub fn kept_set(&self, level: usize) -> JointSet {
+        let kept = &self.joints[..self.kept(level)];
+        kept.iter().map(|&j| usize::from(j)).collect()
+    }
+
+    /// Joint of the rig at each place.
+    pub fn joints(&self) -> &[u16] {
+        &self.joints
+    }
+
+    /// Place of a joint of the rig.
+    pub fn place(&self, joint: usize) -> usize {
+        usize::from(self.places[joint])
+    }
+
+    /// Place of the parent of the joint at each place, always smaller than its own.
+    pub fn parents(&self) -> &[Option<u16>] {
+        &self.parents
+    }
+
+    /// Local transform in the mean pose, by place.
+    pub fn mean(&self) -> &[Transform] {
+        &self.mean
+    }
+
+    /// Place of the joint that a joint moves with at a level: its own if it is kept, else the
+    /// nearest kept ancestor's. `None` for a root that is merged: it stands still.
+    pub fn target(&self, joint: usize, level: usize) -> Option<usize> {
+        let mut place = self.place(joint);
+        while place >= self.kept(level) {
+            place = usize::from(self.parents[place]?);
+        }
+        Some(place)
+    }
+}
+
+fn places_of(rig: &Rig, joints: &[u16]) -> Result<Vec<u16>, Mismatch> {
+    let unset = u16::MAX;
+    let mut places = vec![unset; rig.len()];
+    for (place, &joint) in joints.iter().enumerate() {
+        let joint = usize::from(joint);
+        let at = || format!("joints[{place}]");
+        if places.get(joint).is_none_or(|p| *p != unset) {
+            let what = format!("joint {joint} of {} is unknown or named twice", rig.len());
+            return Err(Mismatch::new(at(), what));
+        }
+        if rig.parent(joint).is_some_and(|p| places[p] == unset) {
+            return Err(Mismatch::new(at(), "a parent must come before its child"));
+        }
+        places[joint] = place as u16;
+    }
+    if joints.len() != rig.len() {
+        let what = format!("{} joints, the rig has {}", joints.len(), rig.len());
+        return Err(Mismatch::new("joints", what));
+    }
+    Ok(places)
+}
+
+fn breadth_first(rig: &Rig) -> Vec<u16> {
+    let mut depth = vec![0u16; rig.len()];
+    for j in 0..rig.len() {
+        depth[j] = rig.parent(j).map_or(0, |p| depth[p] + 1);
+    }
+    let mut order: Vec<u16> = (0..rig.len() as u16).collect();
+    order.sort_by_key(|&j| depth[usize::from(j)]);
+    order
+}
+
+fn with_ancestors(rig: &Rig, set: &JointSet) -> JointSet {
+    let mut closed = JointSet::EMPTY;
+    for joint in set.iter().filter(|j| *j < rig.len()) {
+        let mut at = Some(joint);
+        while let Some(j) = at.filter(|j| !closed.contains(*j)) {
+            closed.insert(j);
+            at = rig.parent(j);
+        }
+    }
+    if closed.is_empty() {
+        closed.insert(0);
+    }
+    closed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rig::tests::rig_of;
+    use glam::Vec3;
+
+    /// 0 ─ 1 ─ 2 ─ 3 and 1 ─ 4.
+    fn rig() -> Rig {
+        rig_of(&[
+            (None, Vec3::ZERO, 0),
+            (Some(0), Vec3::Y, 0),
+            (Some(1), Vec3::Y, 1),
+            (Some(2), Vec3::Y, 5),
+            (Some(1), Vec3::X, 2),
+        ])
+    }
+
+    #[test]
+    fn merged_joints_move_with_the_nearest_kept_ancestor() {
+        let rig = rig();
+        let sets = [
+            JointSet::from_iter([1, 2]),
+            JointSet::from_iter([1]),
+            JointSet::EMPTY,
+        ];
+        let ladder = Ladder::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        // Closed over ancestors: {0,1,2}, {0,1}, {0}; what goes first stands last.
+        assert_eq!(ladder.joints(), [0, 1, 2, 4, 3]);
+        let kept: Vec<usize> = (0..ladder.levels()).map(|l| ladder.kept(l)).collect();
+        assert_eq!(kept, [5, 3, 2, 1]);
+        assert_eq!(ladder.target(3, 0), Some(4));
+        assert_eq!(ladder.target(3, 1), Some(2));
+        assert_eq!(ladder.target(4, 1), Some(1));
+        assert_eq!(ladder.target(3, 3), Some(0));
+        assert_eq!(ladder.kept_set(2), JointSet::from_iter([0, 1]));
+        assert_eq!(ladder.parents()[4], Some(2));
+    }
+
+    #[test]
+    fn refuses_what_is_no_order_or_no_ladder() {
+        let rig = rig();
+        let rest = rig.rest_pose();
+        let new = |joints: &[u16], kept: &[u16]| {
+            Ladder::new(&rig, joints.to_vec(), kept.to_vec(), rest)
+                .map_err(|e| e.at)
+                .err()
+        };
+        let order = [0, 1, 2, 3, 4];
+        assert_eq!(new(&order, &[5, 2]), None);
+        assert_eq!(new(&[0, 2, 1, 3, 4], &[5]).unwrap(), "joints[1]");
+        assert_eq!(new(&[0, 1, 1, 3, 4], &[5]).unwrap(), "joints[2]");
+        assert_eq!(new(&[0, 1, 2, 3, 9], &[5]).unwrap(), "joints[4]");
+        assert_eq!(new(&order[..4], &[5]).unwrap(), "joints");
+        assert_eq!(new(&order, &[4]).unwrap(), "kept");
+        assert_eq!(new(&order, &[5, 5]).unwrap(), "kept");
+        assert_eq!(new(&order, &[5, 0]).unwrap(), "kept");
+        assert_eq!(new(&order, &[]).unwrap(), "kept");
+        let sets = [JointSet::from_iter([3]), JointSet::from_iter([4])];
+        let grown = Ladder::of_sets(&rig, &sets, rest).unwrap_err();
+        assert_eq!(grown.at, "sets[1]");
+    }
+}

@@ -1,0 +1,88 @@
+//! What each level of a ladder costs in each clip: the numbers that selection works with.
+//!
+//! Source: `spec/motion-lod.md` 4.3 and 8, `spec/runtime.md` 4.1. Written by
+//! `articula-build`, read every frame.
+
+use crate::Mismatch;
+
+/// Errors of one clip, level by level.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ClipErrors {
+    /// Error of each level in metres of skin: per frame the 95th percentile over vertices
+    /// of the distance to the full character, then the greatest over the frames. Rising.
+    pub levels_metres: Vec<f32>,
+    /// The same with the greatest over vertices. Rising.
+    pub worst_metres: Vec<f32>,
+    /// Greatest speed of a vertex while the clip plays at its own speed, metres per second
+    /// (95th percentile over vertices, the greatest over frames): what a shift in time costs.
+    pub speed_metres_per_sec: f32,
+    /// Distance between the last and the first frame of the clip, metres (95th percentile over
+    /// vertices): 0 for a clip that closes.
+    pub seam_metres: f32,
+}
+
+/// Errors of all clips of a ladder.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct LevelErrors {
+    /// One entry for each clip.
+    pub clips: Vec<ClipErrors>,
+}
+
+impl LevelErrors {
+    /// Checks the table against the number of clips and levels it is used with.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if an entry is missing, is not a number, is negative or falls with the
+    /// level, or if level 0 is not free of error.
+    pub fn check(&self, clips: usize, levels: usize) -> Result<(), Mismatch> {
+        if self.clips.len() != clips {
+            let what = format!("{} entries for {clips} clips", self.clips.len());
+            return Err(Mismatch::new("clips", what));
+        }
+        for (c, clip) in self.clips.iter().enumerate() {
+            for (name, errors) in [
+                ("levels_metres", &clip.levels_metres),
+                ("worst_metres", &clip.worst_metres),
+            ] {
+                let rising = errors.windows(2).all(|w| w[0] <= w[1]);
+                if errors.len() != levels || errors.first() != Some(&0.0) || !rising {
+                    let what = format!("{levels} numbers that rise from 0 are needed");
+                    return Err(Mismatch::new(format!("clips[{c}].{name}"), what));
+                }
+            }
+            let rest = [clip.speed_metres_per_sec, clip.seam_metres];
+            if !rest.iter().all(|v| *v >= 0.0) {
+                let what = "speed and seam must be numbers, not negative";
+                return Err(Mismatch::new(format!("clips[{c}]"), what));
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn validity_table() {
+        let table = |levels: &[f32], speed| LevelErrors {
+            clips: vec![ClipErrors {
+                levels_metres: levels.to_vec(),
+                worst_metres: levels.to_vec(),
+                speed_metres_per_sec: speed,
+                seam_metres: 0.0,
+            }],
+        };
+        assert!(table(&[0.0, 0.1], 1.0).check(1, 2).is_ok());
+        let at = |t: LevelErrors, clips, levels| t.check(clips, levels).unwrap_err().at;
+        assert_eq!(at(table(&[0.0], 1.0), 2, 1), "clips");
+        assert_eq!(at(table(&[0.0], 1.0), 1, 2), "clips[0].levels_metres");
+        assert_eq!(at(table(&[0.1], 1.0), 1, 1), "clips[0].levels_metres");
+        assert_eq!(
+            at(table(&[0.0, f32::NAN], 1.0), 1, 2),
+            "clips[0].levels_metres"
+        );
+        assert_eq!(at(table(&[0.0], f32::NAN), 1, 1), "clips[0]");
+    }
+}
