@@ -9,6 +9,7 @@
 //! - [`reduce`]: a motion saved at a level of articulation
 //! - [`retarget`]: a motion of one skeleton put onto another
 //! - [`evaluate`]: a clip played under a method, its gain and its error in pixels
+//! - [`scene`]: who stands where in a crowd, and where its camera goes
 //!
 //! What is deliberately absent: files, clocks, and any call from a frame.
 
@@ -21,3 +22,6 @@ pub mod human;
 pub mod motion_error;
 pub mod reduce;
 pub mod retarget;
+pub mod scene;
+
+mod split_mix;

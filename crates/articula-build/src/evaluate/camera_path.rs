@@ -103,7 +103,7 @@ pub fn play_camera_path(
             drift.wake_all();
         }
         before = now;
-        let camera = camera_at(path, first.secs + secs, stage.setup.viewport);
+        let camera = camera_at(path, first.secs + secs, stage.setup.viewport)?;
         sample(clip, secs, Wrap::Loop, &asset.rig.all(), &mut truth);
         local_to_model(&asset.rig, &truth, &mut model);
         let ppm: Vec<f32> = (0..asset.rig.len())
@@ -175,22 +175,22 @@ fn summary(stage: &Stage<'_>, frames: Vec<PathFrame>) -> PathRun {
     }
 }
 
-/// The camera at a time: straight between keys, still outside them.
-fn camera_at(path: &[CameraKey], secs: f64, viewport: Viewport) -> Camera {
+/// The camera at a time: straight between keys, still outside them. `None` without a key.
+pub fn camera_at(path: &[CameraKey], secs: f64, viewport: Viewport) -> Option<Camera> {
     let after = path.partition_point(|k| k.secs <= secs);
-    let before = &path[after.saturating_sub(1)];
-    let next = &path[after.min(path.len() - 1)];
+    let before = path.get(after.saturating_sub(1))?;
+    let next = path.get(after).unwrap_or(before);
     let span = next.secs - before.secs;
     let u = if span > 0.0 {
-        ((secs - before.secs) / span) as f32
+        ((secs - before.secs) / span).clamp(0.0, 1.0) as f32
     } else {
         0.0
     };
-    Camera::looking_at(
+    Some(Camera::looking_at(
         before.eye.lerp(next.eye, u),
         before.target.lerp(next.target, u),
         viewport,
-    )
+    ))
 }
 
 impl Stage<'_> {

@@ -15,7 +15,7 @@ mod points;
 mod stage;
 
 pub use calibrate::{calibrate, parameters, sweep};
-pub use camera_path::{CameraKey, PathFrame, PathRun, play_camera_path};
+pub use camera_path::{CameraKey, PathFrame, PathRun, camera_at, play_camera_path};
 pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use points::Points;
 pub use stage::{ErrorMetres, ErrorPx, Row, Setup, Stage, Trial, play};

@@ -1,6 +1,7 @@
 //! A fixed, seeded sample of the skin.
 
 use crate::character::Asset;
+use crate::split_mix::SplitMix;
 use articula_core::clip::Clip;
 use articula_core::hierarchy::local_to_model;
 use articula_core::pose::{LocalPose, ModelPose};
@@ -22,7 +23,7 @@ impl Points {
         let mut random = SplitMix(seed);
         // Partial Fisher-Yates: the first `count` places hold the sample.
         for i in 0..count.min(total) {
-            let j = i + (random.next() % (total - i) as u64) as usize;
+            let j = i + random.below(total - i);
             vertices.swap(i, j);
         }
         vertices.truncate(count);
@@ -49,18 +50,5 @@ impl Points {
         let mut pose = asset.rig.rest_pose().clone();
         sample(clip, time_secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
         self.posed(asset, &pose)
-    }
-}
-
-/// The generator of Steele, Lea and Flood (2014): small, seeded, the same everywhere.
-struct SplitMix(u64);
-
-impl SplitMix {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
     }
 }

@@ -1,0 +1,161 @@
+//! Who stands where in a crowd, what everyone plays, and where the camera goes: values only.
+//!
+//! [`plaza`] and [`plaza_2`] make the default scenes from a seed; a scene file is read into the
+//! same [`Scene`]. Nothing here opens a file or knows how a pose is evaluated.
+
+mod plaza;
+
+pub use plaza::{EYE_METRES, PLAZA_COUNT, Phases, SPACING_METRES, plaza, plaza_2};
+
+use crate::evaluate::{CameraKey, camera_at};
+use articula_core::view::{Camera, Viewport};
+use glam::{Affine3A, Quat, Vec3};
+
+/// One character of a scene; it is animated in place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Member {
+    /// Where it stands, metres in the world.
+    pub position: Vec3,
+    /// Turn about +Y; at 0 it faces +Z.
+    pub yaw_radians: f32,
+    /// What it plays.
+    pub play: Play,
+    /// A second clip that it goes over to and back from, again and again.
+    pub cross_fade: Option<CrossFade>,
+}
+
+/// A looping clip at a speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Play {
+    /// Index of the clip among those of the character.
+    pub clip: usize,
+    /// Where in the clip it starts: 0 is the first frame, 1 the last.
+    pub phase: f32,
+    /// Seconds of the clip in a second of the scene.
+    pub speed: f32,
+}
+
+impl Play {
+    /// Clip time at a time of the scene, not wrapped.
+    pub fn clip_secs(&self, secs: f64, duration_secs: f32) -> f64 {
+        secs * f64::from(self.speed) + f64::from(self.phase) * f64::from(duration_secs)
+    }
+}
+
+/// A cross-fade that never ends: to the other clip, and back, in equal times.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CrossFade {
+    /// The clip that is blended in.
+    pub other: Play,
+    /// Time from one clip to the other.
+    pub fade_secs: f32,
+    /// How far it is at the scene's beginning, 0 to 1 of the way there and back.
+    pub start: f32,
+}
+
+impl CrossFade {
+    /// Share of the other clip at a time of the scene, 0 to 1.
+    pub fn share(&self, secs: f64) -> f32 {
+        let there_and_back = 2.0 * f64::from(self.fade_secs);
+        let turns = if there_and_back > 0.0 {
+            secs / there_and_back
+        } else {
+            0.0
+        };
+        let way = (turns + f64::from(self.start)).rem_euclid(1.0);
+        (1.0 - (2.0 * way - 1.0).abs()) as f32
+    }
+}
+
+impl Member {
+    /// Its place as a matrix.
+    pub fn world_from_model(&self) -> Affine3A {
+        let turn = Quat::from_rotation_y(self.yaw_radians);
+        Affine3A::from_rotation_translation(turn, self.position)
+    }
+}
+
+/// Characters and a camera path.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Scene {
+    /// The characters.
+    pub members: Vec<Member>,
+    /// Size and opening of the picture.
+    pub viewport: Viewport,
+    /// Where the camera goes, in the order of time from 0 on.
+    pub camera: Vec<CameraKey>,
+    /// Whether the camera starts again after its last key, or stays there.
+    pub camera_loops: bool,
+}
+
+impl Scene {
+    /// Time of the camera's last key: one lap where it loops.
+    pub fn lap_secs(&self) -> f64 {
+        self.camera.last().map_or(0.0, |key| key.secs)
+    }
+
+    /// The camera at a time. `None` if the scene has no camera key.
+    pub fn camera_at(&self, secs: f64) -> Option<Camera> {
+        let lap = self.lap_secs();
+        let secs = if self.camera_loops && lap > 0.0 {
+            secs.rem_euclid(lap)
+        } else {
+            secs
+        };
+        camera_at(&self.camera, secs, self.viewport)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cross_fade_goes_there_and_back() {
+        let other = Play {
+            clip: 1,
+            phase: 0.0,
+            speed: 1.0,
+        };
+        let fade = CrossFade {
+            other,
+            fade_secs: 2.0,
+            start: 0.0,
+        };
+        for (secs, share) in [(0.0, 0.0), (1.0, 0.5), (2.0, 1.0), (3.0, 0.5), (5.0, 0.5)] {
+            assert!((fade.share(secs) - share).abs() < 1e-6, "at {secs} s");
+        }
+        let still = CrossFade {
+            fade_secs: 0.0,
+            start: 0.25,
+            ..fade
+        };
+        assert_eq!(still.share(7.0), 0.5, "a fade without a length stays");
+    }
+
+    #[test]
+    fn a_member_faces_where_its_yaw_says() {
+        let play = Play {
+            clip: 0,
+            phase: 0.5,
+            speed: 2.0,
+        };
+        let member = Member {
+            position: Vec3::new(1.0, 0.0, 2.0),
+            yaw_radians: std::f32::consts::FRAC_PI_2,
+            play,
+            cross_fade: None,
+        };
+        let ahead = member.world_from_model().transform_point3(Vec3::Z);
+        assert!((ahead - Vec3::new(2.0, 0.0, 2.0)).length() < 1e-6);
+        assert_eq!(play.clip_secs(3.0, 4.0), 8.0);
+    }
+
+    #[test]
+    fn without_a_key_there_is_no_camera() {
+        let mut scene = plaza(1, 1, 1);
+        scene.camera.clear();
+        assert_eq!(scene.camera_at(1.0), None);
+        assert_eq!(scene.lap_secs(), 0.0);
+    }
+}

@@ -1,0 +1,271 @@
+//! The default scenes: a square of characters seen from its edge, and the same from a moving camera.
+//!
+//! Source: `spec/runtime.md` part 4. Differs: any number of characters, not 10,000 only; and what
+//! the text leaves open is settled here: the dolly goes straight ahead to the centre and backs out
+//! again, so that a lap closes; every fifth character, drawn by the seed, is in a cross-fade all
+//! the time.
+
+use super::{CrossFade, Member, Play, Scene};
+use crate::evaluate::CameraKey;
+use crate::split_mix::SplitMix;
+use articula_core::view::Viewport;
+use glam::Vec3;
+use std::f32::consts::TAU;
+
+/// Characters of the plaza that numbers are published for: 100 rows of 100.
+pub const PLAZA_COUNT: usize = 10_000;
+
+/// From one character to its neighbours.
+pub const SPACING_METRES: f32 = 2.0;
+
+/// Height of the camera.
+pub const EYE_METRES: f32 = 1.7;
+
+/// From the first row out to the camera.
+const OUTSIDE_METRES: f32 = 1.0;
+
+/// Speed of the dolly.
+const DOLLY_METRES_PER_SEC: f32 = 5.0;
+
+/// One of so many characters is in a cross-fade.
+const FADING_ONE_OF: usize = 5;
+
+/// Time from one clip of a cross-fade to the other.
+const FADE_SECS: f32 = 1.0;
+
+/// Whether everyone is elsewhere in the clip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Phases {
+    /// Drawn from the seed.
+    #[default]
+    Distinct,
+    /// All 0.
+    Equal,
+}
+
+/// The plaza: a square of characters 2 m apart with drawn yaw, clip (of `clips`) and phase. The
+/// camera stands still, between two characters in the middle of the +Z side, 1 m outside the first
+/// row and 1.7 m high, and looks level along -Z.
+///
+/// Members are in rows from the camera on; a number that is no square leaves the last row short.
+pub fn plaza(count: usize, clips: usize, seed: u64) -> Scene {
+    let side = side_of(count);
+    let mut random = SplitMix(seed);
+    let members = (0..count).map(|i| member(i, side, clips, &mut random));
+    Scene {
+        members: members.collect(),
+        viewport: Viewport {
+            width_px: 1920.0,
+            height_px: 1080.0,
+            fov_y_radians: std::f32::consts::FRAC_PI_4,
+        },
+        camera: vec![camera_key(side, 0.0, 0.0)],
+        camera_loops: false,
+    }
+}
+
+/// The plaza with a camera that drives at 5 m/s to the centre and back, and with a fifth of its
+/// characters in a cross-fade of two clips (of two phases of the one clip, if there is no other).
+pub fn plaza_2(count: usize, clips: usize, seed: u64, phases: Phases) -> Scene {
+    let mut scene = plaza(count, clips, seed);
+    let mut random = SplitMix(!seed);
+    for group in scene.members.chunks_mut(FADING_ONE_OF) {
+        let chosen = random.below(FADING_ONE_OF);
+        let fade = cross_fade(group.get(chosen), clips, &mut random);
+        if let Some(member) = group.get_mut(chosen) {
+            member.cross_fade = Some(fade);
+        }
+    }
+    if phases == Phases::Equal {
+        for member in &mut scene.members {
+            member.play.phase = 0.0;
+            if let Some(fade) = &mut member.cross_fade {
+                fade.other.phase = 0.0;
+                fade.start = 0.0;
+            }
+        }
+    }
+    let side = side_of(count);
+    let way = half_metres(side) + OUTSIDE_METRES;
+    let secs = f64::from(way / DOLLY_METRES_PER_SEC);
+    scene.camera = vec![
+        camera_key(side, 0.0, 0.0),
+        camera_key(side, secs, way),
+        camera_key(side, 2.0 * secs, 0.0),
+    ];
+    scene.camera_loops = true;
+    scene
+}
+
+/// Characters in a row of the smallest square that holds `count`.
+fn side_of(count: usize) -> usize {
+    let root = count.isqrt();
+    root + usize::from(root * root < count)
+}
+
+/// From the centre to the first row.
+fn half_metres(side: usize) -> f32 {
+    0.5 * SPACING_METRES * side.saturating_sub(1) as f32
+}
+
+fn member(index: usize, side: usize, clips: usize, random: &mut SplitMix) -> Member {
+    let (row, column) = (index / side, index % side);
+    let half = half_metres(side);
+    let x = SPACING_METRES * column as f32 - half;
+    let z = half - SPACING_METRES * row as f32;
+    Member {
+        position: Vec3::new(x, 0.0, z),
+        yaw_radians: TAU * random.unit(),
+        play: play(random.below(clips), random),
+        cross_fade: None,
+    }
+}
+
+fn play(clip: usize, random: &mut SplitMix) -> Play {
+    Play {
+        clip,
+        phase: random.unit(),
+        speed: 1.0,
+    }
+}
+
+/// A fade from the member's own clip to another one.
+fn cross_fade(member: Option<&Member>, clips: usize, random: &mut SplitMix) -> CrossFade {
+    let own = member.map_or(0, |m| m.play.clip);
+    let further = 1 + random.below(clips.saturating_sub(1));
+    CrossFade {
+        other: play((own + further) % clips.max(1), random),
+        fade_secs: FADE_SECS,
+        start: random.unit(),
+    }
+}
+
+/// The camera after so many metres of its way in.
+fn camera_key(side: usize, secs: f64, way_metres: f32) -> CameraKey {
+    // Of an odd number the one in the middle stands at 0.
+    let x = if side.is_multiple_of(2) {
+        0.0
+    } else {
+        0.5 * SPACING_METRES
+    };
+    let z = half_metres(side) + OUTSIDE_METRES - way_metres;
+    CameraKey {
+        secs,
+        eye: Vec3::new(x, EYE_METRES, z),
+        target: Vec3::new(x, EYE_METRES, z - 1.0),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn the_published_square_by_hand() {
+        let scene = plaza(PLAZA_COUNT, 4, 1);
+        let at = |i: usize| scene.members[i].position;
+        assert_eq!(at(0), Vec3::new(-99.0, 0.0, 99.0));
+        assert_eq!(at(99), Vec3::new(99.0, 0.0, 99.0));
+        assert_eq!(at(9_999), Vec3::new(99.0, 0.0, -99.0));
+        let camera = scene.camera_at(3.0).unwrap();
+        assert_eq!(camera.eye, Vec3::new(0.0, 1.7, 100.0));
+        assert!((camera.forward() - Vec3::NEG_Z).length() < 1e-6);
+        // Its neighbours are 1 m to the left and right, 1 m ahead.
+        assert!((camera.view(at(49)) - Vec3::new(-1.0, -1.7, 1.0)).length() < 1e-4);
+        assert!((camera.view(at(50)) - Vec3::new(1.0, -1.7, 1.0)).length() < 1e-4);
+    }
+
+    /// The three facts that the specification states of the view.
+    #[test]
+    fn the_view_is_the_one_of_the_specification() {
+        let scene = plaza(PLAZA_COUNT, 4, 7);
+        let camera = scene.camera_at(0.0).unwrap();
+        // Half a metre of body around the place where each stands, at the height of the camera.
+        let mut depths: Vec<f32> = scene
+            .members
+            .iter()
+            .map(|m| camera.view(m.position))
+            .filter(|p| {
+                let half_width = 0.5 * 1920.0 / camera.viewport.pixels_per_metre(p.z);
+                p.z > 0.0 && p.x.abs() < half_width + 0.5
+            })
+            .map(|p| p.z)
+            .collect();
+        depths.sort_by(f32::total_cmp);
+        let visible = depths.len();
+        assert!((6_500..6_800).contains(&visible), "{visible} visible");
+        let median = depths[visible / 2];
+        assert!((125.0..135.0).contains(&median), "median depth {median} m");
+        let near = depths.partition_point(|d| *d < 40.0) as f32 / visible as f32;
+        assert!((0.04..0.06).contains(&near), "{near} nearer than 40 m");
+    }
+
+    #[test]
+    fn a_fifth_is_in_a_cross_fade_of_two_clips() {
+        let scene = plaza_2(PLAZA_COUNT, 3, 5, Phases::Distinct);
+        let fades: Vec<_> = scene
+            .members
+            .iter()
+            .filter_map(|m| Some((m.play.clip, m.cross_fade?.other.clip)))
+            .collect();
+        assert_eq!(fades.len(), PLAZA_COUNT / 5);
+        assert!(fades.iter().all(|(own, other)| own != other && *other < 3));
+        let still = plaza(PLAZA_COUNT, 3, 5);
+        let same = |(a, b): (&Member, &Member)| a.play == b.play && a.position == b.position;
+        assert!(scene.members.iter().zip(&still.members).all(same));
+    }
+
+    #[test]
+    fn equal_phases_are_equal() {
+        let scene = plaza_2(100, 3, 5, Phases::Equal);
+        assert!(scene.members.iter().all(|m| m.play.phase == 0.0));
+        let fades = scene.members.iter().filter_map(|m| m.cross_fade);
+        assert!(
+            fades
+                .clone()
+                .all(|f| f.other.phase == 0.0 && f.start == 0.0)
+        );
+        assert_eq!(fades.count(), 20);
+    }
+
+    #[test]
+    fn the_dolly_drives_in_and_out_in_a_lap() {
+        let scene = plaza_2(PLAZA_COUNT, 1, 1, Phases::Distinct);
+        assert!((scene.lap_secs() - 40.0).abs() < 1e-6, "200 m at 5 m/s");
+        let eye = |secs| scene.camera_at(secs).unwrap().eye;
+        assert!((eye(10.0) - Vec3::new(0.0, 1.7, 50.0)).length() < 1e-3);
+        assert!((eye(20.0) - Vec3::new(0.0, 1.7, 0.0)).length() < 1e-3);
+        assert!((eye(35.0) - Vec3::new(0.0, 1.7, 75.0)).length() < 1e-3);
+        assert!((eye(41.0) - eye(1.0)).length() < 1e-3, "the lap closes");
+        let step = |i: i32| eye(f64::from(i + 1) / 60.0) - eye(f64::from(i) / 60.0);
+        let fastest = (0..2400).map(|i| step(i).length() * 60.0);
+        assert!(fastest.fold(0.0, f32::max) < 5.01);
+    }
+
+    proptest! {
+        #[test]
+        fn any_number_stands_in_a_square(count in 0usize..600, clips in 0usize..5, seed in any::<u64>()) {
+            let scene = plaza_2(count, clips, seed, Phases::Distinct);
+            prop_assert_eq!(scene.members.len(), count);
+            prop_assert_eq!(&scene, &plaza_2(count, clips, seed, Phases::Distinct));
+            let half = half_metres(side_of(count)) + 1e-3;
+            for (i, m) in scene.members.iter().enumerate() {
+                prop_assert!(m.position.x.abs() <= half && m.position.z.abs() <= half);
+                prop_assert!((0.0..TAU).contains(&m.yaw_radians));
+                prop_assert!((0.0..1.0).contains(&m.play.phase));
+                prop_assert!(m.play.clip < clips.max(1));
+                let fade = m.cross_fade.map_or(0, |f| f.other.clip);
+                prop_assert!(fade < clips.max(1));
+                let others = &scene.members[..i];
+                let apart = others.iter().all(|o| o.position.distance(m.position) > 1.99);
+                prop_assert!(apart);
+            }
+            // The camera never drives through anyone.
+            for secs in 0..20 {
+                let eye = scene.camera_at(f64::from(secs)).unwrap().eye.with_y(0.0);
+                prop_assert!(scene.members.iter().all(|m| m.position.distance(eye) > 0.99));
+            }
+        }
+    }
+}

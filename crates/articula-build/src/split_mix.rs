@@ -1,0 +1,27 @@
+//! The generator of Steele, Lea and Flood (2014): small, seeded, the same everywhere.
+
+/// State of the generator; the seed is its first value.
+#[derive(Debug, Clone)]
+pub(crate) struct SplitMix(pub(crate) u64);
+
+impl SplitMix {
+    /// The next 64 bits.
+    pub(crate) fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// A number from 0 up to, but not including, 1.
+    pub(crate) fn unit(&mut self) -> f32 {
+        // 24 bits are what an f32 below one can tell apart.
+        (self.next() >> 40) as f32 / (1u32 << 24) as f32
+    }
+
+    /// A number below `count`; 0 if that is 0.
+    pub(crate) fn below(&mut self, count: usize) -> usize {
+        (self.next() % count.max(1) as u64) as usize
+    }
+}
