@@ -76,6 +76,19 @@ pub struct Warning {
     pub at: String,
     /// What was found and what was done about it.
     pub what: String,
+    /// What was guessed, where the caller could have said it.
+    pub guess: Option<Guess>,
+}
+
+/// What a file does not say and a reader has to guess; options of the reader say it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Guess {
+    /// The scale to metres.
+    Unit,
+    /// The axis that points up.
+    UpAxis,
+    /// Frames a second.
+    Rate,
 }
 
 impl Warning {
@@ -84,6 +97,15 @@ impl Warning {
         Self {
             at: at.into(),
             what: what.into(),
+            guess: None,
+        }
+    }
+
+    /// Says what was guessed at a place, and by which signs.
+    pub fn guess(at: impl Into<String>, what: impl Into<String>, guess: Guess) -> Self {
+        Self {
+            guess: Some(guess),
+            ..Self::new(at, what)
         }
     }
 }

@@ -35,7 +35,7 @@ mod uri;
 mod words;
 pub mod x3d;
 
-pub use error::{Read, ReadError, Warning};
+pub use error::{Guess, Read, ReadError, Warning};
 pub use limits::Limits;
 
 /// Fetches what lies beside a file by its relative URI (already percent-decoded).

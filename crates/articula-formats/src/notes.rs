@@ -14,8 +14,12 @@ pub(crate) struct Notes {
 
 impl Notes {
     pub(crate) fn add(&mut self, at: impl Into<String>, what: impl Into<String>) {
+        self.push(Warning::new(at, what));
+    }
+
+    pub(crate) fn push(&mut self, warning: Warning) {
         if self.list.len() < MOST_WARNINGS {
-            self.list.push(Warning::new(at, what));
+            self.list.push(warning);
         } else {
             self.left_out += 1;
         }

@@ -2,7 +2,7 @@
 //!
 //! Source: measured on the files of five families of writers; see `docs/formats/bvh.md`.
 
-use crate::error::{ReadError, Warning};
+use crate::error::{Guess, ReadError, Warning};
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
@@ -56,7 +56,7 @@ pub(crate) fn scale_to_metres(
         }
         None => {
             let (scale, how) = guess();
-            warnings.extend(how.map(|what| Warning::new("file", what)));
+            warnings.extend(how.map(|what| Warning::guess("file", what, Guess::Unit)));
             Ok(scale)
         }
     }
@@ -80,10 +80,7 @@ pub(crate) fn scale(height: f32) -> (f32, Option<String>) {
             ASSUMED_METRES / height,
         ),
     };
-    let what = format!(
-        "the figure is {height} units high at rest, {how}: 1 unit = {scale} m; \
-         give the scale to metres if that is wrong"
-    );
+    let what = format!("the figure is {height} units high at rest, {how}: 1 unit = {scale} m");
     (scale, Some(what))
 }
 
@@ -129,9 +126,8 @@ impl Figure<'_> {
             } else {
                 "the world of the motion"
             };
-            let what =
-                format!("+Z is up; {which} were turned to +Y; give the up axis if that is wrong");
-            warnings.push(Warning::new("file", what));
+            let what = format!("+Z is up; {which} were turned to +Y");
+            warnings.push(Warning::guess("file", what, Guess::UpAxis));
         }
         (figure, world)
     }

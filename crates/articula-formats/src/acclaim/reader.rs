@@ -3,7 +3,7 @@
 use super::amc::{self, Bones, MotionText};
 use super::asf::{self, Dof, SkeletonText, turned};
 use super::hierarchy::{self, Hierarchy};
-use crate::error::{Read, ReadError};
+use crate::error::{Guess, Read, ReadError, Warning};
 use crate::limits::Limits;
 use crate::notes::Notes;
 use crate::units::{self, Up};
@@ -93,11 +93,9 @@ fn rate_hz(
         return Err(ReadError::malformed("options", what));
     }
     if motion.rate_hz.is_none() && motion.frames > 1 {
-        let what = format!(
-            "the rate is not in the file; {USUAL_RATE_HZ} frames a second were taken; \
-             give the rate if that is wrong"
-        );
-        notes.add("amc", what);
+        let what =
+            format!("the rate is not in the file; {USUAL_RATE_HZ} frames a second were taken");
+        notes.push(Warning::guess("amc", what, Guess::Rate));
     }
     Ok(motion.rate_hz.unwrap_or(USUAL_RATE_HZ))
 }
@@ -112,7 +110,7 @@ fn scale(length: f32, height: f32) -> (f32, Option<String>) {
     if known || (length != 1.0 && units::ADULT.contains(&(height * declared))) {
         let what = format!(
             "length {length} was taken as inches / {length}: 1 unit = {declared} m, and the figure \
-             is {} m high at rest; give the scale to metres if that is wrong",
+             is {} m high at rest",
             height * declared
         );
         return (declared, Some(what));
@@ -236,7 +234,7 @@ impl Figure {
     fn basis(
         &self,
         options: &ReadOptions,
-        warnings: &mut Vec<crate::Warning>,
+        warnings: &mut Vec<Warning>,
     ) -> Result<Basis, ReadError> {
         let places = self.rest_places();
         let turned = |way: &Vec3| self.root_orientation * *way;

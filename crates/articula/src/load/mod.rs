@@ -18,7 +18,7 @@ use anyhow::{Context, bail};
 use articula_core::source::Character;
 use articula_formats::mpeg4::bap::BapClip;
 use articula_formats::profile::{self, Mapping, Profile};
-use articula_formats::{Limits, Warning};
+use articula_formats::{Guess, Limits, Warning};
 use std::path::{Path, PathBuf};
 
 /// A file as it was read.
@@ -44,7 +44,9 @@ impl Loaded {
     /// What the reader found odd, each with its place.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let warnings = self.warnings.iter();
-        warnings.map(|w| format!("{}: {}", w.at, w.what)).collect()
+        warnings
+            .map(|w| format!("{}: {}", w.at, advised(w)))
+            .collect()
     }
 
     /// Puts the file's name in front of an error about its content.
@@ -112,30 +114,18 @@ pub(crate) fn character(path: &Path, args: &ReadArgs) -> anyhow::Result<Loaded> 
         limits,
         profiles: &profiles,
     };
-    let mut loaded = format.loader()(&source).with_context(place)?;
-    for warning in &mut loaded.warnings {
-        name_the_flag(&mut warning.what);
-    }
-    Ok(loaded)
+    format.loader()(&source).with_context(place)
 }
 
-/// What readers ask for where they had to guess, and the flag that gives it. Readers know no
-/// flags.
-const FLAGS: [(&str, &str); 3] = [
-    ("give the scale to metres", "give --unit-metres M"),
-    ("give the up axis", "give --up y or --up z"),
-    ("give the rate", "give --amc-rate-hz HZ"),
-];
-
-fn name_the_flag(what: &mut String) {
-    for (asked, flag) in FLAGS {
-        if let Some(start) = what
-            .strip_suffix(" if that is wrong")
-            .and_then(|w| w.strip_suffix(asked))
-        {
-            *what = format!("{start}{flag} if that is wrong");
-        }
-    }
+/// What a warning says, and where a reader had to guess, the flag that decides.
+pub(crate) fn advised(warning: &Warning) -> String {
+    let flag = match warning.guess {
+        None => return warning.what.clone(),
+        Some(Guess::Unit) => "--unit-metres M",
+        Some(Guess::UpAxis) => "--up y or --up z",
+        Some(Guess::Rate) => "--amc-rate-hz HZ",
+    };
+    format!("{}; give {flag} if that is wrong", warning.what)
 }
 
 fn profiles(own: &[PathBuf], limits: &Limits) -> anyhow::Result<Vec<Profile>> {
@@ -179,6 +169,18 @@ pub(crate) fn choose<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_guess_names_its_flag() {
+        let guessed = |guess| advised(&Warning::guess("file", "inches", guess));
+        let said = "inches; give --unit-metres M if that is wrong";
+        assert_eq!(guessed(Guess::Unit), said);
+        let said = "inches; give --up y or --up z if that is wrong";
+        assert_eq!(guessed(Guess::UpAxis), said);
+        let said = "inches; give --amc-rate-hz HZ if that is wrong";
+        assert_eq!(guessed(Guess::Rate), said);
+        assert_eq!(advised(&Warning::new("file", "odd")), "odd");
+    }
 
     #[test]
     fn a_wrong_name_is_answered_with_the_right_ones() {

@@ -4,6 +4,7 @@ use super::extent::{Extent, Measure};
 use super::human::{self, Human};
 use super::skeletons;
 use crate::console::Console;
+use crate::load;
 use crate::motion_tables::Stored;
 use crate::prepared::Prepared;
 use articula_build::clip::source_rate_hz;
@@ -329,7 +330,7 @@ fn warnings_of(prepared: &Prepared) -> Vec<Warning> {
     let character = &prepared.loaded.character;
     let read = prepared.loaded.warnings.iter().map(|w| Warning {
         at: w.at.clone(),
-        what: w.what.clone(),
+        what: load::advised(w),
     });
     let (_, broken) = Appearance::new(&character.materials, &character.images);
     let pictures = broken.into_iter().map(|fault| Warning {
