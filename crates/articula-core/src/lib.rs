@@ -11,6 +11,7 @@
 //!   its face
 //! - [`loa`]: joint sets, the selectors, their combination and the expression language
 //! - [`view`]: viewport, camera, pixels per metre
+//! - [`sphere`], [`frustum`], [`visibility`]: which bodies are seen, soon may be, and how large
 //! - [`pose`], [`sample`], [`hierarchy`], [`skin`]: one verb each
 //! - [`joint_state`]: active, passive and the transitions between them
 //! - [`motion_error`]: what a held joint costs, in metres and in pixels
@@ -28,6 +29,7 @@ pub mod articulation;
 pub mod clip;
 pub mod drift;
 pub mod fap_table;
+pub mod frustum;
 pub mod hanim_table;
 pub mod hierarchy;
 pub mod joint_state;
@@ -43,8 +45,10 @@ pub mod rig;
 pub mod sample;
 pub mod skin;
 pub mod source;
+pub mod sphere;
 pub mod thesis_metric;
 pub mod view;
+pub mod visibility;
 
 mod mismatch;
 pub use mismatch::Mismatch;

@@ -1,0 +1,144 @@
+//! One look at a whole crowd, against looking at each body by itself, and while cameras move.
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+
+use articula_core::sphere::Sphere;
+use articula_core::view::{Camera, Viewport};
+use articula_core::visibility::{Bodies, Closing, Seen, View, Visibility, secs_until_grown, see};
+use glam::{Quat, Vec3};
+use proptest::prelude::*;
+
+/// Bodies as their owner keeps them.
+#[derive(Debug, Clone, Default)]
+struct Crowd {
+    positions: Vec<Vec3>,
+    rotations: Vec<Quat>,
+    scales: Vec<f32>,
+    bounds: Vec<Sphere>,
+    wakes: Vec<f32>,
+}
+
+const BALL: Sphere = Sphere {
+    centre: Vec3::ZERO,
+    radius: 1.0,
+};
+
+impl Crowd {
+    /// Unit balls that may move so far.
+    fn of(rows: &[(Vec3, f32)]) -> Self {
+        let mut crowd = Self::default();
+        for (position, wake) in rows {
+            crowd.push(*position, Quat::IDENTITY, 1.0, BALL, *wake);
+        }
+        crowd
+    }
+
+    fn push(&mut self, at: Vec3, rotation: Quat, scale: f32, bound: Sphere, wake: f32) {
+        self.positions.push(at);
+        self.rotations.push(rotation);
+        self.scales.push(scale);
+        self.bounds.push(bound);
+        self.wakes.push(wake);
+    }
+
+    fn bodies(&self) -> Bodies<'_> {
+        Bodies::new(
+            &self.positions,
+            &self.rotations,
+            &self.scales,
+            &self.bounds,
+            &self.wakes,
+        )
+        .unwrap()
+    }
+
+    fn seen(&self, views: &[View<'_>]) -> Vec<Seen> {
+        let mut out = vec![Seen::default(); self.positions.len()];
+        see(views, self.bodies(), &mut out);
+        out
+    }
+}
+
+fn vector(size: f32) -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(-size..size).prop_map(Vec3::from)
+}
+
+fn turn() -> impl Strategy<Value = Quat> {
+    vector(3.0).prop_map(Quat::from_scaled_axis)
+}
+
+proptest! {
+    /// The pass by fours against one body and one view at a time.
+    #[test]
+    fn agrees_with_the_plain_test(
+        rows in prop::collection::vec((vector(30.0), turn(), 0.2f32..3.0, vector(2.0), 0.0f32..4.0), 0..150),
+        eyes in prop::collection::vec((vector(30.0), turn()), 1..4),
+    ) {
+        let mut crowd = Crowd::default();
+        for (at, rotation, scale, centre, wake) in &rows {
+            let bound = Sphere { centre: *centre, radius: 1.0 };
+            crowd.push(*at, *rotation, *scale, bound, *wake);
+        }
+        let viewport = Viewport::default();
+        let cameras: Vec<Camera> = eyes.iter().map(|(eye, orientation)| Camera { eye: *eye, orientation: *orientation, viewport }).collect();
+        let views: Vec<View<'_>> = cameras.iter().map(View::of).collect();
+        for (b, seen) in crowd.seen(&views).iter().enumerate() {
+            let bound = crowd.bodies().bound(b);
+            // Rounding may decide within this much of an edge.
+            let most = 1e-4;
+            let meets = |extra: f32| -> f32 {
+                views.iter().filter(|v| v.frustum().meets(bound.centre, bound.radius + extra))
+                    .map(|v| v.density().at(v.frustum().depth(bound.centre) - bound.radius - extra.max(0.0)))
+                    .fold(0.0, f32::max)
+            };
+            let between = |low: f32, found: f32, high: f32| low * 0.999 <= found && found <= high * 1.001;
+            match seen.visibility {
+                Visibility::Visible => prop_assert!(between(meets(-most), seen.pixels_per_metre, meets(most))),
+                Visibility::Near => {
+                    prop_assert_eq!(meets(-most), 0.0);
+                    let wake = rows[b].4;
+                    prop_assert!(between(meets(wake - most), seen.pixels_per_metre, meets(wake + most)));
+                }
+                Visibility::Hidden => prop_assert_eq!(meets(rows[b].4 - most), 0.0),
+            }
+        }
+    }
+
+    /// Acceptance test 13's half for visibility: a camera that moves, turns and runs into a
+    /// body that comes to meet it never sees it denser than was foretold.
+    #[test]
+    fn a_dolly_keeps_the_bound(
+        eye in vector(20.0),
+        way in vector(1.0),
+        axis in vector(1.0),
+        speeds in (0.0f32..8.0, 0.0f32..8.0, 0.0f32..2.0),
+        growth in 0.01f32..1.0,
+    ) {
+        let (camera_speed, body_speed, turning) = speeds;
+        let closing = Closing { metres_per_sec: camera_speed + body_speed, radians_per_sec: turning };
+        let start = Camera::looking_at(eye, Vec3::ZERO, Viewport::default());
+        let crowd = |position| Crowd::of(&[(position, 0.0)]);
+        let before = crowd(Vec3::ZERO).seen(&[View::of(&start)])[0];
+        let secs = secs_until_grown(&[View::of(&start)], BALL, before, growth, closing);
+        prop_assert!(secs > 0.0 || before.visibility != Visibility::Visible);
+        // Towards each other most of the time, whatever the random way says.
+        let inwards = (way - eye.normalize_or_zero()).normalize_or_zero();
+        for step in 0..=20 {
+            let t = secs.min(10.0) * step as f32 / 20.0;
+            let turned = Quat::from_scaled_axis(axis.normalize_or_zero() * (turning * t));
+            let camera = Camera {
+                eye: eye + inwards * (camera_speed * t),
+                orientation: turned * start.orientation,
+                ..start
+            };
+            let position = -inwards * (body_speed * t);
+            let seen = crowd(position).seen(&[View::of(&camera)])[0];
+            let limit = before.pixels_per_metre * (1.0 + growth) * 1.0001;
+            prop_assert!(
+                before.visibility != Visibility::Visible
+                    || seen.visibility != Visibility::Visible
+                    || seen.pixels_per_metre <= limit,
+                "{} above {limit} after {t} s of {secs}", seen.pixels_per_metre
+            );
+        }
+    }
+}
