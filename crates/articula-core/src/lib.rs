@@ -12,13 +12,14 @@
 //! - [`loa`]: joint sets, the selectors, their combination and the expression language
 //! - [`view`]: viewport, camera, pixels per metre
 //! - [`sphere`], [`frustum`], [`visibility`]: which bodies are seen, soon may be, and how large
-//! - [`pose`], [`sample`], [`hierarchy`], [`skin`]: one verb each
+//! - [`pose`], [`sample`], [`mod@blend`], [`hierarchy`], [`skin`]: one verb each
 //! - [`joint_state`]: active, passive and the transitions between them
 //! - [`motion_error`]: what a held joint costs, in metres and in pixels
 //! - [`thesis_metric`]: the second step of the thesis' metric, kept as a baseline
 //! - [`drift`]: ours, untabled: holds joints while what is shown stays within the tolerance
 //! - [`key_table`]: ours, tabled: nested keys for a ladder of tolerances
 //! - [`ladder`], [`level_error`]: merged levels of a crowd, and what each costs
+//! - [`clip_set`], [`palette`], [`batch`]: eight characters at once, from cursors to palettes
 //!
 //! What is deliberately absent: files, clocks, threads, logging, JSON, and any allocation in a
 //! function that runs once a frame (a test counts them).
@@ -26,7 +27,10 @@
 //! Units are metres, seconds and radians; +Y is up and a character faces +Z.
 
 pub mod articulation;
+pub mod batch;
+pub mod blend;
 pub mod clip;
+pub mod clip_set;
 pub mod drift;
 pub mod fap_table;
 pub mod frustum;
@@ -40,6 +44,7 @@ pub mod loa;
 pub mod math;
 pub mod mesh;
 pub mod motion_error;
+pub mod palette;
 pub mod pose;
 pub mod rig;
 pub mod sample;
@@ -51,4 +56,7 @@ pub mod view;
 pub mod visibility;
 
 mod mismatch;
+mod simd;
 pub use mismatch::Mismatch;
+pub use simd::half::{f32_from_half, half_from_f32};
+pub use simd::{Backend, LANES, Tile};

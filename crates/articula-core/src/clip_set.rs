@@ -1,0 +1,438 @@
+//! All clips of a rig in ladder order: what batches sample.
+//!
+//! Source: `spec/runtime.md` part 3. One frame is one row of four-number slots: first the
+//! rotations that move in any clip, then translations, then scales, each in ladder order, so a
+//! level reads a prefix of each. Channels that no clip moves are constants and take no slot.
+//! Differs: a slot holds one joint's four numbers and not one component of eight joints. A
+//! batch then turns two rows of every character into lanes once, and characters that play
+//! different clips share a batch.
+
+use crate::Mismatch;
+use crate::clip::{Clip, Track};
+use crate::ladder::Ladder;
+use crate::math::{Transform, same_hemisphere};
+use crate::pose::LocalPose;
+use crate::rig::Rig;
+use crate::simd::Row;
+use glam::{Quat, Vec3};
+
+/// How the numbers of a [`ClipSet`] are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
+pub enum Storage {
+    /// Four f32 a slot, 16 bytes.
+    #[default]
+    Float,
+    /// Four 16-bit integers a slot, 8 bytes: rotations within 6.2e-5 rad, translations and
+    /// scales within 1/65534 of the range that the slot covers in all clips.
+    Short,
+}
+
+/// Rows of all clips, one after the other.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Rows {
+    Float(Vec<Row>),
+    Short(Vec<[i16; 4]>),
+}
+
+/// Slots of a joint's rotation, translation and scale; `None` for a constant.
+pub(crate) type Source = [Option<u32>; 3];
+
+/// Range of a slot of 16-bit integers: `middle + step * stored`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SlotRange {
+    pub(crate) middle: Vec3,
+    pub(crate) step: Vec3,
+}
+
+/// One clip within the rows.
+#[derive(Debug, Clone, PartialEq)]
+struct Segment {
+    name: String,
+    first: u32,
+    frames: u32,
+    rate_hz: f32,
+    /// Slots whose values hold until the next frame, rising.
+    held: Vec<u32>,
+}
+
+/// Two neighbouring frames of a clip and the blend between them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cursor {
+    /// First slot of the frame at or before the time.
+    pub(crate) before: u32,
+    /// First slot of the frame after it.
+    pub(crate) after: u32,
+    /// Blend between the two, 0 to 1.
+    pub(crate) blend: f32,
+    /// The clip.
+    pub(crate) clip: u32,
+}
+
+/// All clips of one rig, laid out for batches of characters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClipSet {
+    ladder: Ladder,
+    constants: Vec<Transform>,
+    sources: Vec<Source>,
+    ranges: Vec<SlotRange>,
+    first_range: usize,
+    rows: Rows,
+    slots: usize,
+    segments: Vec<Segment>,
+    held: Vec<u32>,
+    scaled: bool,
+}
+
+impl ClipSet {
+    /// Lays out clips in the order of a ladder. A rig without clips gets one that is its rest
+    /// pose, so there is always something to show.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if the ladder or a clip is of another rig, a value is not finite, a
+    /// rotation is not of unit length within 1e-3, or all clips together exceed 2^32 slots.
+    pub fn new(
+        rig: &Rig,
+        ladder: Ladder,
+        clips: &[Clip],
+        storage: Storage,
+    ) -> Result<Self, Mismatch> {
+        if ladder.len() != rig.len() {
+            let what = format!("{} joints, the rig has {}", ladder.len(), rig.len());
+            return Err(Mismatch::new("ladder", what));
+        }
+        for (c, clip) in clips.iter().enumerate() {
+            check(clip, rig.len())
+                .map_err(|e| Mismatch::new(format!("clips[{c}].{}", e.at), e.what))?;
+        }
+        let frames: Vec<Frames<'_>> = match clips {
+            [] => vec![Frames::new(rig, None)],
+            clips => clips.iter().map(|c| Frames::new(rig, Some(c))).collect(),
+        };
+        let names: Vec<(String, f32)> = match clips {
+            [] => vec![("rest".to_owned(), 1.0)],
+            clips => clips
+                .iter()
+                .map(|c| (c.name.clone(), c.rate_hz()))
+                .collect(),
+        };
+        let joints = ladder.joints().iter();
+        let constants: Vec<Transform> = joints.map(|&j| frames[0].at(usize::from(j), 0)).collect();
+        let (sources, slots) = layout(&ladder, &constants, &frames);
+        let all: usize = frames.iter().map(Frames::len).sum();
+        if all.saturating_mul(slots) > u32::MAX as usize {
+            let what = format!("{all} frames of {slots} slots, at most 2^32 in all");
+            return Err(Mismatch::new("clips", what));
+        }
+        let (rows, segments) = written(&names, &frames, &ladder, &sources, slots);
+        let first_range = sources.iter().filter(|s| s[0].is_some()).count();
+        let (rows, ranges) = match storage {
+            Storage::Float => (Rows::Float(rows), Vec::new()),
+            Storage::Short => shortened(&rows, slots, first_range),
+        };
+        let mut held: Vec<u32> = segments.iter().flat_map(|s| s.held.clone()).collect();
+        held.sort_unstable();
+        held.dedup();
+        let moved = sources.iter().any(|s| s[2].is_some());
+        Ok(Self {
+            scaled: moved || constants.iter().any(|t| t.scale != Vec3::ONE),
+            ladder,
+            constants,
+            sources,
+            ranges,
+            first_range,
+            rows,
+            slots,
+            segments,
+            held,
+        })
+    }
+
+    /// The joint order and levels.
+    pub fn ladder(&self) -> &Ladder {
+        &self.ladder
+    }
+
+    /// Number of clips, at least 1.
+    pub fn clips(&self) -> usize {
+        self.segments.len()
+    }
+
+    /// Name of a clip.
+    pub fn name(&self, clip: usize) -> &str {
+        &self.segments[clip].name
+    }
+
+    /// Time of the last frame of a clip; 0 for a single pose.
+    pub fn duration_secs(&self, clip: usize) -> f32 {
+        let segment = &self.segments[clip];
+        (segment.frames - 1) as f32 / segment.rate_hz
+    }
+
+    /// Whether any joint is scaled, at rest or by a clip.
+    pub fn is_scaled(&self) -> bool {
+        self.scaled
+    }
+
+    /// Bytes that the frames of all clips take.
+    pub fn bytes(&self) -> usize {
+        match &self.rows {
+            Rows::Float(rows) => size_of_val(rows.as_slice()),
+            Rows::Short(rows) => size_of_val(rows.as_slice()),
+        }
+    }
+
+    /// Slots of one frame: channels that some clip moves.
+    pub fn slots(&self) -> usize {
+        self.slots
+    }
+
+    /// Where a time falls in a clip. Times before the first or after the last frame show that
+    /// frame; a time that is no number counts as 0.
+    ///
+    /// # Panics
+    /// If there is no such clip.
+    #[inline]
+    pub fn cursor(&self, clip: usize, time_secs: f32) -> Cursor {
+        let segment = &self.segments[clip];
+        let last = segment.frames - 1;
+        // NaN falls through `max` to 0.
+        let at = (time_secs * segment.rate_hz).max(0.0).min(last as f32);
+        let before = (at as u32).min(last);
+        let after = (before + 1).min(last);
+        let slots = self.slots as u32;
+        Cursor {
+            before: segment.first + before * slots,
+            after: segment.first + after * slots,
+            blend: at - before as f32,
+            clip: clip as u32,
+        }
+    }
+
+    pub(crate) fn rows(&self) -> &Rows {
+        &self.rows
+    }
+
+    pub(crate) fn sources(&self) -> &[Source] {
+        &self.sources
+    }
+
+    pub(crate) fn constants(&self) -> &[Transform] {
+        &self.constants
+    }
+
+    /// Range of a translation or scale slot; `None` where numbers are stored as they are.
+    pub(crate) fn range(&self, slot: u32) -> Option<&SlotRange> {
+        self.ranges
+            .get((slot as usize).wrapping_sub(self.first_range))
+    }
+
+    /// Whether any clip holds the values of a slot until the next frame.
+    pub(crate) fn is_held_somewhere(&self, slot: u32) -> bool {
+        !self.held.is_empty() && self.held.binary_search(&slot).is_ok()
+    }
+
+    /// Whether a clip holds the values of a slot until the next frame.
+    pub(crate) fn is_held(&self, clip: u32, slot: u32) -> bool {
+        self.segments[clip as usize]
+            .held
+            .binary_search(&slot)
+            .is_ok()
+    }
+}
+
+fn check(clip: &Clip, joints: usize) -> Result<(), Mismatch> {
+    if clip.joints() != joints {
+        let what = format!("made for {} joints, the rig has {joints}", clip.joints());
+        return Err(Mismatch::new("joints", what));
+    }
+    let not_finite = |which: &str| Mismatch::new(which, "every value must be finite");
+    let vectors = |tracks: &[Track<Vec3>]| {
+        let mut values = tracks.iter().flat_map(|t| &t.values);
+        values.all(|v| v.is_finite())
+    };
+    if !vectors(clip.translations()) {
+        return Err(not_finite("translations"));
+    }
+    if !vectors(clip.scales()) {
+        return Err(not_finite("scales"));
+    }
+    let mut rotations = clip.rotations().iter().flat_map(|t| &t.values);
+    // A length that is no number fails too.
+    if !rotations.all(|q| (q.length() - 1.0).abs() <= 1e-3) {
+        return Err(Mismatch::new(
+            "rotations",
+            "every rotation must be of unit length",
+        ));
+    }
+    Ok(())
+}
+
+/// Frames of one clip as transforms, joints without a track at rest.
+struct Frames<'a> {
+    rest: &'a LocalPose,
+    clip: Option<&'a Clip>,
+    rotations: Vec<Option<&'a Track<Quat>>>,
+    translations: Vec<Option<&'a Track<Vec3>>>,
+    scales: Vec<Option<&'a Track<Vec3>>>,
+}
+
+impl<'a> Frames<'a> {
+    fn new(rig: &'a Rig, clip: Option<&'a Clip>) -> Self {
+        fn by_joint<T>(tracks: &[Track<T>], joints: usize) -> Vec<Option<&Track<T>>> {
+            let mut found = vec![None; joints];
+            for track in tracks {
+                found[usize::from(track.target)] = Some(track);
+            }
+            found
+        }
+        let n = rig.len();
+        Self {
+            rest: rig.rest_pose(),
+            clip,
+            rotations: by_joint(clip.map_or(&[], Clip::rotations), n),
+            translations: by_joint(clip.map_or(&[], Clip::translations), n),
+            scales: by_joint(clip.map_or(&[], Clip::scales), n),
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.clip.map_or(1, Clip::frames)
+    }
+
+    fn at(&self, joint: usize, frame: usize) -> Transform {
+        fn value<T: Copy>(track: Option<&Track<T>>, frame: usize, rest: T) -> T {
+            track.map_or(rest, |t| t.values[frame.min(t.values.len() - 1)])
+        }
+        let rest = self.rest.get(joint);
+        Transform {
+            translation: value(self.translations[joint], frame, rest.translation),
+            rotation: value(self.rotations[joint], frame, rest.rotation),
+            scale: value(self.scales[joint], frame, rest.scale),
+        }
+    }
+
+    /// Whether a channel of a joint holds its values instead of blending them.
+    fn holds(&self, joint: usize) -> [bool; 3] {
+        fn step<T>(track: Option<&Track<T>>) -> bool {
+            track.is_some_and(|t| t.step && t.values.len() > 1)
+        }
+        [
+            step(self.rotations[joint]),
+            step(self.translations[joint]),
+            step(self.scales[joint]),
+        ]
+    }
+}
+
+/// Gives a slot to every channel that some frame moves away from its constant: rotations
+/// first, then translations, then scales.
+fn layout(ladder: &Ladder, constants: &[Transform], clips: &[Frames<'_>]) -> (Vec<Source>, usize) {
+    let mut moves = vec![[false; 3]; ladder.len()];
+    for (place, moves) in moves.iter_mut().enumerate() {
+        let (joint, constant) = (usize::from(ladder.joints()[place]), constants[place]);
+        for (clip, frame) in clips.iter().flat_map(|c| (0..c.len()).map(move |f| (c, f))) {
+            let now = clip.at(joint, frame);
+            moves[0] |= now.rotation != constant.rotation;
+            moves[1] |= now.translation != constant.translation;
+            moves[2] |= now.scale != constant.scale;
+        }
+    }
+    let mut sources = vec![Source::default(); ladder.len()];
+    let mut next = 0u32;
+    for channel in 0..3 {
+        for (source, moves) in sources.iter_mut().zip(&moves) {
+            if moves[channel] {
+                source[channel] = Some(next);
+                next += 1;
+            }
+        }
+    }
+    (sources, next as usize)
+}
+
+/// All clips as rows, and what is known of each.
+fn written(
+    names: &[(String, f32)],
+    frames: &[Frames<'_>],
+    ladder: &Ladder,
+    sources: &[Source],
+    slots: usize,
+) -> (Vec<Row>, Vec<Segment>) {
+    let mut rows: Vec<Row> = Vec::new();
+    let mut segments = Vec::new();
+    for (clip, (name, rate_hz)) in frames.iter().zip(names) {
+        let first = rows.len();
+        for frame in 0..clip.len() {
+            rows.resize(first + (frame + 1) * slots, [0.0; 4]);
+            let at = first + frame * slots;
+            for (place, source) in sources.iter().enumerate() {
+                let now = clip.at(usize::from(ladder.joints()[place]), frame);
+                if let Some(slot) = source[0].map(|s| s as usize) {
+                    // Frame by frame in one hemisphere, so that a straight blend is the short one.
+                    let q = match frame {
+                        0 => now.rotation,
+                        _ => {
+                            same_hemisphere(Quat::from_array(rows[at - slots + slot]), now.rotation)
+                        }
+                    };
+                    rows[at + slot] = q.to_array();
+                }
+                for (slot, v) in [(source[1], now.translation), (source[2], now.scale)] {
+                    if let Some(slot) = slot {
+                        rows[at + slot as usize] = v.extend(0.0).to_array();
+                    }
+                }
+            }
+        }
+        let mut held: Vec<u32> = sources
+            .iter()
+            .enumerate()
+            .flat_map(|(place, source)| {
+                let holds = clip.holds(usize::from(ladder.joints()[place]));
+                (0..3).filter_map(move |c| source[c].filter(|_| holds[c]))
+            })
+            .collect();
+        held.sort_unstable();
+        segments.push(Segment {
+            name: name.clone(),
+            first: first as u32,
+            frames: clip.len() as u32,
+            rate_hz: *rate_hz,
+            held,
+        });
+    }
+    // A set that nothing moves still has a frame to point at.
+    (rows, segments)
+}
+
+/// The rows as 16-bit integers, and the ranges of the slots that are no rotations.
+fn shortened(rows: &[Row], slots: usize, first_range: usize) -> (Rows, Vec<SlotRange>) {
+    const LARGEST: f32 = i16::MAX as f32;
+    let ranges: Vec<SlotRange> = (first_range..slots)
+        .map(|slot| {
+            let mut values = rows.iter().skip(slot).step_by(slots).map(vector);
+            let first = values.next().unwrap_or(Vec3::ZERO);
+            let (low, high) = values.fold((first, first), |(l, h), v| (l.min(v), h.max(v)));
+            SlotRange {
+                middle: (low + high) * 0.5,
+                step: (high - low) * (0.5 / LARGEST),
+            }
+        })
+        .collect();
+    let short =
+        rows.iter().enumerate().map(
+            |(i, row)| match (i % slots.max(1)).checked_sub(first_range) {
+                None => row.map(|v| (v * LARGEST).round() as i16),
+                Some(range) => {
+                    let SlotRange { middle, step } = ranges[range];
+                    let steps = (vector(row) - middle) / step.max(Vec3::splat(f32::MIN_POSITIVE));
+                    steps.extend(0.0).to_array().map(|v| v.round() as i16)
+                }
+            },
+        );
+    (Rows::Short(short.collect()), ranges)
+}
+
+fn vector(row: &Row) -> Vec3 {
+    Vec3::new(row[0], row[1], row[2])
+}

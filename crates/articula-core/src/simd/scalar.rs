@@ -1,0 +1,110 @@
+//! Lanes as plain arrays: what every other backend is held to.
+
+use super::half::half_from_f32;
+use super::{LANES, Lanes, Row, Tile};
+
+/// Eight numbers in an array.
+#[derive(Clone, Copy)]
+pub(crate) struct Plain([f32; LANES]);
+
+impl Plain {
+    #[inline(always)]
+    fn each(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+        let mut out = self.0;
+        for (a, b) in out.iter_mut().zip(other.0) {
+            *a = f(*a, b);
+        }
+        Self(out)
+    }
+}
+
+impl Lanes for Plain {
+    type Weights = [f32; LANES];
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self([value; LANES])
+    }
+
+    #[inline(always)]
+    fn load(from: &Tile) -> Self {
+        Self(from.0)
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Tile) {
+        to.0 = self.0;
+    }
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.each(other, |a, b| a + b)
+    }
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.each(other, |a, b| a - b)
+    }
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.each(other, |a, b| a * b)
+    }
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.each(other, |a, b| a / b)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(f32::sqrt))
+    }
+
+    #[inline(always)]
+    fn sign(self) -> Self {
+        Self(self.0.map(|v| 1f32.copysign(v)))
+    }
+
+    #[inline(always)]
+    fn weights(weights: &[f32; LANES]) -> [f32; LANES] {
+        *weights
+    }
+
+    #[inline(always)]
+    fn lerp_rows(before: [&Row; LANES], after: [&Row; LANES], weights: [f32; LANES]) -> [Self; 4] {
+        let mut out = [[0.0; LANES]; 4];
+        for lane in 0..LANES {
+            for (c, component) in out.iter_mut().enumerate() {
+                let (a, b) = (before[lane][c], after[lane][c]);
+                component[lane] = a + (b - a) * weights[lane];
+            }
+        }
+        out.map(Self)
+    }
+
+    #[inline(always)]
+    fn lerp_short_rows(
+        before: [&[i16; 4]; LANES],
+        after: [&[i16; 4]; LANES],
+        weights: [f32; LANES],
+    ) -> [Self; 4] {
+        let a = before.map(|row| row.map(f32::from));
+        let b = after.map(|row| row.map(f32::from));
+        Self::lerp_rows(a.each_ref(), b.each_ref(), weights)
+    }
+
+    #[inline(always)]
+    fn store_rows(components: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
+        for lane in 0..LANES {
+            out[lane * stride + at] = components.map(|c| c.0[lane]);
+        }
+    }
+
+    #[inline(always)]
+    fn store_half_rows(components: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize) {
+        for lane in 0..LANES {
+            out[lane * stride + at] = components.map(|c| half_from_f32(c.0[lane]));
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Lanes of WebAssembly: two vectors of 128 bits.
+#![expect(
+    unsafe_code,
+    reason = "loads and stores by address; every address is checked beside it"
+)]
+
+use super::half::half_from_f32;
+use super::{Kernel, LANES, Lanes, Row, Tile};
+use std::arch::wasm32::*;
+
+/// Runs a kernel on 128-bit vectors.
+pub(super) fn run<K: Kernel>(kernel: K) {
+    kernel.run::<Simd128>();
+}
+
+/// Eight lanes in two vectors.
+#[derive(Clone, Copy)]
+struct Simd128([v128; 2]);
+
+impl Simd128 {
+    #[inline(always)]
+    fn each(self, other: Self, f: impl Fn(v128, v128) -> v128) -> Self {
+        Self([f(self.0[0], other.0[0]), f(self.0[1], other.0[1])])
+    }
+
+    #[inline(always)]
+    fn lerp(
+        before: impl Fn(usize) -> v128,
+        after: impl Fn(usize) -> v128,
+        weights: [v128; LANES],
+    ) -> [Self; 4] {
+        let blend = |lane: usize| {
+            let (a, b) = (before(lane), after(lane));
+            f32x4_add(a, f32x4_mul(f32x4_sub(b, a), weights[lane]))
+        };
+        let low = turned(std::array::from_fn(blend));
+        let high = turned(std::array::from_fn(|i| blend(i + 4)));
+        std::array::from_fn(|c| Self([low[c], high[c]]))
+    }
+
+    #[inline(always)]
+    fn rows(components: [Self; 4]) -> [v128; LANES] {
+        let low = turned(components.map(|c| c.0[0]));
+        let high = turned(components.map(|c| c.0[1]));
+        std::array::from_fn(|lane| if lane < 4 { low[lane] } else { high[lane - 4] })
+    }
+}
+
+/// Turns four rows into four columns.
+#[inline(always)]
+fn turned(rows: [v128; 4]) -> [v128; 4] {
+    let [a, b, c, d] = rows;
+    let low01 = i32x4_shuffle::<0, 4, 1, 5>(a, b);
+    let high01 = i32x4_shuffle::<2, 6, 3, 7>(a, b);
+    let low23 = i32x4_shuffle::<0, 4, 1, 5>(c, d);
+    let high23 = i32x4_shuffle::<2, 6, 3, 7>(c, d);
+    [
+        i64x2_shuffle::<0, 2>(low01, low23),
+        i64x2_shuffle::<1, 3>(low01, low23),
+        i64x2_shuffle::<0, 2>(high01, high23),
+        i64x2_shuffle::<1, 3>(high01, high23),
+    ]
+}
+
+/// The four numbers of a row.
+#[inline(always)]
+fn loaded(row: &Row) -> v128 {
+    // SAFETY: a row is four numbers, and WebAssembly loads need no alignment.
+    unsafe { v128_load(row.as_ptr().cast()) }
+}
+
+impl Lanes for Simd128 {
+    type Weights = [v128; LANES];
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        Self([f32x4_splat(value); 2])
+    }
+
+    #[inline(always)]
+    fn load(from: &Tile) -> Self {
+        let at = from.0.as_ptr();
+        // SAFETY: a tile is eight numbers.
+        unsafe { Self([v128_load(at.cast()), v128_load(at.add(4).cast())]) }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Tile) {
+        let at = to.0.as_mut_ptr();
+        // SAFETY: a tile is eight numbers.
+        unsafe {
+            v128_store(at.cast(), self.0[0]);
+            v128_store(at.add(4).cast(), self.0[1]);
+        }
+    }
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.each(other, f32x4_add)
+    }
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.each(other, f32x4_sub)
+    }
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.each(other, f32x4_mul)
+    }
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.each(other, f32x4_div)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(f32x4_sqrt))
+    }
+
+    #[inline(always)]
+    fn sign(self) -> Self {
+        let sign = f32x4_splat(-0.0);
+        Self(self.0.map(|v| v128_or(v128_and(v, sign), f32x4_splat(1.0))))
+    }
+
+    #[inline(always)]
+    fn weights(weights: &[f32; LANES]) -> [v128; LANES] {
+        weights.map(f32x4_splat)
+    }
+
+    #[inline(always)]
+    fn lerp_rows(before: [&Row; LANES], after: [&Row; LANES], weights: [v128; LANES]) -> [Self; 4] {
+        Self::lerp(|i| loaded(before[i]), |i| loaded(after[i]), weights)
+    }
+
+    #[inline(always)]
+    fn lerp_short_rows(
+        before: [&[i16; 4]; LANES],
+        after: [&[i16; 4]; LANES],
+        weights: [v128; LANES],
+    ) -> [Self; 4] {
+        let row = |row: &[i16; 4]| {
+            // SAFETY: a row is four 16-bit numbers, so 64 bits are read.
+            let wide = unsafe { i32x4_load_extend_i16x4(row.as_ptr()) };
+            f32x4_convert_i32x4(wide)
+        };
+        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
+    }
+
+    #[inline(always)]
+    fn store_rows(components: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
+        for (lane, row) in Self::rows(components).into_iter().enumerate() {
+            let out: &mut Row = &mut out[lane * stride + at];
+            // SAFETY: four numbers are written to four.
+            unsafe { v128_store(out.as_mut_ptr().cast(), row) };
+        }
+    }
+
+    #[inline(always)]
+    fn store_half_rows(components: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize) {
+        for (lane, row) in Self::rows(components).into_iter().enumerate() {
+            let mut values = [0.0; 4];
+            // SAFETY: four numbers are written to four.
+            unsafe { v128_store(values.as_mut_ptr().cast(), row) };
+            out[lane * stride + at] = values.map(half_from_f32);
+        }
+    }
+}

@@ -1,0 +1,356 @@
+//! Lanes of x86-64: two vectors of 128 bits, or one of 256.
+#![expect(
+    unsafe_code,
+    reason = "vector instructions; the types of this file are private and run by `run_*` alone"
+)]
+
+use super::half::half_from_f32;
+use super::{Backend, Kernel, LANES, Lanes, Row, Tile};
+use std::arch::x86_64::*;
+
+/// Runs a kernel on 256-bit vectors.
+///
+/// # Panics
+/// If the machine lacks them.
+pub(super) fn run_avx2<K: Kernel>(kernel: K) {
+    #[target_feature(enable = "avx2,f16c")]
+    fn run<K: Kernel>(kernel: K) {
+        kernel.run::<Avx2>();
+    }
+    assert!(Backend::Avx2.is_available(), "no AVX2 on this machine");
+    // SAFETY: the features were just found on this machine.
+    unsafe { run(kernel) }
+}
+
+/// Runs a kernel on 128-bit vectors, which every x86-64 machine has.
+pub(super) fn run_sse2<K: Kernel>(kernel: K) {
+    kernel.run::<Sse2>();
+}
+
+/// Turns four rows into four columns, in each half of 128 bits.
+///
+/// # Safety
+/// The machine has AVX.
+#[inline(always)]
+unsafe fn turned(rows: [__m256; 4]) -> [__m256; 4] {
+    let [r0, r1, r2, r3] = rows;
+    // SAFETY: the caller vouches for AVX.
+    unsafe {
+        let low01 = _mm256_unpacklo_ps(r0, r1);
+        let high01 = _mm256_unpackhi_ps(r0, r1);
+        let low23 = _mm256_unpacklo_ps(r2, r3);
+        let high23 = _mm256_unpackhi_ps(r2, r3);
+        [
+            _mm256_shuffle_ps::<0x44>(low01, low23),
+            _mm256_shuffle_ps::<0xee>(low01, low23),
+            _mm256_shuffle_ps::<0x44>(high01, high23),
+            _mm256_shuffle_ps::<0xee>(high01, high23),
+        ]
+    }
+}
+
+/// Eight lanes in one vector. Lane `i` shares its place within the halves with lane `i + 4`.
+#[derive(Clone, Copy)]
+struct Avx2(__m256);
+
+impl Avx2 {
+    /// Blends pairs of rows (lanes `i` and `i + 4`) and turns them.
+    #[inline(always)]
+    fn lerp(
+        before: impl Fn(usize) -> __m256,
+        after: impl Fn(usize) -> __m256,
+        weights: [__m256; 4],
+    ) -> [Self; 4] {
+        let blend = |pair: usize| {
+            let (a, b) = (before(pair), after(pair));
+            // SAFETY: a value of this type exists inside `run_avx2` only.
+            unsafe { _mm256_add_ps(a, _mm256_mul_ps(_mm256_sub_ps(b, a), weights[pair])) }
+        };
+        // SAFETY: as above.
+        unsafe { turned([blend(0), blend(1), blend(2), blend(3)]).map(Self) }
+    }
+}
+
+impl Lanes for Avx2 {
+    type Weights = [__m256; 4];
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        // SAFETY: called inside `run_avx2` only, here and in all methods below.
+        unsafe { Self(_mm256_set1_ps(value)) }
+    }
+
+    #[inline(always)]
+    fn load(from: &Tile) -> Self {
+        // SAFETY: a tile is 32 aligned bytes.
+        unsafe { Self(_mm256_load_ps(from.0.as_ptr())) }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Tile) {
+        // SAFETY: a tile is 32 aligned bytes.
+        unsafe { _mm256_store_ps(to.0.as_mut_ptr(), self.0) }
+    }
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        // SAFETY: see `splat`.
+        unsafe { Self(_mm256_add_ps(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        // SAFETY: see `splat`.
+        unsafe { Self(_mm256_sub_ps(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        // SAFETY: see `splat`.
+        unsafe { Self(_mm256_mul_ps(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        // SAFETY: see `splat`.
+        unsafe { Self(_mm256_div_ps(self.0, other.0)) }
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: see `splat`.
+        unsafe { Self(_mm256_sqrt_ps(self.0)) }
+    }
+
+    #[inline(always)]
+    fn sign(self) -> Self {
+        // SAFETY: see `splat`.
+        unsafe {
+            let sign = _mm256_and_ps(self.0, _mm256_set1_ps(-0.0));
+            Self(_mm256_or_ps(sign, _mm256_set1_ps(1.0)))
+        }
+    }
+
+    #[inline(always)]
+    fn weights(weights: &[f32; LANES]) -> [__m256; 4] {
+        // SAFETY: see `splat`.
+        std::array::from_fn(|i| unsafe {
+            _mm256_set_m128(_mm_set1_ps(weights[i + 4]), _mm_set1_ps(weights[i]))
+        })
+    }
+
+    #[inline(always)]
+    fn lerp_rows(before: [&Row; LANES], after: [&Row; LANES], weights: [__m256; 4]) -> [Self; 4] {
+        // SAFETY: a row is four numbers.
+        let pair = |rows: &[&Row; LANES], i: usize| unsafe {
+            let high = _mm_loadu_ps(rows[i + 4].as_ptr());
+            _mm256_set_m128(high, _mm_loadu_ps(rows[i].as_ptr()))
+        };
+        Self::lerp(|i| pair(&before, i), |i| pair(&after, i), weights)
+    }
+
+    #[inline(always)]
+    fn lerp_short_rows(
+        before: [&[i16; 4]; LANES],
+        after: [&[i16; 4]; LANES],
+        weights: [__m256; 4],
+    ) -> [Self; 4] {
+        // SAFETY: a row is four 16-bit numbers, so 64 bits are read of each.
+        let pair = |rows: &[&[i16; 4]; LANES], i: usize| unsafe {
+            let low = _mm_loadl_epi64(rows[i].as_ptr().cast());
+            let high = _mm_loadl_epi64(rows[i + 4].as_ptr().cast());
+            _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_unpacklo_epi64(low, high)))
+        };
+        Self::lerp(|i| pair(&before, i), |i| pair(&after, i), weights)
+    }
+
+    #[inline(always)]
+    fn store_rows(components: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
+        assert!(out.len() > (LANES - 1) * stride + at, "room for eight rows");
+        let out = out.as_mut_ptr();
+        // SAFETY: the rows `lane * stride + at` lie within `out`, as was just checked.
+        unsafe {
+            for (i, pair) in turned(components.map(|c| c.0)).into_iter().enumerate() {
+                let row = |lane: usize| out.add(lane * stride + at).cast::<f32>();
+                _mm_storeu_ps(row(i), _mm256_castps256_ps128(pair));
+                _mm_storeu_ps(row(i + 4), _mm256_extractf128_ps::<1>(pair));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn store_half_rows(components: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize) {
+        assert!(out.len() > (LANES - 1) * stride + at, "room for eight rows");
+        let out = out.as_mut_ptr();
+        // SAFETY: the rows `lane * stride + at` lie within `out`, as was just checked.
+        unsafe {
+            for (i, pair) in turned(components.map(|c| c.0)).into_iter().enumerate() {
+                let halves = _mm256_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(pair);
+                let row = |lane: usize| out.add(lane * stride + at).cast::<__m128i>();
+                _mm_storel_epi64(row(i), halves);
+                _mm_storel_epi64(row(i + 4), _mm_unpackhi_epi64(halves, halves));
+            }
+        }
+    }
+}
+
+/// Eight lanes in two vectors.
+#[derive(Clone, Copy)]
+struct Sse2([__m128; 2]);
+
+impl Sse2 {
+    #[inline(always)]
+    fn each(self, other: Self, f: impl Fn(__m128, __m128) -> __m128) -> Self {
+        Self([f(self.0[0], other.0[0]), f(self.0[1], other.0[1])])
+    }
+
+    #[inline(always)]
+    fn lerp(
+        before: impl Fn(usize) -> __m128,
+        after: impl Fn(usize) -> __m128,
+        weights: [__m128; LANES],
+    ) -> [Self; 4] {
+        // SAFETY: SSE2 belongs to x86-64, here and in all methods below.
+        let blend = |lane: usize| unsafe {
+            let (a, b) = (before(lane), after(lane));
+            _mm_add_ps(a, _mm_mul_ps(_mm_sub_ps(b, a), weights[lane]))
+        };
+        let low = turned_quarter(std::array::from_fn(blend));
+        let high = turned_quarter(std::array::from_fn(|i| blend(i + 4)));
+        std::array::from_fn(|c| Self([low[c], high[c]]))
+    }
+
+    #[inline(always)]
+    fn rows(components: [Self; 4]) -> [__m128; LANES] {
+        let low = turned_quarter(components.map(|c| c.0[0]));
+        let high = turned_quarter(components.map(|c| c.0[1]));
+        std::array::from_fn(|lane| if lane < 4 { low[lane] } else { high[lane - 4] })
+    }
+}
+
+/// Turns four rows into four columns.
+#[inline(always)]
+fn turned_quarter(rows: [__m128; 4]) -> [__m128; 4] {
+    let [mut a, mut b, mut c, mut d] = rows;
+    // SAFETY: SSE belongs to x86-64.
+    unsafe { _MM_TRANSPOSE4_PS(&mut a, &mut b, &mut c, &mut d) };
+    [a, b, c, d]
+}
+
+impl Lanes for Sse2 {
+    type Weights = [__m128; LANES];
+
+    #[inline(always)]
+    fn splat(value: f32) -> Self {
+        // SAFETY: SSE2 belongs to x86-64, here and in all methods below.
+        unsafe { Self([_mm_set1_ps(value); 2]) }
+    }
+
+    #[inline(always)]
+    fn load(from: &Tile) -> Self {
+        let at = from.0.as_ptr();
+        // SAFETY: a tile is 32 aligned bytes.
+        unsafe { Self([_mm_load_ps(at), _mm_load_ps(at.add(4))]) }
+    }
+
+    #[inline(always)]
+    fn store(self, to: &mut Tile) {
+        let at = to.0.as_mut_ptr();
+        // SAFETY: a tile is 32 aligned bytes.
+        unsafe {
+            _mm_store_ps(at, self.0[0]);
+            _mm_store_ps(at.add(4), self.0[1]);
+        }
+    }
+
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        // SAFETY: see `splat`.
+        self.each(other, |a, b| unsafe { _mm_add_ps(a, b) })
+    }
+
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        // SAFETY: see `splat`.
+        self.each(other, |a, b| unsafe { _mm_sub_ps(a, b) })
+    }
+
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        // SAFETY: see `splat`.
+        self.each(other, |a, b| unsafe { _mm_mul_ps(a, b) })
+    }
+
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        // SAFETY: see `splat`.
+        self.each(other, |a, b| unsafe { _mm_div_ps(a, b) })
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        // SAFETY: see `splat`.
+        Self(self.0.map(|v| unsafe { _mm_sqrt_ps(v) }))
+    }
+
+    #[inline(always)]
+    fn sign(self) -> Self {
+        // SAFETY: see `splat`.
+        Self(self.0.map(|v| unsafe {
+            let sign = _mm_and_ps(v, _mm_set1_ps(-0.0));
+            _mm_or_ps(sign, _mm_set1_ps(1.0))
+        }))
+    }
+
+    #[inline(always)]
+    fn weights(weights: &[f32; LANES]) -> [__m128; LANES] {
+        // SAFETY: see `splat`.
+        weights.map(|w| unsafe { _mm_set1_ps(w) })
+    }
+
+    #[inline(always)]
+    fn lerp_rows(
+        before: [&Row; LANES],
+        after: [&Row; LANES],
+        weights: [__m128; LANES],
+    ) -> [Self; 4] {
+        // SAFETY: a row is four numbers.
+        let row = |row: &Row| unsafe { _mm_loadu_ps(row.as_ptr()) };
+        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
+    }
+
+    #[inline(always)]
+    fn lerp_short_rows(
+        before: [&[i16; 4]; LANES],
+        after: [&[i16; 4]; LANES],
+        weights: [__m128; LANES],
+    ) -> [Self; 4] {
+        // SAFETY: a row is four 16-bit numbers, so 64 bits are read.
+        let row = |row: &[i16; 4]| unsafe {
+            let short = _mm_loadl_epi64(row.as_ptr().cast());
+            // Each number twice, then shifted down with its sign.
+            _mm_cvtepi32_ps(_mm_srai_epi32::<16>(_mm_unpacklo_epi16(short, short)))
+        };
+        Self::lerp(|i| row(before[i]), |i| row(after[i]), weights)
+    }
+
+    #[inline(always)]
+    fn store_rows(components: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
+        assert!(out.len() > (LANES - 1) * stride + at, "room for eight rows");
+        let out = out.as_mut_ptr();
+        for (lane, row) in Self::rows(components).into_iter().enumerate() {
+            // SAFETY: the row lies within `out`, as was just checked.
+            unsafe { _mm_storeu_ps(out.add(lane * stride + at).cast(), row) };
+        }
+    }
+
+    #[inline(always)]
+    fn store_half_rows(components: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize) {
+        for (lane, row) in Self::rows(components).into_iter().enumerate() {
+            let mut values = [0.0; 4];
+            // SAFETY: four numbers are written to four.
+            unsafe { _mm_storeu_ps(values.as_mut_ptr(), row) };
+            out[lane * stride + at] = values.map(half_from_f32);
+        }
+    }
+}
