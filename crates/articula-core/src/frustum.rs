@@ -43,7 +43,7 @@ impl Frustum {
     /// Sees nothing.
     pub const NOTHING: Self = Self {
         eye: Vec3::ZERO,
-        forward: Vec3::NEG_Z,
+        forward: Vec3::NAN,
         sides: [Vec4::NAN; 4],
         near_metres: 0.0,
         far_metres: f32::MAX,

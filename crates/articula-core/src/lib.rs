@@ -11,7 +11,8 @@
 //!   its face
 //! - [`loa`]: joint sets, the selectors, their combination and the expression language
 //! - [`view`]: viewport, camera, pixels per metre
-//! - [`sphere`], [`frustum`], [`visibility`]: which bodies are seen, soon may be, and how large
+//! - [`sphere`], [`world_bounds`], [`frustum`], [`visibility`]: which bodies are seen, soon may
+//!   be, and how large
 //! - [`pose`], [`sample`], [`mod@blend`], [`hierarchy`], [`skin`]: one verb each
 //! - [`joint_state`]: active, passive and the transitions between them
 //! - [`motion_error`]: what a held joint costs, in metres and in pixels
@@ -54,6 +55,7 @@ pub mod sphere;
 pub mod thesis_metric;
 pub mod view;
 pub mod visibility;
+pub mod world_bounds;
 
 mod mismatch;
 mod simd;

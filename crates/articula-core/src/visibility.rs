@@ -14,7 +14,8 @@ use crate::Mismatch;
 use crate::frustum::Frustum;
 use crate::sphere::Sphere;
 use crate::view::Camera;
-use glam::{Mat4, Quat, Vec3, Vec4};
+use crate::world_bounds::{LANES, columns, filled};
+use glam::{Vec3, Vec4};
 
 /// Depth below which nothing is taken to come closer, so that a camera inside a body still gets
 /// finite pixels per metre.
@@ -161,12 +162,9 @@ pub struct Closing {
     pub radians_per_sec: f32,
 }
 
-/// Where the bodies of a crowd are; one entry of each slice for each body.
+/// The bodies of a crowd; one entry of each slice for each body.
 #[derive(Debug, Clone, Copy)]
 pub struct Bodies<'a> {
-    positions: &'a [Vec3],
-    rotations: &'a [Quat],
-    scales: &'a [f32],
     bounds: &'a [Sphere],
     wake_metres: &'a [f32],
 }
@@ -174,37 +172,20 @@ pub struct Bodies<'a> {
 impl<'a> Bodies<'a> {
     /// Puts the slices together.
     ///
-    /// - `positions`: of the roots in the world, metres
-    /// - `rotations`: world from model, unit
-    /// - `scales`: uniform; a negative one mirrors
-    /// - `bounds`: in model space, each holding its body from now until it is looked for again
-    /// - `wake_metres`: how far root motion may carry the bound meanwhile; speed bound times
-    ///   wake horizon. NaN counts as 0.
+    /// - `bounds`: in the world, each holding its body from now until it is looked for again.
+    ///   They change when a root moves or the clip goes on, which need not be at every frame;
+    ///   [`crate::world_bounds::carry`] makes many at once.
+    /// - `wake_metres`: how far root motion may carry the bound meanwhile (see [`wake_metres`]);
+    ///   what is no number counts as 0.
     ///
     /// # Errors
     /// A [`Mismatch`] if the lengths differ.
-    pub fn new(
-        positions: &'a [Vec3],
-        rotations: &'a [Quat],
-        scales: &'a [f32],
-        bounds: &'a [Sphere],
-        wake_metres: &'a [f32],
-    ) -> Result<Self, Mismatch> {
-        for (at, found) in [
-            ("rotations", rotations.len()),
-            ("scales", scales.len()),
-            ("bounds", bounds.len()),
-            ("wake_metres", wake_metres.len()),
-        ] {
-            if found != positions.len() {
-                let what = format!("{found} entries for {} bodies", positions.len());
-                return Err(Mismatch::new(at, what));
-            }
+    pub fn new(bounds: &'a [Sphere], wake_metres: &'a [f32]) -> Result<Self, Mismatch> {
+        if wake_metres.len() != bounds.len() {
+            let what = format!("{} entries for {} bodies", wake_metres.len(), bounds.len());
+            return Err(Mismatch::new("wake_metres", what));
         }
         Ok(Self {
-            positions,
-            rotations,
-            scales,
             bounds,
             wake_metres,
         })
@@ -212,22 +193,12 @@ impl<'a> Bodies<'a> {
 
     /// Number of bodies.
     pub fn len(&self) -> usize {
-        self.positions.len()
+        self.bounds.len()
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.positions.is_empty()
-    }
-
-    /// The bound of one body in the world.
-    pub fn bound(&self, body: usize) -> Sphere {
-        let bound = self.bounds[body];
-        bound.carried(
-            self.positions[body],
-            self.rotations[body],
-            self.scales[body],
-        )
+        self.bounds.is_empty()
     }
 }
 
@@ -266,7 +237,7 @@ pub fn secs_until_grown(
 
 /// Looks for every body in every view.
 ///
-/// A body whose place, bound or scale is no finite number is hidden. O(bodies x views); does
+/// A body whose bound is no finite number is hidden. O(bodies x views); does
 /// not allocate.
 ///
 /// # Panics
@@ -276,12 +247,10 @@ pub fn see(views: &[View<'_>], bodies: Bodies<'_>, out: &mut [Seen]) {
     for (b, out) in out.chunks_mut(BLOCK).enumerate() {
         let first = b * BLOCK;
         let mut block = Block::new();
-        let groups = out.len().div_ceil(LANES);
-        for group in 0..groups {
-            block.place(group, bodies, first + group * LANES);
-        }
+        let part = first..first + out.len();
+        block.place(&bodies.bounds[part.clone()], &bodies.wake_metres[part]);
         for view in views {
-            block.look(groups, view, first);
+            block.look(view, view.occluded.get(first..).unwrap_or_default());
         }
         block.tell(out);
     }
@@ -290,13 +259,13 @@ pub fn see(views: &[View<'_>], bodies: Bodies<'_>, out: &mut [Seen]) {
 /// What an infinite way counts as, so that no turn of 0 multiplies it to no number.
 const FARTHEST_METRES: f32 = 1e18;
 
-const LANES: usize = 4;
 const GROUPS: usize = 16;
 const BLOCK: usize = LANES * GROUPS;
 
 /// World bounds of some bodies, by fours, and what was found of them so far: 0 pixels per metre
 /// where no view saw them.
 struct Block {
+    groups: usize,
     x: [Vec4; GROUPS],
     y: [Vec4; GROUPS],
     z: [Vec4; GROUPS],
@@ -310,6 +279,7 @@ impl Block {
     fn new() -> Self {
         let zero = [Vec4::ZERO; GROUPS];
         Self {
+            groups: 0,
             x: zero,
             y: zero,
             z: zero,
@@ -320,114 +290,112 @@ impl Block {
         }
     }
 
-    /// Carries the bounds of the four bodies from `at` on into the world.
-    #[inline]
-    fn place(&mut self, group: usize, bodies: Bodies<'_>, at: usize) {
-        let position = four(bodies.positions, at, Vec3::NAN).map(|p| p.extend(0.0));
-        let position = columns(position);
-        let rotation = columns(four(bodies.rotations, at, Quat::IDENTITY).map(Vec4::from));
-        let bound = four(bodies.bounds, at, Sphere::default());
-        let bound = columns(bound.map(|s| s.centre.extend(s.radius)));
-        let scale = Vec4::from_array(four(bodies.scales, at, 0.0));
-        let wake = Vec4::from_array(four(bodies.wake_metres, at, 0.0));
+    /// Takes over at most [`BLOCK`] bodies.
+    fn place(&mut self, bounds: &[Sphere], wakes: &[f32]) {
+        let (bounds, last_bounds) = bounds.as_chunks();
+        let (wakes, last_wakes) = wakes.as_chunks();
+        for (group, (bounds, wakes)) in bounds.iter().zip(wakes).enumerate() {
+            self.place_four(group, *bounds, *wakes);
+        }
+        self.groups = bounds.len();
+        if !last_bounds.is_empty() {
+            let nothing = Sphere {
+                centre: Vec3::NAN,
+                radius: 0.0,
+            };
+            let bounds = filled(last_bounds, nothing);
+            self.place_four(self.groups, bounds, filled(last_wakes, 0.0));
+            self.groups += 1;
+        }
+    }
 
-        // q c q* = c + w t + v x t with t = 2 v x c.
-        let [qx, qy, qz, qw] = rotation;
-        let [cx, cy, cz] = [bound[0] * scale, bound[1] * scale, bound[2] * scale];
-        let tx = 2.0 * (qy * cz - qz * cy);
-        let ty = 2.0 * (qz * cx - qx * cz);
-        let tz = 2.0 * (qx * cy - qy * cx);
-        self.x[group] = position[0] + (cx + qw * tx + (qy * tz - qz * ty));
-        self.y[group] = position[1] + (cy + qw * ty + (qz * tx - qx * tz));
-        self.z[group] = position[2] + (cz + qw * tz + (qx * ty - qy * tx));
-        self.radius[group] = bound[3] * scale.abs();
-        self.wake[group] = or_zero(wake).min(Vec4::splat(FARTHEST_METRES));
+    #[inline]
+    fn place_four(&mut self, group: usize, bounds: [Sphere; LANES], wakes: [f32; LANES]) {
+        let [x, y, z, radius] = columns(bounds.map(|s| s.centre.extend(s.radius)));
+        let is_radius = radius.cmpge(Vec4::ZERO) & radius.cmple(Vec4::splat(f32::MAX));
+        let wake = Vec4::from_array(wakes);
+        let wake = Vec4::select(wake.cmpgt(Vec4::ZERO), wake, Vec4::ZERO);
+        self.x[group] = x;
+        self.y[group] = y;
+        self.z[group] = z;
+        self.radius[group] = Vec4::select(is_radius, radius, Vec4::NAN);
+        self.wake[group] = wake.min(Vec4::splat(FARTHEST_METRES));
     }
 
     /// Adds what one view sees.
-    #[inline]
-    fn look(&mut self, groups: usize, view: &View<'_>, first: usize) {
+    fn look(&mut self, view: &View<'_>, occluded: &[f32]) {
         let f = &view.frustum;
         let eye = splats(f.eye);
         let forward = splats(f.forward);
         let sides = f.sides.map(|s| (splats(s.truncate()), Vec4::splat(s.w)));
-        let [near, far] = [f.near_metres, f.far_metres].map(Vec4::splat);
-        let greatest = Vec4::splat(f32::MAX);
-        let least_depth = Vec4::splat(LEAST_DEPTH_METRES);
-        let (pixels, flat) = match view.density {
-            PixelDensity::AtOneMetre(pixels) => (Vec4::splat(pixels), false),
-            PixelDensity::Everywhere(pixels) => (Vec4::splat(pixels), true),
-        };
-        let density = |depth: Vec4| {
-            // The greatest depth keeps a far body's density above zero.
-            let depth = depth.max(least_depth);
-            if flat { pixels } else { pixels / depth }.max(Vec4::splat(f32::MIN_POSITIVE))
-        };
-        for g in 0..groups {
+        let [begin, end] = [f.near_metres, f.far_metres].map(Vec4::splat);
+        let (PixelDensity::AtOneMetre(pixels) | PixelDensity::Everywhere(pixels)) = view.density;
+        let flat = matches!(view.density, PixelDensity::Everywhere(_));
+        let pixels = Vec4::splat(pixels);
+        let zero = Vec4::ZERO;
+        for g in 0..self.groups {
             let [x, y, z] = [self.x[g] - eye[0], self.y[g] - eye[1], self.z[g] - eye[2]];
             let dot = |n: &[Vec4; 3]| n[0] * x + n[1] * y + n[2] * z;
             let depth = dot(&forward);
-            let side = sides.map(|(normal, offset)| dot(&normal) + offset);
-            let side = side[0].min(side[1]).min(side[2].min(side[3]));
+            let [a, b, c, d] = sides.map(|(normal, offset)| dot(&normal) + offset);
+            let ends = (depth - begin).min(end - depth);
+            // How far the centre is inside, negative outside; infinite places are infinitely
+            // outside, and what is no number has no depth.
+            let inside = a.min(b).min(c.min(d)).min(ends);
             let radius = self.radius[g];
-            // What is no number passes no comparison, and an infinite place has no finite depth.
-            let real =
-                depth.abs().cmple(greatest) & radius.cmple(greatest) & radius.cmpge(Vec4::ZERO);
-            let meets =
-                |r: Vec4| real & side.cmpge(-r) & (depth + r).cmpge(near) & (depth - r).cmple(far);
-            let mut seen = meets(radius);
-            if let Some(occluded) = view.occluded.get(first + g * LANES..) {
-                let occluded = Vec4::from_array(four(occluded, 0, 0.0));
-                seen &= !occluded.cmpge(Vec4::ONE);
+            let mut reach = radius + self.wake[g] + view.wake_metres;
+            if view.wake_radians > 0.0 {
+                // The sum of three sides is at least the distance, and cheaper.
+                let distance = x.abs() + y.abs() + z.abs() + (reach - radius);
+                reach += view.wake_radians * distance;
             }
-            // The sum of three sides is at least the distance, and cheaper.
-            let moved = self.wake[g] + view.wake_metres;
-            let turned = view.wake_radians * (x.abs() + y.abs() + z.abs() + moved);
-            let reach = radius + moved + turned;
-            let zero = Vec4::ZERO;
-            let visible = Vec4::select(seen, density(depth - radius), zero);
-            let near = Vec4::select(meets(reach), density(depth - reach), zero);
-            self.visible[g] = self.visible[g].max(visible);
-            self.near[g] = self.near[g].max(near);
+            let is_number = depth.cmpeq(depth);
+            let near = is_number & (inside + reach).cmpge(zero);
+            let mut visible = is_number & (inside + radius).cmpge(zero);
+            if !occluded.is_empty() {
+                let occluded = occluded.get(g * LANES..).unwrap_or_default();
+                let occluded = Vec4::from_array(filled(occluded, 0.0));
+                visible &= !occluded.cmpge(Vec4::ONE);
+            }
+            let density = if flat {
+                pixels
+            } else {
+                let nearest = depth - Vec4::select(visible, radius, reach);
+                let density = pixels / nearest.max(Vec4::splat(LEAST_DEPTH_METRES));
+                // Above zero at any depth, since 0 stands for not seen.
+                density.max(Vec4::splat(f32::MIN_POSITIVE))
+            };
+            self.visible[g] = self.visible[g].max(Vec4::select(visible, density, zero));
+            self.near[g] = self.near[g].max(Vec4::select(near, density, zero));
         }
+    }
+
+    fn tell(&self, out: &mut [Seen]) {
+        let (fours, last) = out.as_chunks_mut();
+        for (g, four) in fours.iter_mut().enumerate() {
+            *four = self.tell_four(g);
+        }
+        last.copy_from_slice(&self.tell_four(fours.len() % GROUPS)[..last.len()]);
     }
 
     #[inline]
-    fn tell(&self, out: &mut [Seen]) {
-        for (g, out) in out.chunks_mut(LANES).enumerate() {
-            let visible = self.visible[g].to_array();
-            let near = self.near[g].to_array();
-            for (lane, out) in out.iter_mut().enumerate() {
-                let (visibility, pixels_per_metre) = if visible[lane] > 0.0 {
-                    (Visibility::Visible, visible[lane])
-                } else if near[lane] > 0.0 {
-                    (Visibility::Near, near[lane])
-                } else {
-                    (Visibility::Hidden, 0.0)
-                };
-                *out = Seen {
-                    pixels_per_metre,
-                    visibility,
-                };
-            }
-        }
+    fn tell_four(&self, group: usize) -> [Seen; LANES] {
+        const FOUND: [Visibility; 4] = [
+            Visibility::Hidden,
+            Visibility::Near,
+            Visibility::Visible,
+            Visibility::Visible,
+        ];
+        let visible = self.visible[group].cmpgt(Vec4::ZERO);
+        let density = Vec4::select(visible, self.visible[group], self.near[group]);
+        let [visible, near] = [visible, density.cmpgt(Vec4::ZERO)].map(|mask| mask.bitmask());
+        let density = density.to_array();
+        // No branch: in a crowd who is seen follows no pattern.
+        std::array::from_fn(|lane| Seen {
+            pixels_per_metre: density[lane],
+            visibility: FOUND[(2 * (visible >> lane & 1) + (near >> lane & 1)) as usize],
+        })
     }
-}
-
-/// Four values from `at` on, filled up behind the end.
-#[inline]
-fn four<T: Copy>(values: &[T], at: usize, filler: T) -> [T; LANES] {
-    match values.get(at..at + LANES) {
-        Some(v) => [v[0], v[1], v[2], v[3]],
-        None => std::array::from_fn(|lane| values.get(at + lane).copied().unwrap_or(filler)),
-    }
-}
-
-/// Four rows as four columns.
-#[inline]
-fn columns([a, b, c, d]: [Vec4; 4]) -> [Vec4; 4] {
-    let m = Mat4::from_cols(a, b, c, d).transpose();
-    [m.x_axis, m.y_axis, m.z_axis, m.w_axis]
 }
 
 #[inline]
@@ -440,23 +408,15 @@ fn at_most(value: f32, most: f32) -> f32 {
     if value > 0.0 { value.min(most) } else { 0.0 }
 }
 
-/// Lanes above zero; the others, and such that are no number, become 0.
-#[inline]
-fn or_zero(v: Vec4) -> Vec4 {
-    Vec4::select(v.cmpgt(Vec4::ZERO), v, Vec4::ZERO)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::view::Viewport;
+    use glam::Quat;
 
     /// Bodies as their owner keeps them.
     #[derive(Debug, Clone, Default)]
     struct Crowd {
-        positions: Vec<Vec3>,
-        rotations: Vec<Quat>,
-        scales: Vec<f32>,
         bounds: Vec<Sphere>,
         wakes: Vec<f32>,
     }
@@ -470,34 +430,30 @@ mod tests {
         /// Unit balls that may move so far.
         fn of(rows: &[(Vec3, f32)]) -> Self {
             let mut crowd = Self::default();
-            for (position, wake) in rows {
-                crowd.push(*position, Quat::IDENTITY, 1.0, BALL, *wake);
+            for (centre, wake) in rows {
+                crowd.push(
+                    Sphere {
+                        centre: *centre,
+                        ..BALL
+                    },
+                    *wake,
+                );
             }
             crowd
         }
 
-        fn push(&mut self, at: Vec3, rotation: Quat, scale: f32, bound: Sphere, wake: f32) {
-            self.positions.push(at);
-            self.rotations.push(rotation);
-            self.scales.push(scale);
+        fn push(&mut self, bound: Sphere, wake: f32) {
             self.bounds.push(bound);
             self.wakes.push(wake);
         }
 
-        fn bodies(&self) -> Bodies<'_> {
-            Bodies::new(
-                &self.positions,
-                &self.rotations,
-                &self.scales,
-                &self.bounds,
-                &self.wakes,
-            )
-            .unwrap()
-        }
-
         fn seen(&self, views: &[View<'_>]) -> Vec<Seen> {
-            let mut out = vec![Seen::default(); self.positions.len()];
-            see(views, self.bodies(), &mut out);
+            let mut out = vec![Seen::default(); self.bounds.len()];
+            see(
+                views,
+                Bodies::new(&self.bounds, &self.wakes).unwrap(),
+                &mut out,
+            );
             out
         }
 
@@ -512,20 +468,7 @@ mod tests {
 
     #[test]
     fn lengths_must_agree() {
-        let crowd = Crowd::of(&[(Vec3::ZERO, 0.0)]);
-        let (p, r, s, b) = (
-            &crowd.positions,
-            &crowd.rotations,
-            &crowd.scales,
-            &crowd.bounds,
-        );
-        assert_eq!(
-            Bodies::new(p, &[], s, b, &[0.0]).unwrap_err().at,
-            "rotations"
-        );
-        assert_eq!(Bodies::new(p, r, &[], b, &[0.0]).unwrap_err().at, "scales");
-        assert_eq!(Bodies::new(p, r, s, &[], &[0.0]).unwrap_err().at, "bounds");
-        assert_eq!(Bodies::new(p, r, s, b, &[]).unwrap_err().at, "wake_metres");
+        assert_eq!(Bodies::new(&[BALL], &[]).unwrap_err().at, "wake_metres");
     }
 
     #[test]
@@ -633,33 +576,21 @@ mod tests {
         let mut crowd = Crowd::default();
         let ahead = Vec3::NEG_Z * 5.0;
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-            for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
-                crowd.push(
-                    Vec3::select(axis.cmpgt(Vec3::ZERO), Vec3::splat(bad), ahead),
-                    Quat::IDENTITY,
-                    1.0,
-                    BALL,
-                    1.0,
-                );
+            let all = Vec3::splat(bad);
+            for at in [all, ahead.with_x(bad), ahead.with_y(bad), ahead.with_z(bad)] {
+                crowd.push(Sphere { centre: at, ..BALL }, 1.0);
             }
-            crowd.push(ahead, Quat::from_xyzw(bad, 0.0, 0.0, 1.0), 1.0, BALL, 1.0);
-            crowd.push(ahead, Quat::IDENTITY, bad, BALL, 1.0);
-            let bound = |centre, radius| Sphere { centre, radius };
-            crowd.push(ahead, Quat::IDENTITY, 1.0, bound(Vec3::ZERO, bad), 1.0);
             crowd.push(
-                ahead,
-                Quat::IDENTITY,
-                1.0,
-                bound(Vec3::splat(bad), 1.0),
+                Sphere {
+                    centre: ahead,
+                    radius: bad,
+                },
                 1.0,
             );
         }
         crowd.push(
-            ahead,
-            Quat::IDENTITY,
-            1.0,
             Sphere {
-                centre: Vec3::ZERO,
+                centre: ahead,
                 radius: -1.0,
             },
             1.0,
@@ -697,7 +628,7 @@ mod tests {
         // 10 m to the bound; a quarter denser at 8 m; 5 m/s take 0.4 s for the 2 m.
         let crowd = Crowd::of(&[(Vec3::NEG_Z * 11.0, 0.0)]);
         let views = [View::of(&camera())];
-        let (bound, seen) = (crowd.bodies().bound(0), crowd.seen(&views)[0]);
+        let (bound, seen) = (crowd.bounds[0], crowd.seen(&views)[0]);
         let secs = |metres_per_sec, radians_per_sec, growth| {
             let closing = Closing {
                 metres_per_sec,
