@@ -18,6 +18,7 @@
 //! - [`motion_error`]: what a held joint costs, in metres and in pixels
 //! - [`thesis_metric`]: the second step of the thesis' metric, kept as a baseline
 //! - [`drift`]: ours, untabled: holds joints while what is shown stays within the tolerance
+//! - [`budget`]: one option for each character of a crowd, least error within the budget
 //! - [`key_table`]: ours, tabled: nested keys for a ladder of tolerances
 //! - [`ladder`], [`level_error`]: merged levels of a crowd, and what each costs
 //! - [`clip_set`], [`palette`], [`batch`]: eight characters at once, from cursors to palettes
@@ -30,6 +31,7 @@
 pub mod articulation;
 pub mod batch;
 pub mod blend;
+pub mod budget;
 pub mod clip;
 pub mod clip_set;
 pub mod drift;

@@ -1,0 +1,403 @@
+//! What an evaluation costs on this machine, learnt from times that the caller measured.
+//!
+//! Source: `spec/motion-lod.md` part 7: running means of the nanoseconds per sampled joint, per
+//! joint of forward kinematics and per matrix. A caller mostly knows the time of a whole frame,
+//! so the means are those of least squares with forgetting (Ljung, *System Identification*, 1999,
+//! 11.2): the costs that explain the frames of late best. What these frames leave open, such as
+//! how to divide a sum that always occurs together, stays in the proportion it began with.
+
+use std::ops::{Add, AddAssign};
+
+/// How much was computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Work {
+    /// Characters that were evaluated at all.
+    pub characters: u64,
+    /// Joints whose channels were sampled.
+    pub sampled_joints: u64,
+    /// Joints whose model transforms were computed.
+    pub fk_joints: u64,
+    /// Matrices that were written.
+    pub matrices: u64,
+}
+
+impl Work {
+    fn parts(&self) -> [f64; 4] {
+        [
+            self.characters as f64,
+            self.sampled_joints as f64,
+            self.fk_joints as f64,
+            self.matrices as f64,
+        ]
+    }
+}
+
+impl Add for Work {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            characters: self.characters + other.characters,
+            sampled_joints: self.sampled_joints + other.sampled_joints,
+            fk_joints: self.fk_joints + other.fk_joints,
+            matrices: self.matrices + other.matrices,
+        }
+    }
+}
+
+impl AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+/// Nanoseconds for one piece of each kind of work.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct UnitCosts {
+    /// For a character, whatever it does.
+    pub character_ns: f64,
+    /// For a sampled joint.
+    pub sampled_joint_ns: f64,
+    /// For a joint of forward kinematics.
+    pub fk_joint_ns: f64,
+    /// For a matrix.
+    pub matrix_ns: f64,
+}
+
+impl Default for UnitCosts {
+    /// The sums are those of the batched floor of `spec/runtime.md` part 1 (8 joints 22 ns, 67
+    /// joints 179 ns); how a joint's 2.7 ns divide is a guess, observations correct it.
+    fn default() -> Self {
+        Self {
+            character_ns: 0.7,
+            sampled_joint_ns: 1.3,
+            fk_joint_ns: 0.9,
+            matrix_ns: 0.5,
+        }
+    }
+}
+
+/// What is left of an observation's weight after the next one: about fifty count.
+const KEPT: f64 = 0.98;
+/// Weight of the first costs beside that of one observation: it decides only what the
+/// observations leave open.
+const FIRST_WEIGHT: f64 = 1e-6;
+/// Share of a new observation in the mean spread.
+const GAIN: f64 = 0.05;
+/// Spread that is expected before anything was seen.
+const FIRST_SPREAD: f64 = 1.0;
+/// An observation is out of line if it is off by so many mean deviations, and by half at least.
+const DEVIATIONS: f64 = 4.0;
+const LEAST_DEVIATION: f64 = 0.5;
+/// So many observations out of line in a row are no accident: the machine has changed.
+const PERSISTENT: u32 = 8;
+
+/// Running means of unit costs, or fixed ones.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CostModel {
+    costs: [f64; 4],
+    /// The costs it began with; all below is in shares of them, so that they weigh alike.
+    first: [f64; 4],
+    /// Sums over the observations, normal equations of least squares.
+    squares: [[f64; 4]; 4],
+    sums: [f64; 4],
+    /// Fixed costs learn nothing.
+    learns: bool,
+    observed: u32,
+    out_of_line: u32,
+    rejected: u32,
+    /// Mean of how far observations are off, as a factor less one.
+    spread: f64,
+}
+
+impl CostModel {
+    /// A model that begins with some costs and learns. A negative cost counts as 0; one that begins
+    /// at 0 stays there.
+    pub fn measured(first: UnitCosts) -> Self {
+        let first = [
+            first.character_ns,
+            first.sampled_joint_ns,
+            first.fk_joint_ns,
+            first.matrix_ns,
+        ];
+        let first = first.map(|c| c.max(0.0));
+        Self {
+            costs: first,
+            first,
+            squares: [[0.0; 4]; 4],
+            sums: [0.0; 4],
+            learns: true,
+            observed: 0,
+            out_of_line: 0,
+            rejected: 0,
+            spread: FIRST_SPREAD,
+        }
+    }
+
+    /// A model that never changes, for tests and replays.
+    pub fn fixed(costs: UnitCosts) -> Self {
+        Self {
+            learns: false,
+            ..Self::measured(costs)
+        }
+    }
+
+    /// Expected time of some work, nanoseconds.
+    pub fn cost_ns(&self, work: &Work) -> f64 {
+        dot(&self.costs, &work.parts())
+    }
+
+    /// The unit costs as they are now.
+    pub fn unit_costs(&self) -> UnitCosts {
+        let [character_ns, sampled_joint_ns, fk_joint_ns, matrix_ns] = self.costs;
+        UnitCosts {
+            character_ns,
+            sampled_joint_ns,
+            fk_joint_ns,
+            matrix_ns,
+        }
+    }
+
+    /// Observations that were not believed so far.
+    pub fn rejected(&self) -> u32 {
+        self.rejected
+    }
+
+    /// Learns from one stretch of work and the nanoseconds it took, by the caller's clock. A time
+    /// far out of line, such as that of a frame that was interrupted, is not believed; eight in a
+    /// row are. Returns whether it was believed.
+    pub fn observe(&mut self, work: &Work, measured_ns: f64) -> bool {
+        let expected = self.cost_ns(work);
+        let sound = measured_ns > 0.0 && measured_ns.is_finite() && expected > 0.0;
+        if !(self.learns && sound) {
+            return false;
+        }
+        // The same for twice as long and for half as long.
+        let off = (measured_ns / expected).max(expected / measured_ns) - 1.0;
+        if off > (DEVIATIONS * self.spread).max(LEAST_DEVIATION) {
+            self.out_of_line += 1;
+            if self.out_of_line < PERSISTENT {
+                self.rejected = self.rejected.saturating_add(1);
+                return false;
+            }
+            // Begin anew from here, everything slower or faster alike.
+            self.first = self.costs.map(|c| c * measured_ns / expected);
+            (self.squares, self.sums) = ([[0.0; 4]; 4], [0.0; 4]);
+            (self.observed, self.spread) = (0, FIRST_SPREAD);
+        }
+        self.out_of_line = 0;
+        self.observed = self.observed.saturating_add(1);
+        let gain = GAIN.max(1.0 / f64::from(self.observed));
+        self.spread += gain * (off - self.spread);
+        self.learn(&work.parts(), expected, measured_ns);
+        true
+    }
+
+    /// Adds one equation: the shares of the first costs, times what each is now, give the time.
+    /// Divided by the expected time, so that large and small frames count alike.
+    fn learn(&mut self, parts: &[f64; 4], expected: f64, measured: f64) {
+        let shares: [f64; 4] = std::array::from_fn(|i| self.first[i] * parts[i] / expected);
+        for i in 0..4 {
+            self.sums[i] = KEPT * self.sums[i] + shares[i] * measured / expected;
+            for j in 0..4 {
+                self.squares[i][j] = KEPT * self.squares[i][j] + shares[i] * shares[j];
+            }
+        }
+        let factors = least_squares(&self.squares, &self.sums);
+        self.costs = std::array::from_fn(|i| self.first[i] * factors[i]);
+    }
+}
+
+/// Factors, none negative, that solve the equations best; where these do not decide, near 1.
+fn least_squares(squares: &[[f64; 4]; 4], sums: &[f64; 4]) -> [f64; 4] {
+    let mut free = [true; 4];
+    loop {
+        let factors = solve(squares, sums, free);
+        let negative = |i: &usize| factors[*i] < 0.0;
+        if !(0..4).any(|i| negative(&i)) {
+            return factors;
+        }
+        // A factor that wants to be negative is 0, and the others are solved without it.
+        (0..4).filter(negative).for_each(|i| free[i] = false);
+    }
+}
+
+/// Elimination; the matrix is symmetric and positive, so no pivot is needed.
+fn solve(squares: &[[f64; 4]; 4], sums: &[f64; 4], free: [bool; 4]) -> [f64; 4] {
+    let (mut a, mut b) = (*squares, *sums);
+    for i in 0..4 {
+        a[i][i] += FIRST_WEIGHT;
+        b[i] += FIRST_WEIGHT;
+        if !free[i] {
+            a.iter_mut().for_each(|row| row[i] = 0.0);
+            a[i] = std::array::from_fn(|j| f64::from(u8::from(i == j)));
+            b[i] = 0.0;
+        }
+    }
+    for i in 0..4 {
+        for k in i + 1..4 {
+            let factor = a[k][i] / a[i][i];
+            a[k] = std::array::from_fn(|j| a[k][j] - factor * a[i][j]);
+            b[k] -= factor * b[i];
+        }
+    }
+    for i in (0..4).rev() {
+        let known: f64 = (i + 1..4).map(|j| a[i][j] * b[j]).sum();
+        b[i] = (b[i] - known) / a[i][i];
+    }
+    b
+}
+
+impl Default for CostModel {
+    fn default() -> Self {
+        Self::measured(UnitCosts::default())
+    }
+}
+
+fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TRUE: UnitCosts = UnitCosts {
+        character_ns: 30.0,
+        sampled_joint_ns: 2.0,
+        fk_joint_ns: 5.0,
+        matrix_ns: 1.0,
+    };
+
+    /// Some numbers from 0 to 1.
+    fn random(state: &mut u32) -> f64 {
+        *state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(*state >> 8) / f64::from(1 << 24)
+    }
+
+    /// Frames of up to a thousand characters at several levels.
+    fn frame(state: &mut u32) -> Work {
+        let mut piece = |most: f64| (most * random(state)) as u64;
+        Work {
+            characters: 100 + piece(900.0),
+            sampled_joints: 1000 + piece(40_000.0),
+            fk_joints: 1000 + piece(60_000.0),
+            matrices: 1000 + piece(60_000.0),
+        }
+    }
+
+    fn within(model: &CostModel, share: f64) {
+        let truth = CostModel::fixed(TRUE);
+        let mut state = 77;
+        for _ in 0..100 {
+            let work = frame(&mut state);
+            let (found, expected) = (model.cost_ns(&work), truth.cost_ns(&work));
+            let off = (found / expected - 1.0).abs();
+            assert!(
+                off < share,
+                "{found} for {expected}: {:?}",
+                model.unit_costs()
+            );
+        }
+    }
+
+    #[test]
+    fn one_kind_of_work_by_hand() {
+        let mut model = CostModel::measured(UnitCosts {
+            character_ns: 0.0,
+            sampled_joint_ns: 2.0,
+            fk_joint_ns: 1.0,
+            matrix_ns: 1.0,
+        });
+        let sampled = |n| Work {
+            sampled_joints: n,
+            ..Work::default()
+        };
+        // The first time is believed in full: 300 ns for 100 joints are 3 ns each, not 2. In shares
+        // of 2 ns and of the expected 200 ns: 1 · f = 1.5.
+        assert!(model.observe(&sampled(100), 300.0));
+        assert!((model.unit_costs().sampled_joint_ns - 3.0).abs() < 1e-5);
+        // Then 40 ns where 30 are expected: (20 / 30) f = 40 / 30, so
+        // f = (0.98 · 1.5 + 2/3 · 4/3) / (0.98 + (2/3)²) = 2.35889 / 1.42444 = 1.65601.
+        assert!(model.observe(&sampled(10), 40.0));
+        assert!((model.unit_costs().sampled_joint_ns - 3.31202).abs() < 1e-4);
+        let unseen = model.unit_costs().fk_joint_ns;
+        assert!((unseen - 1.0).abs() < 1e-9, "{unseen}");
+        // All three together.
+        let mut model = CostModel::measured(UnitCosts {
+            character_ns: 0.0,
+            sampled_joint_ns: 2.0,
+            fk_joint_ns: 1.0,
+            matrix_ns: 1.0,
+        });
+        let all = Work {
+            sampled_joints: 10,
+            fk_joints: 10,
+            matrices: 10,
+            characters: 0,
+        };
+        assert!(model.observe(&all, 52.0));
+        let found = model.unit_costs();
+        // The time is 1.3 times as long; the shares are 2 : 1 : 1, so the least change of factors
+        // is 0.3 / 0.375 times (0.5, 0.25, 0.25).
+        assert!((found.sampled_joint_ns - 2.8).abs() < 1e-4);
+        assert!((found.fk_joint_ns - 1.2).abs() < 1e-4);
+        assert!((model.cost_ns(&all) - 52.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn converges_through_noise_and_interrupted_frames() {
+        let truth = CostModel::fixed(TRUE);
+        let mut model = CostModel::default();
+        let mut state = 1;
+        let (mut odd, mut believed) = (0, 0);
+        for i in 0..4000 {
+            let work = frame(&mut state);
+            let noise = 1.0 + 0.1 * (random(&mut state) - 0.5);
+            // One frame in twenty is interrupted and takes three times as long.
+            let interrupted = i > 20 && random(&mut state) < 0.05;
+            let time = truth.cost_ns(&work) * noise * if interrupted { 3.0 } else { 1.0 };
+            let seen = model.observe(&work, time);
+            odd += u32::from(interrupted);
+            believed += u32::from(interrupted && seen);
+        }
+        assert!(odd > 100);
+        assert_eq!(believed, 0, "of {odd}");
+        within(&model, 0.04);
+    }
+
+    #[test]
+    fn follows_a_machine_that_becomes_slower() {
+        let truth = CostModel::fixed(TRUE);
+        let mut model = CostModel::measured(TRUE);
+        let mut state = 5;
+        for slower in [1.0, 4.0, 0.25] {
+            for _ in 0..400 {
+                let work = frame(&mut state);
+                model.observe(&work, slower * truth.cost_ns(&work));
+            }
+            let work = frame(&mut state);
+            let off = model.cost_ns(&work) / (slower * truth.cost_ns(&work)) - 1.0;
+            assert!(off.abs() < 0.02, "{slower}: {off}");
+            // Seven frames were not believed at each change.
+        }
+        assert_eq!(model.rejected(), 14);
+    }
+
+    #[test]
+    fn nonsense_teaches_nothing() {
+        let mut model = CostModel::default();
+        let before = model.clone();
+        let mut state = 9;
+        let work = frame(&mut state);
+        for time in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            assert!(!model.observe(&work, time));
+        }
+        assert!(!model.observe(&Work::default(), 100.0));
+        assert_eq!(model, before);
+        let mut fixed = CostModel::fixed(TRUE);
+        assert!(!fixed.observe(&work, 100.0));
+        assert_eq!(fixed, CostModel::fixed(TRUE));
+        assert_eq!(fixed.unit_costs(), TRUE);
+    }
+}

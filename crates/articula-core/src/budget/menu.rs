@@ -1,0 +1,279 @@
+//! The options of a kind of character that are worth their cost: the lower convex hull of
+//! (cost, error).
+//!
+//! Source: `spec/motion-lod.md` part 7; the hull is what remains of a multiple-choice knapsack
+//! once dominated options are gone (Kellerer, Pferschy, Pisinger, *Knapsack Problems*, 2004,
+//! 11.2). Errors are metres of skin, so one menu serves all characters that play the same clip:
+//! a character's own error is the menu's times its weight, and a factor leaves a hull a hull.
+
+use crate::Mismatch;
+
+/// Fixed-point parts of one unit of cost. Sums of whole numbers are exact, so they neither
+/// drift from frame to frame nor depend on the order of the characters.
+const PARTS: f64 = 64.0;
+/// Errors beyond this count as this: farther than any figure reaches.
+const ERROR_CEILING_METRES: f32 = 1e6;
+/// Most options of one menu.
+const MOST_OFFERS: usize = 255;
+
+/// One way to show a character: what it costs and how far the skin is off.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Offer {
+    /// Cost in the units of the budget, by habit nanoseconds; counted in steps of 1/64, up to
+    /// 67 million.
+    pub cost: f32,
+    /// Distance of the skin from its true place, metres; infinite where nothing is shown.
+    pub error_metres: f32,
+}
+
+/// Which menu of a budget.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct MenuId(pub(super) u32);
+
+/// An option that is worth its cost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Index among the offers.
+    pub option: u8,
+    /// Error, metres of skin.
+    pub error_metres: f32,
+    /// Cost in fixed point.
+    pub(super) cost: u32,
+}
+
+impl Point {
+    /// Cost in the units of the budget.
+    pub fn cost(&self) -> f64 {
+        from_fixed(u64::from(self.cost))
+    }
+}
+
+/// What going from one point to the next brings.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Step {
+    /// Metres of error that one part of cost takes away.
+    pub(super) gain_per_cost: f32,
+    /// What the step costs, in fixed point.
+    pub(super) cost: u32,
+}
+
+/// Offers and their lower convex hull: cost rises, error falls, and each step brings at most as
+/// much for its cost as the one before.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Menu {
+    offers: Vec<Offer>,
+    points: Vec<Point>,
+    steps: Vec<Step>,
+}
+
+impl Menu {
+    /// Finds the hull of some offers.
+    ///
+    /// # Errors
+    /// If there is none or more than 255, or a cost or an error is negative or not a number.
+    pub fn new(offers: &[Offer]) -> Result<Self, Mismatch> {
+        if offers.is_empty() || offers.len() > MOST_OFFERS {
+            let what = format!("{} offers, not 1 to {MOST_OFFERS}", offers.len());
+            return Err(Mismatch::new("offers", what));
+        }
+        let odd = |o: &Offer| !(o.cost >= 0.0 && o.cost.is_finite() && o.error_metres >= 0.0);
+        if let Some(i) = offers.iter().position(odd) {
+            let what = format!("{:?} has no place in a budget", offers[i]);
+            return Err(Mismatch::new(format!("offers[{i}]"), what));
+        }
+        let mut menu = Self {
+            offers: offers.to_vec(),
+            points: Vec::with_capacity(offers.len()),
+            steps: Vec::with_capacity(offers.len()),
+        };
+        menu.find_hull();
+        Ok(menu)
+    }
+
+    /// The options that are worth their cost, the cheapest first; at least one.
+    pub fn points(&self) -> &[Point] {
+        &self.points
+    }
+
+    /// All offers, in the order they were given.
+    pub fn offers(&self) -> &[Offer] {
+        &self.offers
+    }
+
+    /// Gives every offer a new cost by its index and finds the hull anew. A cost that is no
+    /// number makes the offer too dear to be taken, a negative one free. Does not allocate.
+    pub fn reprice(&mut self, mut cost: impl FnMut(usize) -> f32) {
+        for (i, offer) in self.offers.iter_mut().enumerate() {
+            let new = cost(i);
+            offer.cost = if new.is_nan() { f32::MAX } else { new.max(0.0) };
+        }
+        self.find_hull();
+    }
+
+    /// `steps()[i]` leads from point `i` to point `i + 1`.
+    pub(super) fn steps(&self) -> &[Step] {
+        &self.steps
+    }
+
+    /// Monotone chain over the offers by rising cost (O(k²) in their number: menus are short,
+    /// and a selection needs no second buffer).
+    fn find_hull(&mut self) {
+        self.points.clear();
+        self.steps.clear();
+        while let Some(point) = self.next_better() {
+            // Drops points that lie above the line from the one before them to the new one.
+            while let (Some(before), Some(last)) = (self.steps.last(), self.points.last()) {
+                if step(last, &point).gain_per_cost <= before.gain_per_cost {
+                    break;
+                }
+                self.points.pop();
+                self.steps.pop();
+            }
+            if let Some(last) = self.points.last() {
+                self.steps.push(step(last, &point));
+            }
+            self.points.push(point);
+        }
+    }
+
+    /// The cheapest offer that is better than the last point: of equal cost the best one, of
+    /// equals the first.
+    fn next_better(&self) -> Option<Point> {
+        let reached = self.points.last().map_or(f32::INFINITY, |p| p.error_metres);
+        let points = self.offers.iter().enumerate().map(|(i, offer)| Point {
+            option: i as u8,
+            error_metres: offer.error_metres.min(ERROR_CEILING_METRES),
+            cost: to_fixed(offer.cost).min(u64::from(u32::MAX)) as u32,
+        });
+        points.filter(|p| p.error_metres < reached).min_by(|a, b| {
+            let by_cost = a.cost.cmp(&b.cost);
+            by_cost.then(a.error_metres.total_cmp(&b.error_metres))
+        })
+    }
+}
+
+fn step(from: &Point, to: &Point) -> Step {
+    let cost = to.cost - from.cost;
+    let drop = f64::from(from.error_metres) - f64::from(to.error_metres);
+    Step {
+        gain_per_cost: (drop / f64::from(cost)) as f32,
+        cost,
+    }
+}
+
+/// Units to parts; what is no number or negative is nothing, what is too much is all there is.
+pub(super) fn to_fixed(units: f32) -> u64 {
+    (f64::from(units) * PARTS).round() as u64
+}
+
+/// Parts to units.
+pub(super) fn from_fixed(parts: u64) -> f64 {
+    parts as f64 / PARTS
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn menu(offers: &[(f32, f32)]) -> Result<Menu, Mismatch> {
+        let offer = |&(cost, error_metres): &(f32, f32)| Offer { cost, error_metres };
+        Menu::new(&offers.iter().map(offer).collect::<Vec<_>>())
+    }
+
+    fn kept(menu: &Menu) -> Vec<u8> {
+        menu.points().iter().map(|p| p.option).collect()
+    }
+
+    #[test]
+    fn a_hull_by_hand() {
+        // From (1, 10): to (2, 6) 4 a unit, to (3, 5) 1, to (5, 0) 2.5 a unit. So (3, 5) lies
+        // above the line from (2, 6) to (5, 0); (4, 7) is worse than (2, 6) and dearer; (1, 12)
+        // is worse at the same cost; (6, 0) is dearer at the same error.
+        let offers = [
+            (6.0, 0.0),
+            (1.0, 12.0),
+            (5.0, 0.0),
+            (3.0, 5.0),
+            (1.0, 10.0),
+            (4.0, 7.0),
+            (2.0, 6.0),
+        ];
+        let found = menu(&offers).unwrap();
+        assert_eq!(kept(&found), [4, 6, 2]);
+        let gains: Vec<f32> = found
+            .steps()
+            .iter()
+            .map(|s| s.gain_per_cost * 64.0)
+            .collect();
+        assert_eq!(gains, [4.0, 2.0]);
+        assert_eq!(found.points()[2].cost(), 5.0);
+        // Points on the line stay: they make smaller upgrades.
+        let line = menu(&[(0.0, 3.0), (1.0, 2.0), (2.0, 1.0)]).unwrap();
+        assert_eq!(kept(&line), [0, 1, 2]);
+        // Equals: the first.
+        assert_eq!(kept(&menu(&[(1.0, 1.0), (1.0, 1.0)]).unwrap()), [0]);
+    }
+
+    #[test]
+    fn nothing_shown_is_an_offer_and_nonsense_is_none() {
+        let hidden = menu(&[(0.0, f32::INFINITY), (10.0, 0.1)]).unwrap();
+        assert_eq!(kept(&hidden), [0, 1]);
+        let refused: [&[(f32, f32)]; 5] = [
+            &[],
+            &[(f32::NAN, 0.0)],
+            &[(f32::INFINITY, 0.0)],
+            &[(1.0, 0.0), (-1.0, 0.0)],
+            &[(1.0, f32::NAN)],
+        ];
+        for offers in refused {
+            assert!(menu(offers).is_err(), "{offers:?}");
+        }
+        assert!(menu(&[(1.0, 1.0); 256]).is_err());
+        assert!(menu(&[(f32::MAX, 0.0), (f32::MAX, 1.0)]).is_ok());
+    }
+
+    proptest! {
+        #[test]
+        fn a_hull_is_convex_and_nothing_lies_below_it(
+            offers in prop::collection::vec((0.0_f32..1000.0, 0.0_f32..2.0), 1..20),
+        ) {
+            let menu = menu(&offers).unwrap();
+            let points = menu.points();
+            for pair in points.windows(2) {
+                prop_assert!(pair[0].cost < pair[1].cost);
+                prop_assert!(pair[0].error_metres > pair[1].error_metres);
+            }
+            for pair in menu.steps().windows(2) {
+                prop_assert!(pair[0].gain_per_cost >= pair[1].gain_per_cost);
+            }
+            // Below every line through two neighbours of the hull there is no offer.
+            let fixed = |cost| to_fixed(cost) as f64;
+            for (from, step) in points.iter().zip(menu.steps()) {
+                for (cost, error) in &offers {
+                    let along = fixed(*cost) - f64::from(from.cost);
+                    let line = f64::from(from.error_metres)
+                        - along * f64::from(step.gain_per_cost);
+                    prop_assert!(f64::from(*error) >= line - 1e-5);
+                }
+            }
+            // The ends: nothing is cheaper than the first, nothing better than the last.
+            let (first, last) = (&points[0], &points[points.len() - 1]);
+            for (cost, error) in &offers {
+                prop_assert!(fixed(*cost) >= f64::from(first.cost));
+                prop_assert!(*error >= last.error_metres);
+            }
+        }
+
+        #[test]
+        fn new_costs_give_the_hull_of_a_new_menu(
+            offers in prop::collection::vec((0.0_f32..1000.0, 0.0_f32..2.0), 1..12),
+            factors in prop::collection::vec(0.5_f32..2.0, 12),
+        ) {
+            let mut repriced = menu(&offers).unwrap();
+            repriced.reprice(|i| offers[i].0 * factors[i]);
+            let new: Vec<(f32, f32)> = offers.iter().zip(&factors).map(|(o, f)| (o.0 * f, o.1)).collect();
+            prop_assert_eq!(repriced, menu(&new).unwrap());
+        }
+    }
+}

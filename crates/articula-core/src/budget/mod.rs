@@ -1,0 +1,41 @@
+//! Who gets how much of a frame: one option for each character, least error within a budget.
+//!
+//! Source: `spec/motion-lod.md` part 7. On the FRAME line this stands between the view and the
+//! level: before it, what each character may cost and how wrong it would look; after it, the
+//! option that each character is shown with, and which characters changed theirs.
+//!
+//! - [`Menu`]: the options of a kind of character that are worth their cost
+//! - [`Budget`]: the choice for everyone, repaired from frame to frame
+//! - [`CostModel`]: what an option costs, from times that the caller measured
+//!
+//! ```
+//! use articula_core::budget::{Budget, Offer, Policy, Request};
+//!
+//! // Two ways to show a figure: coarse, 50 mm off, or all of its joints.
+//! let offers = [(40.0, 0.050), (200.0, 0.0)].map(|(cost, error_metres)| Offer { cost, error_metres });
+//! let mut budget = Budget::new(2, Policy::default());
+//! let menu = budget.add_menu(&offers)?;
+//!
+//! // The first is near, the second far; there is room for one of them in full.
+//! let request = |pixels_per_metre| Request { menu, weight: pixels_per_metre, pixels_per_metre };
+//! budget.request(0, request(200.0));
+//! budget.request(1, request(10.0));
+//! let report = budget.solve(250.0);
+//! assert_eq!(report.used, 240.0);
+//! assert_eq!([budget.choice(0), budget.choice(1)], [Some(1), Some(0)]);
+//! for change in budget.changes() {
+//!     println!("{}: {:?} -> {:?}", change.character, change.from, change.to);
+//! }
+//! # Ok::<(), articula_core::Mismatch>(())
+//! ```
+
+mod cost_model;
+mod frontier;
+mod knapsack;
+mod menu;
+mod report;
+
+pub use cost_model::{CostModel, UnitCosts, Work};
+pub use knapsack::{Budget, Policy, Request};
+pub use menu::{Menu, MenuId, Offer, Point};
+pub use report::{Change, FrameReport};
