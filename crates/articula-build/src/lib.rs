@@ -5,6 +5,8 @@
 //! - [`clip_edit`]: source clips trimmed, looped, thinned out before anything else
 //! - [`expression`]: expressions written out as morph weights and joint transforms
 //! - [`human`]: the procedural reference human
+//! - [`influences`]: fewer joints for each vertex
+//! - [`ladder`]: merged levels of a crowd: joint order, skins and errors of every level
 //! - [`motion_error`]: levers, error matrices, key tables for every metric
 //! - [`reduce`]: a motion saved at a level of articulation
 //! - [`retarget`]: a motion of one skeleton put onto another
@@ -19,6 +21,8 @@ pub mod clip_edit;
 pub mod evaluate;
 pub mod expression;
 pub mod human;
+pub mod influences;
+pub mod ladder;
 pub mod motion_error;
 pub mod reduce;
 pub mod retarget;

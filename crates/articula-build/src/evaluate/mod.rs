@@ -18,4 +18,6 @@ pub use calibrate::{calibrate, parameters, sweep};
 pub use camera_path::{CameraKey, PathFrame, PathRun, camera_at, play_camera_path};
 pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use points::Points;
+pub(crate) use points::draw_vertices;
+pub(crate) use stage::percentile;
 pub use stage::{ErrorMetres, ErrorPx, Row, Setup, Stage, Trial, play};

@@ -18,17 +18,9 @@ pub struct Points {
 impl Points {
     /// Draws `count` different vertices (all of them if there are fewer).
     pub fn draw(asset: &Asset, count: usize, seed: u64) -> Self {
-        let total = asset.mesh.len();
-        let mut vertices: Vec<u32> = (0..total as u32).collect();
-        let mut random = SplitMix(seed);
-        // Partial Fisher-Yates: the first `count` places hold the sample.
-        for i in 0..count.min(total) {
-            let j = i + random.below(total - i);
-            vertices.swap(i, j);
+        Self {
+            vertices: draw_vertices(asset.mesh.len(), count, seed),
         }
-        vertices.truncate(count);
-        vertices.sort_unstable();
-        Self { vertices }
     }
 
     /// Model-space positions under a local pose, without morph targets.
@@ -51,4 +43,18 @@ impl Points {
         sample(clip, time_secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
         self.posed(asset, &pose)
     }
+}
+
+/// Draws `count` different indices below `total` (all of them if there are fewer), rising.
+pub(crate) fn draw_vertices(total: usize, count: usize, seed: u64) -> Vec<u32> {
+    let mut vertices: Vec<u32> = (0..total as u32).collect();
+    let mut random = SplitMix(seed);
+    // Partial Fisher-Yates: the first `count` places hold the sample.
+    for i in 0..count.min(total) {
+        let j = i + random.below(total - i);
+        vertices.swap(i, j);
+    }
+    vertices.truncate(count);
+    vertices.sort_unstable();
+    vertices
 }

@@ -317,7 +317,7 @@ pub fn play(stage: &Stage<'_>, method: &Method, parameter: f32) -> (Trial, Vec<P
 
 /// The value below which a fraction of the values lies, interpolated between neighbours; 0 of
 /// nothing. Changes the order of the slice.
-pub(super) fn percentile(values: &mut [f32], fraction: f32) -> f32 {
+pub(crate) fn percentile(values: &mut [f32], fraction: f32) -> f32 {
     if values.is_empty() {
         return 0.0;
     }

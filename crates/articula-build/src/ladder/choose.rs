@@ -1,0 +1,91 @@
+//! Which prefixes of the joint order become levels.
+//!
+//! A level is worth having if its error is what a farther viewer tolerates, about twice that of
+//! the level before, and if it drops enough joints to be felt.
+
+use super::LevelOptions;
+use super::order::Order;
+
+/// A level drops at least this part of the joints of the level before.
+const LEAST_STEP: f32 = 0.12;
+
+/// Numbers of joints that the levels keep, all joints first: the fewest that stay within each of a
+/// row of doubling tolerances, never fewer than `floor`.
+pub(super) fn levels(order: &Order, floor: usize, opts: &LevelOptions) -> Vec<u16> {
+    let all = order.joints.len();
+    let floor = floor.max(opts.fewest_joints).clamp(1, all);
+    let mut kept = vec![all];
+    let mut tolerance = opts.first_metres.max(1e-6);
+    // Beyond a kilometre nothing is left to drop.
+    while tolerance < 1e3 && kept[kept.len() - 1] > floor {
+        let within = |n: &usize| order.errors_metres[*n] <= tolerance;
+        let fewest = (floor..=all).find(within).unwrap_or(all);
+        let last = kept[kept.len() - 1];
+        let least = ((last as f32 * LEAST_STEP).ceil() as usize).max(1);
+        if fewest + least <= last {
+            kept.push(fewest);
+        }
+        tolerance *= 2.0;
+    }
+    // Too many: the level whose neighbours lie closest together is missed least.
+    while kept.len() > opts.most_levels.max(1) {
+        let ratio = |i: usize| kept[i + 1] as f32 / kept[i - 1] as f32;
+        let inner = 1..kept.len() - 1;
+        match inner.max_by(|a, b| ratio(*a).total_cmp(&ratio(*b)).then(b.cmp(a))) {
+            Some(at) => kept.remove(at),
+            None => kept.remove(kept.len() - 1),
+        };
+    }
+    kept.iter().map(|n| *n as u16).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn order(errors: &[f32]) -> Order {
+        Order {
+            joints: (0..errors.len() as u16 - 1).collect(),
+            errors_metres: errors.to_vec(),
+        }
+    }
+
+    #[test]
+    fn levels_follow_doubling_tolerances_by_hand() {
+        // Kept 0 to 10; tolerances 1, 2, 4, 8 … mm.
+        let mm = [99.0, 50.0, 40.0, 30.0, 9.0, 8.0, 3.0, 2.5, 0.9, 0.5, 0.0];
+        let order = order(&mm.map(|e| e / 1000.0));
+        let opts = LevelOptions {
+            first_metres: 1e-3,
+            fewest_joints: 2,
+            ..LevelOptions::default()
+        };
+        // 1 mm: 8. 2 mm: 8. 4 mm: 6. 8 mm: 5. 16 mm: 4. 32 mm: 3. 64 mm: 2, the floor.
+        assert_eq!(levels(&order, 0, &opts), [10, 8, 6, 5, 4, 3, 2]);
+        assert_eq!(levels(&order, 5, &opts), [10, 8, 6, 5], "a floor");
+        let few = LevelOptions {
+            most_levels: 3,
+            ..opts
+        };
+        let some = levels(&order, 0, &few);
+        assert_eq!((some.len(), some[0], some[2]), (3, 10, 2), "both ends stay");
+        let one = LevelOptions {
+            most_levels: 1,
+            ..opts
+        };
+        assert_eq!(levels(&order, 0, &one), [10]);
+    }
+
+    #[test]
+    fn nothing_to_drop_leaves_one_level() {
+        let opts = LevelOptions::default();
+        assert_eq!(levels(&order(&[0.0, 0.0]), 0, &opts), [1]);
+        // Without motion everything above the floor goes at once.
+        assert_eq!(
+            levels(&order(&[0.0; 31]), 0, &opts),
+            [30, opts.fewest_joints as u16]
+        );
+        let endless = [f32::INFINITY; 31];
+        assert_eq!(levels(&order(&endless), 0, &opts), [30]);
+    }
+}

@@ -1,0 +1,122 @@
+//! What each level costs in each clip: the table that the frame works with.
+//!
+//! Source: `spec/motion-lod.md` 4.3 and 8; definitions in `docs/metrics.md`.
+
+use super::measure::{Poser, measure, watched_skin};
+use super::moments::{model_of, pose_of, share_frames, spread_frames};
+use super::skins::{LevelSkins, skins_of};
+use super::watch::{Watched, skin_of};
+use super::{LevelOptions, check, check_ladder};
+use crate::character::Asset;
+use crate::evaluate::percentile;
+use articula_core::Mismatch;
+use articula_core::clip::Clip;
+use articula_core::ladder::Ladder;
+use articula_core::level_error::{ClipErrors, LevelErrors};
+use articula_core::mesh::Mesh;
+use glam::Vec3;
+use std::borrow::Cow;
+
+/// Frames of all clips that errors are measured at; shorter clips are seen frame by frame.
+const MOST_FRAMES: usize = 3000;
+
+/// Measures every level in every clip: full character against the level's skin, the kept joints
+/// in their true transforms. For a character without mesh, points on its bones are compared.
+///
+/// Rising with the level; morph targets are left out, and the way of the root counts for speed
+/// and seam as far as it is in the clip.
+///
+/// # Errors
+/// A [`Mismatch`] if a clip, the mesh, the ladder or the skins are of another character.
+pub fn level_errors(
+    asset: &Asset,
+    ladder: &Ladder,
+    skins: &LevelSkins,
+    opts: &LevelOptions,
+) -> Result<LevelErrors, Mismatch> {
+    check(asset)?;
+    check_ladder(asset, ladder)?;
+    let full = skin_of(asset);
+    let skins = if asset.mesh.is_empty() {
+        Cow::Owned(skins_of(asset, &full, ladder, opts)?)
+    } else {
+        Cow::Borrowed(skins)
+    };
+    let fits = |s: &super::LevelSkin| s.positions.len() == full.len();
+    if skins.levels.len() != ladder.levels() || !skins.levels.iter().all(fits) {
+        let what = "the skins are of another character";
+        return Err(Mismatch::new("skins", what));
+    }
+    let watched = Watched::draw(&full, asset.rig.len(), opts.vertices, opts.seed);
+    // Level 0 is the full character: nothing to measure.
+    let coarser = skins.levels.iter().skip(1);
+    let reduced: Vec<Mesh> = coarser
+        .map(|s| watched_skin(s, &skins.bindings, &watched))
+        .collect();
+    let tallies = measure(asset, &full, &watched, &reduced, MOST_FRAMES);
+    let mut poser = Poser::new(&full, drawn(&watched));
+    let counts = share_frames(&asset.clips, MOST_FRAMES);
+    let clips = asset.clips.iter().zip(tallies).zip(counts);
+    let clips = clips.map(|((clip, tallies), count)| ClipErrors {
+        levels_metres: rising(tallies.iter().map(|t| t.percentile_metres)),
+        worst_metres: rising(tallies.iter().map(|t| t.worst_metres)),
+        speed_metres_per_sec: speed(asset, clip, &mut poser, count),
+        seam_metres: seam(asset, clip, &mut poser),
+    });
+    let errors = LevelErrors {
+        clips: clips.collect(),
+    };
+    errors.check(asset.clips.len(), ladder.levels())?;
+    Ok(errors)
+}
+
+/// The vertices of the plain sample.
+fn drawn(watched: &Watched) -> Vec<u32> {
+    let all = watched.vertices.iter().zip(&watched.drawn);
+    all.filter(|(_, d)| **d).map(|(v, _)| *v).collect()
+}
+
+/// Zero for the full character, then each the greatest so far: a coarser level never counts
+/// as better.
+fn rising(errors: impl Iterator<Item = f32>) -> Vec<f32> {
+    let mut last = 0.0f32;
+    let climbed = errors.map(|e| {
+        last = last.max(e);
+        last
+    });
+    std::iter::once(0.0).chain(climbed).collect()
+}
+
+fn points(asset: &Asset, clip: &Clip, frame: usize, poser: &mut Poser<'_>) -> Vec<Vec3> {
+    let model = model_of(asset, &pose_of(asset, clip, frame));
+    poser.pose(&model).to_vec()
+}
+
+fn apart(a: &[Vec3], b: &[Vec3]) -> f32 {
+    let lengths = a.iter().zip(b).map(|(a, b)| a.distance(*b));
+    let mut lengths: Vec<f32> = lengths.filter(|d| d.is_finite()).collect();
+    percentile(&mut lengths, 0.95)
+}
+
+/// Greatest speed from a frame to the next.
+fn speed(asset: &Asset, clip: &Clip, poser: &mut Poser<'_>, count: usize) -> f32 {
+    let mut greatest = 0.0f32;
+    let mut last: Option<(usize, Vec<Vec3>)> = None;
+    for frame in spread_frames(clip.frames(), count) {
+        let next = (frame + 1).min(clip.frames() - 1);
+        let here = match last.take().filter(|(at, _)| *at == frame) {
+            Some((_, points)) => points,
+            None => points(asset, clip, frame, poser),
+        };
+        let there = points(asset, clip, next, poser);
+        greatest = greatest.max(apart(&here, &there) * clip.rate_hz());
+        last = Some((next, there));
+    }
+    greatest
+}
+
+fn seam(asset: &Asset, clip: &Clip, poser: &mut Poser<'_>) -> f32 {
+    let first = points(asset, clip, 0, poser);
+    let last = points(asset, clip, clip.frames() - 1, poser);
+    apart(&first, &last)
+}

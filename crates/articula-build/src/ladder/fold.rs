@@ -1,0 +1,119 @@
+//! One vertex at one level: weights onto kept joints, rest position so that the mean pose stays.
+//!
+//! The palette of a level is a prefix of the full one, so inverse binds stay the same. What a
+//! merged joint's place in the mean pose adds goes into the vertex instead: with `F` the full
+//! blend of matrices in the mean pose and `L` the level's, its rest position becomes
+//! `L⁻¹ F x`, so that the level shows the mean pose exactly.
+
+use super::plan::Plan;
+use crate::influences::keep_largest;
+use glam::{DAffine3, DMat3, DVec3, Vec3};
+
+/// Least volume of a blended matrix against the matrices that it blends; below it, matrices that
+/// point apart cancel out, and the inverse would throw the vertex far off.
+const LEAST_VOLUME: f64 = 0.05;
+
+/// A vertex whose skinning differs from the full character's.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FoldedVertex {
+    /// Index into the plan's bindings, and weight.
+    pub(super) influences: Vec<(u16, f32)>,
+    /// `None` if no rest position gives the mean pose: it stays.
+    pub(super) correction: Option<Correction>,
+}
+
+/// What becomes of rest positions, normals and their morph offsets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Correction {
+    position: DAffine3,
+    /// Up to scale.
+    normal: DMat3,
+}
+
+impl Correction {
+    pub(super) fn position(&self, p: Vec3) -> Vec3 {
+        self.position.transform_point3(p.as_dvec3()).as_vec3()
+    }
+
+    pub(super) fn offset(&self, d: Vec3) -> Vec3 {
+        self.position.transform_vector3(d.as_dvec3()).as_vec3()
+    }
+
+    /// The unit normal at rest, and what scales its morph offsets with it.
+    pub(super) fn normal(&self, n: Vec3) -> (Vec3, f64) {
+        let turned = self.normal * n.as_dvec3();
+        match turned.try_normalize() {
+            Some(unit) => (unit.as_vec3(), 1.0 / turned.length()),
+            None => (n, 0.0),
+        }
+    }
+
+    pub(super) fn normal_offset(&self, d: Vec3, scale: f64) -> Vec3 {
+        (self.normal * d.as_dvec3() * scale).as_vec3()
+    }
+}
+
+/// The skinning of a vertex at a level with at most `most` influences; `None` if it is the full
+/// character's.
+pub(super) fn fold(
+    plan: &mut Plan<'_>,
+    level: usize,
+    vertex: usize,
+    most: usize,
+) -> Option<FoldedVertex> {
+    let full = plan.influences(vertex);
+    let mut folded: Vec<(u16, f32)> = Vec::with_capacity(full.len());
+    let mut changed = false;
+    for &(binding, weight) in &full {
+        let target = plan.target(level, vertex, binding);
+        changed |= target != binding;
+        match folded.iter_mut().find(|(b, _)| *b == target) {
+            Some((_, sum)) if changed => *sum += weight,
+            _ => folded.push((target, weight)),
+        }
+    }
+    if folded.len() > most {
+        keep_largest(&mut folded, most);
+        changed = true;
+    }
+    if !changed {
+        return None;
+    }
+    let before = plan.blend(&full);
+    let mut correction = correct(plan, &before, &folded);
+    if correction.is_none() && folded.len() > 1 {
+        keep_largest(&mut folded, 1);
+        correction = correct(plan, &before, &folded);
+    }
+    Some(FoldedVertex {
+        influences: folded,
+        correction,
+    })
+}
+
+fn correct(plan: &Plan<'_>, full: &DAffine3, folded: &[(u16, f32)]) -> Option<Correction> {
+    let level = plan.blend(folded);
+    let volume = |m: &DAffine3| m.matrix3.determinant().abs();
+    let parts = folded
+        .iter()
+        .map(|(b, w)| f64::from(*w) * volume(plan.mean_matrix(*b)));
+    let parts: f64 = parts.sum();
+    let own = volume(&level);
+    if !(own.is_finite() && parts > 0.0 && own >= LEAST_VOLUME * parts) {
+        return None;
+    }
+    let position = level.inverse() * *full;
+    let normal = level.matrix3.transpose() * cofactor(full.matrix3);
+    (position.is_finite() && normal.is_finite()).then_some(Correction { position, normal })
+}
+
+/// As the skinning of normals has it: signed so that they point outwards when a matrix mirrors.
+fn cofactor(m: DMat3) -> DMat3 {
+    let cross = |a: DVec3, b: DVec3| a.cross(b);
+    let sign = if m.determinant() < 0.0 { -1.0 } else { 1.0 };
+    DMat3::from_cols(
+        cross(m.y_axis, m.z_axis) * sign,
+        cross(m.z_axis, m.x_axis) * sign,
+        cross(m.x_axis, m.y_axis) * sign,
+    )
+}

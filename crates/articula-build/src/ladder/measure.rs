@@ -1,0 +1,128 @@
+//! How far skins of coarser levels lie from the full character, in motion.
+
+use super::moments::{model_of, pose_of, share_frames, spread_frames};
+use super::skins::LevelSkin;
+use super::watch::Watched;
+use crate::character::Asset;
+use crate::evaluate::percentile;
+use articula_core::mesh::{Binding, Mesh};
+use articula_core::pose::ModelPose;
+use articula_core::skin::{palette, skin_points};
+use glam::{Affine3A, Vec3};
+
+/// Error of one skin: the greatest over frames.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Tally {
+    /// 95th percentile over the plain sample of vertices.
+    pub(super) percentile_metres: f32,
+    /// The greatest over all watched vertices.
+    pub(super) worst_metres: f32,
+}
+
+impl Tally {
+    pub(super) fn worst_of(self, other: Self) -> Self {
+        Self {
+            percentile_metres: self.percentile_metres.max(other.percentile_metres),
+            worst_metres: self.worst_metres.max(other.worst_metres),
+        }
+    }
+}
+
+/// The watched vertices of a level's skin alone.
+pub(super) fn watched_skin(skin: &LevelSkin, bindings: &[Binding], watched: &Watched) -> Mesh {
+    let of = |v: &u32| {
+        let first = *v as usize * skin.influences;
+        first..first + skin.influences
+    };
+    let vertices = &watched.vertices;
+    Mesh {
+        positions: vertices
+            .iter()
+            .map(|v| skin.positions[*v as usize])
+            .collect(),
+        influences: skin.influences,
+        binding_indices: vertices
+            .iter()
+            .flat_map(|v| skin.binding_indices[of(v)].iter().copied())
+            .collect(),
+        weights: vertices
+            .iter()
+            .flat_map(|v| skin.weights[of(v)].iter().copied())
+            .collect(),
+        bindings: bindings.to_vec(),
+        ..Mesh::default()
+    }
+}
+
+/// Skins watched vertices again and again.
+pub(super) struct Poser<'a> {
+    mesh: &'a Mesh,
+    vertices: Vec<u32>,
+    palette: Vec<Affine3A>,
+    pub(super) points: Vec<Vec3>,
+}
+
+impl<'a> Poser<'a> {
+    pub(super) fn new(mesh: &'a Mesh, vertices: Vec<u32>) -> Self {
+        Self {
+            palette: vec![Affine3A::IDENTITY; mesh.bindings.len()],
+            points: vec![Vec3::ZERO; vertices.len()],
+            vertices,
+            mesh,
+        }
+    }
+
+    pub(super) fn pose(&mut self, model: &ModelPose) -> &[Vec3] {
+        palette(self.mesh, model, &mut self.palette);
+        skin_points(self.mesh, &self.palette, &self.vertices, &mut self.points);
+        &self.points
+    }
+}
+
+/// For each clip, the error of each skin (of the watched vertices alone) against the full mesh,
+/// over about `frames` frames of all clips.
+pub(super) fn measure(
+    asset: &Asset,
+    full: &Mesh,
+    watched: &Watched,
+    skins: &[Mesh],
+    frames: usize,
+) -> Vec<Vec<Tally>> {
+    let mut truth = Poser::new(full, watched.vertices.clone());
+    let whole = |mesh| Poser::new(mesh, (0..watched.vertices.len() as u32).collect());
+    let mut shown: Vec<Poser<'_>> = skins.iter().map(whole).collect();
+    let mut lengths = Vec::with_capacity(watched.vertices.len());
+    let mut out = Vec::with_capacity(asset.clips.len());
+    let counts = share_frames(&asset.clips, frames);
+    for (clip, count) in asset.clips.iter().zip(counts) {
+        let mut tallies = vec![Tally::default(); skins.len()];
+        for frame in spread_frames(clip.frames(), count) {
+            let model = model_of(asset, &pose_of(asset, clip, frame));
+            let truth = truth.pose(&model);
+            for (tally, poser) in tallies.iter_mut().zip(&mut shown) {
+                let tallied = compare(truth, poser.pose(&model), watched, &mut lengths);
+                *tally = tally.worst_of(tallied);
+            }
+        }
+        out.push(tallies);
+    }
+    out
+}
+
+/// Compares one frame; what is not finite in either does not count.
+fn compare(truth: &[Vec3], shown: &[Vec3], watched: &Watched, lengths: &mut Vec<f32>) -> Tally {
+    lengths.clear();
+    let mut worst_metres = 0.0f32;
+    for ((t, s), drawn) in truth.iter().zip(shown).zip(&watched.drawn) {
+        let distance = t.distance(*s);
+        let distance = if distance.is_finite() { distance } else { 0.0 };
+        worst_metres = worst_metres.max(distance);
+        if *drawn {
+            lengths.push(distance);
+        }
+    }
+    Tally {
+        percentile_metres: percentile(lengths, 0.95),
+        worst_metres,
+    }
+}

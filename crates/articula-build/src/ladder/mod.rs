@@ -1,0 +1,183 @@
+//! Merged levels of a crowd: which joints go first, the skins without them, what each costs.
+//!
+//! Source: `spec/motion-lod.md` part 8, `spec/runtime.md` 4.1; thesis 5.1 (levels of
+//! articulation) and its multi-resolution bodies. Differs: which joints a level keeps is decided
+//! by the character's own motion, a merged joint stands in one mean pose of the rig, and the
+//! skin follows, so that a coarser level computes fewer matrices and nothing else changes.
+//!
+//! [`merged_levels`] does it all; its steps stand alone too:
+//!
+//! - [`mean_pose`]: where merged joints stand
+//! - [`joint_ladder`]: the greedy joint order and the levels chosen from it
+//! - [`named_ladder`]: levels that a user names, such as `loa(Medium)`
+//! - [`level_skins`]: the skin of every level, all on one palette
+//! - [`level_errors`]: what each level costs in each clip
+
+mod choose;
+mod errors;
+mod fold;
+mod mean_pose;
+mod measure;
+mod moments;
+mod order;
+mod plan;
+mod skins;
+#[cfg(test)]
+mod test_figures;
+mod watch;
+
+pub use errors::level_errors;
+pub use mean_pose::mean_pose;
+pub use skins::{LevelSkin, LevelSkins, level_skins};
+
+use crate::character::Asset;
+use articula_core::Mismatch;
+use articula_core::ladder::{Ladder, MAX_LEVELS};
+use articula_core::level_error::LevelErrors;
+use articula_core::loa::{Expression, JointSet};
+use articula_core::pose::LocalPose;
+
+/// How the levels of a character are made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelOptions {
+    /// Joints that every level keeps, such as those that carry attachments; their ancestors
+    /// stay with them.
+    pub protected: JointSet,
+    /// Most levels, the full character counted; at most [`MAX_LEVELS`].
+    pub most_levels: usize,
+    /// Fewest joints that the coarsest level keeps.
+    pub fewest_joints: usize,
+    /// Error that the first coarser level may have, metres; each further one may have twice
+    /// as much.
+    pub first_metres: f32,
+    /// Watched vertices.
+    pub vertices: usize,
+    /// Frames, over all clips, that the order is judged on.
+    pub frames: usize,
+    /// Seed of the watched vertices.
+    pub seed: u64,
+}
+
+impl Default for LevelOptions {
+    /// At most 8 levels from 0.5 mm on, the coarsest of 8 joints; 700 vertices, 256 frames.
+    fn default() -> Self {
+        Self {
+            protected: JointSet::EMPTY,
+            most_levels: 8,
+            fewest_joints: 8,
+            first_metres: 0.5e-3,
+            vertices: 700,
+            frames: 256,
+            seed: 1,
+        }
+    }
+}
+
+/// A ladder with the skins and errors of its levels.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MergedLevels {
+    /// Joint order, levels and mean pose.
+    pub ladder: Ladder,
+    /// Skins of the levels and their palette.
+    pub skins: LevelSkins,
+    /// What each level costs in each clip.
+    pub errors: LevelErrors,
+}
+
+/// Prepares a character for crowds: joint order by data, levels, skins, errors.
+///
+/// # Errors
+/// A [`Mismatch`] if a clip or the mesh is of another rig.
+pub fn merged_levels(asset: &Asset, opts: &LevelOptions) -> Result<MergedLevels, Mismatch> {
+    check(asset)?;
+    let ladder = joint_ladder(asset, &mean_pose(asset), opts)?;
+    levels_of(asset, ladder, opts)
+}
+
+/// Skins and errors of a ladder that is already there, such as one of named levels.
+///
+/// # Errors
+/// A [`Mismatch`] if a clip, the mesh or the ladder is of another rig.
+pub fn levels_of(
+    asset: &Asset,
+    ladder: Ladder,
+    opts: &LevelOptions,
+) -> Result<MergedLevels, Mismatch> {
+    let skins = level_skins(asset, &ladder, opts)?;
+    let errors = level_errors(asset, &ladder, &skins, opts)?;
+    Ok(MergedLevels {
+        ladder,
+        skins,
+        errors,
+    })
+}
+
+/// Orders the joints of a character by what their fold costs and chooses levels.
+///
+/// # Errors
+/// A [`Mismatch`] if a clip or the mesh is of another rig.
+pub fn joint_ladder(
+    asset: &Asset,
+    mean: &LocalPose,
+    opts: &LevelOptions,
+) -> Result<Ladder, Mismatch> {
+    check(asset)?;
+    let order = order::order(asset, mean, opts);
+    let never = order::never_merged(asset, &watch::skin_of(asset), &opts.protected);
+    let opts = LevelOptions {
+        most_levels: opts.most_levels.min(MAX_LEVELS),
+        ..*opts
+    };
+    let kept = choose::levels(&order, never.len(), &opts);
+    Ladder::new(&asset.rig, order.joints, kept, mean)
+}
+
+/// The ladder of levels that a user names, finest first, such as `loa(High)`, `loa(Low)`. The
+/// full character stands in front; joints that carry a second root's skin stay in all of them.
+///
+/// # Errors
+/// A [`Mismatch`] if an expression names an unknown joint or keeps one that the expression
+/// before has merged.
+pub fn named_ladder(
+    asset: &Asset,
+    mean: &LocalPose,
+    levels: &[Expression],
+) -> Result<Ladder, Mismatch> {
+    check(asset)?;
+    let never = order::never_merged(asset, &asset.mesh, &JointSet::EMPTY);
+    let mut sets = Vec::with_capacity(levels.len());
+    for (e, expression) in levels.iter().enumerate() {
+        let set = expression
+            .joints(&asset.rig)
+            .map_err(|unknown| Mismatch::new(format!("levels[{e}]"), unknown.to_string()))?;
+        sets.push(set.union(&never));
+    }
+    Ladder::of_sets(&asset.rig, &sets, mean)
+}
+
+/// Checks that clips and mesh are of the rig.
+fn check(asset: &Asset) -> Result<(), Mismatch> {
+    let joints = asset.rig.len();
+    if let Some(c) = asset.clips.iter().position(|c| c.joints() != joints) {
+        let what = format!("{} joints, the rig has {joints}", asset.clips[c].joints());
+        return Err(Mismatch::new(format!("clips[{c}]"), what));
+    }
+    let outside = |b: &articula_core::mesh::Binding| usize::from(b.joint) >= joints;
+    if let Some(b) = asset.mesh.bindings.iter().position(outside) {
+        let what = format!("joint {} of {joints}", asset.mesh.bindings[b].joint);
+        return Err(Mismatch::new(format!("mesh.bindings[{b}].joint"), what));
+    }
+    Ok(())
+}
+
+/// Checks that a ladder is of the rig.
+fn check_ladder(asset: &Asset, ladder: &Ladder) -> Result<(), Mismatch> {
+    let parent = |j: usize| asset.rig.parent(j).map(|p| ladder.place(p));
+    let stored = |j: usize| ladder.parents()[ladder.place(j)].map(usize::from);
+    let joints = asset.rig.len();
+    if ladder.len() != joints || (0..joints).any(|j| parent(j) != stored(j)) {
+        let what = format!("{} joints of another rig", ladder.len());
+        return Err(Mismatch::new("ladder", what));
+    }
+    Ok(())
+}

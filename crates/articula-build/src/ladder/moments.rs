@@ -1,0 +1,70 @@
+//! Poses of all clips at spread frames: what the order and the errors are judged on.
+
+use crate::character::Asset;
+use articula_core::clip::Clip;
+use articula_core::hierarchy::local_to_model;
+use articula_core::pose::{LocalPose, ModelPose};
+use articula_core::sample::{Wrap, sample};
+
+/// Frames of a clip, spread evenly from the first to the last; all of them if there are no more
+/// than `count`, the middle one if only one is asked for.
+pub(super) fn spread_frames(frames: usize, count: usize) -> Vec<usize> {
+    let last = frames - 1;
+    match count.min(frames) {
+        0 | 1 => vec![last / 2],
+        n => (0..n).map(|i| (i * last + (n - 1) / 2) / (n - 1)).collect(),
+    }
+}
+
+/// How many frames of each clip are looked at, so that all clips together have about `total`:
+/// every clip the same number, what short ones leave over goes to the long ones.
+pub(super) fn share_frames(clips: &[Clip], total: usize) -> Vec<usize> {
+    let mut by_length: Vec<usize> = (0..clips.len()).collect();
+    by_length.sort_by_key(|&c| clips[c].frames());
+    let mut counts = vec![0; clips.len()];
+    let mut left = total;
+    for (done, &c) in by_length.iter().enumerate() {
+        let share = (left / (clips.len() - done)).max(1);
+        counts[c] = clips[c].frames().min(share);
+        left = left.saturating_sub(counts[c]);
+    }
+    counts
+}
+
+/// The local pose of a frame: rest where the clip drives nothing.
+pub(super) fn pose_of(asset: &Asset, clip: &Clip, frame: usize) -> LocalPose {
+    let mut pose = asset.rig.rest_pose().clone();
+    let secs = frame as f64 / f64::from(clip.rate_hz());
+    sample(clip, secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
+    pose
+}
+
+/// Model-space matrices of a pose.
+pub(super) fn model_of(asset: &Asset, pose: &LocalPose) -> ModelPose {
+    let mut model = ModelPose::new(asset.rig.len());
+    local_to_model(&asset.rig, pose, &mut model);
+    model
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::clip::Tracks;
+
+    #[test]
+    fn frames_are_spread_from_end_to_end() {
+        assert_eq!(spread_frames(5, 3), [0, 2, 4]);
+        assert_eq!(spread_frames(3, 9), [0, 1, 2]);
+        assert_eq!(spread_frames(1, 4), [0]);
+        assert_eq!(spread_frames(9, 1), [4]);
+    }
+
+    #[test]
+    fn a_long_clip_takes_what_short_ones_leave() {
+        let clip = |frames| Clip::new("c", 30.0, frames, 1, Tracks::default()).unwrap();
+        let clips = [clip(1000), clip(1), clip(10)];
+        assert_eq!(share_frames(&clips, 60), [49, 1, 10]);
+        assert_eq!(share_frames(&clips, 0), [1, 1, 1], "every clip is seen");
+        assert!(share_frames(&[], 60).is_empty());
+    }
+}

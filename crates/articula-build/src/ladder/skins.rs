@@ -1,0 +1,259 @@
+//! The skin of every level, all on one palette.
+
+use super::fold::{Correction, fold};
+use super::measure::{Tally, measure, watched_skin};
+use super::plan::Plan;
+use super::watch::Watched;
+use super::{LevelOptions, check, check_ladder};
+use crate::character::Asset;
+use articula_core::Mismatch;
+use articula_core::ladder::Ladder;
+use articula_core::mesh::{Binding, Mesh, Morph};
+use articula_core::palette::PaletteMap;
+use glam::{Affine3A, Vec3};
+
+/// Influences that a coarser level may try, besides all.
+const INFLUENCES: [usize; 3] = [1, 2, 4];
+
+/// Part of a level's own error that fewer influences may add.
+const LEAST_SHARE: f32 = 0.1;
+
+/// Error below which fewer influences are always good enough, metres.
+const UNSEEN_METRES: f32 = 1e-4;
+
+/// The skin of a character at one level, as arrays over the vertices of the full mesh.
+///
+/// Texture coordinates, colours, triangles and parts are the full mesh's.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LevelSkin {
+    /// Rest positions, each in its own mesh's space.
+    pub positions: Vec<Vec3>,
+    /// Rest normals.
+    pub normals: Vec<Vec3>,
+    /// Influences a vertex (unused ones weigh 0).
+    pub influences: usize,
+    /// `positions.len() * influences` indices into [`LevelSkins::bindings`].
+    pub binding_indices: Vec<u16>,
+    /// As many weights.
+    pub weights: Vec<f32>,
+    /// Morph targets; slots are the full mesh's.
+    pub morphs: Vec<Morph>,
+    /// Number of palette matrices that it needs: the first ones.
+    pub palette: usize,
+}
+
+/// The skins of all levels of a character.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelSkins {
+    /// Joints and inverse binds in the order of the ladder: a level's are the first ones.
+    pub bindings: Vec<Binding>,
+    /// The same by place, for the frame.
+    pub palette: PaletteMap,
+    /// One skin for each level; the first is the full character's, bit for bit but for the
+    /// order of its bindings.
+    pub levels: Vec<LevelSkin>,
+}
+
+impl LevelSkins {
+    /// The mesh of a level, such as for drawing it; `full` is the mesh they were made from.
+    ///
+    /// # Panics
+    /// If there is no such level, or the mesh is another one.
+    pub fn mesh(&self, level: usize, full: &Mesh) -> Mesh {
+        let skin = &self.levels[level];
+        assert_eq!(skin.positions.len(), full.len(), "another mesh");
+        Mesh {
+            positions: skin.positions.clone(),
+            normals: skin.normals.clone(),
+            texcoords: full.texcoords.clone(),
+            colors: full.colors.clone(),
+            influences: skin.influences,
+            binding_indices: skin.binding_indices.clone(),
+            weights: skin.weights.clone(),
+            bindings: self.bindings[..skin.palette].to_vec(),
+            triangles: full.triangles.clone(),
+            parts: full.parts.clone(),
+            morphs: skin.morphs.clone(),
+            morph_weights: full.morph_weights.clone(),
+            morph_slots: full.morph_slots.clone(),
+        }
+    }
+}
+
+/// Makes the skin of every level of a ladder. Empty for a character without mesh.
+///
+/// The number of influences of a coarser level (1, 2, 4 or all) is the least that adds little to
+/// its error. O(levels x vertices).
+///
+/// # Errors
+/// A [`Mismatch`] if a clip, the mesh or the ladder is of another rig, or more than 65536
+/// bindings would be needed.
+pub fn level_skins(
+    asset: &Asset,
+    ladder: &Ladder,
+    opts: &LevelOptions,
+) -> Result<LevelSkins, Mismatch> {
+    check(asset)?;
+    check_ladder(asset, ladder)?;
+    if asset.mesh.is_empty() {
+        return Ok(LevelSkins {
+            bindings: Vec::new(),
+            palette: PaletteMap::skin(ladder, &[])?,
+            levels: vec![LevelSkin::default(); ladder.levels()],
+        });
+    }
+    skins_of(asset, &asset.mesh, ladder, opts)
+}
+
+/// The same for a mesh that stands for the character's.
+pub(super) fn skins_of(
+    asset: &Asset,
+    mesh: &Mesh,
+    ladder: &Ladder,
+    opts: &LevelOptions,
+) -> Result<LevelSkins, Mismatch> {
+    let mut plan = Plan::new(asset, mesh, ladder);
+    let candidates = candidates(&mut plan, ladder);
+    if plan.bindings().len() > usize::from(u16::MAX) {
+        let what = "more than 65535 bindings with those of merged joints";
+        return Err(Mismatch::new("mesh.bindings", what));
+    }
+    let levels = choose(asset, mesh, &plan, candidates, opts);
+    assemble(&plan, ladder, levels)
+}
+
+/// Every level with each number of influences that is worth a try, fewest first; the last one
+/// has all.
+fn candidates(plan: &mut Plan<'_>, ladder: &Ladder) -> Vec<Vec<LevelSkin>> {
+    let all = plan.mesh.influences;
+    let mut out = vec![vec![skin_at(plan, 0, usize::MAX)]];
+    for level in 1..ladder.levels() {
+        let tries = INFLUENCES.iter().copied().filter(|n| *n < all);
+        let mut skins: Vec<LevelSkin> = tries.map(|n| skin_at(plan, level, n)).collect();
+        skins.push(skin_at(plan, level, usize::MAX));
+        out.push(skins);
+    }
+    out
+}
+
+/// Takes the fewest influences whose extra error is a small part of the level's own.
+fn choose(
+    asset: &Asset,
+    mesh: &Mesh,
+    plan: &Plan<'_>,
+    candidates: Vec<Vec<LevelSkin>>,
+    opts: &LevelOptions,
+) -> Vec<LevelSkin> {
+    let watched = Watched::draw(mesh, asset.rig.len(), opts.vertices, opts.seed);
+    let reduced = candidates.iter().flatten();
+    let reduced: Vec<Mesh> = reduced
+        .map(|s| watched_skin(s, plan.bindings(), &watched))
+        .collect();
+    let mut tallies = vec![Tally::default(); reduced.len()];
+    for clip in measure(asset, mesh, &watched, &reduced, opts.frames) {
+        for (all, one) in tallies.iter_mut().zip(clip) {
+            *all = all.worst_of(one);
+        }
+    }
+    let mut tallies = tallies.into_iter();
+    let mut chosen = Vec::with_capacity(candidates.len());
+    for mut skins in candidates {
+        let of: Vec<Tally> = tallies.by_ref().take(skins.len()).collect();
+        let own = of[of.len() - 1];
+        let enough = |t: &Tally| {
+            let within = |e: f32, own: f32| e <= own * (1.0 + LEAST_SHARE) + UNSEEN_METRES;
+            within(t.percentile_metres, own.percentile_metres)
+                && within(t.worst_metres, own.worst_metres)
+        };
+        let first = of.iter().position(enough).unwrap_or(of.len() - 1);
+        chosen.push(skins.swap_remove(first));
+    }
+    chosen
+}
+
+/// The skin of one level with at most so many influences; binding indices are the plan's.
+fn skin_at(plan: &mut Plan<'_>, level: usize, most: usize) -> LevelSkin {
+    let mesh = plan.mesh;
+    let mut skin = LevelSkin {
+        positions: mesh.positions.clone(),
+        normals: mesh.normals.clone(),
+        morphs: mesh.morphs.clone(),
+        ..LevelSkin::default()
+    };
+    let mut lists = Vec::with_capacity(mesh.len());
+    let mut corrections: Vec<Option<(Correction, f64)>> = vec![None; mesh.len()];
+    for (v, corrected) in corrections.iter_mut().enumerate() {
+        let Some(folded) = fold(plan, level, v, most) else {
+            lists.push(plan.influences(v));
+            continue;
+        };
+        if let Some(c) = folded.correction {
+            let (normal, scale) = c.normal(mesh.normals[v]);
+            skin.positions[v] = c.position(mesh.positions[v]);
+            skin.normals[v] = normal;
+            *corrected = Some((c, scale));
+        }
+        lists.push(folded.influences);
+    }
+    for morph in &mut skin.morphs {
+        for (i, v) in morph.vertices.iter().enumerate() {
+            if let Some((c, scale)) = &corrections[*v as usize] {
+                morph.positions[i] = c.offset(morph.positions[i]);
+                morph.normals[i] = c.normal_offset(morph.normals[i], *scale);
+            }
+        }
+    }
+    skin.influences = lists.iter().map(Vec::len).max().unwrap_or(1);
+    for list in &lists {
+        // A padded influence repeats the vertex's first binding, with no weight.
+        let filler = (list[0].0, 0.0);
+        let padded = list.iter().copied().chain(std::iter::repeat(filler));
+        for (binding, weight) in padded.take(skin.influences) {
+            skin.binding_indices.push(binding);
+            skin.weights.push(weight);
+        }
+    }
+    skin
+}
+
+/// Puts the bindings in use into the order of the ladder.
+fn assemble(
+    plan: &Plan<'_>,
+    ladder: &Ladder,
+    mut levels: Vec<LevelSkin>,
+) -> Result<LevelSkins, Mismatch> {
+    let place = |b: &u16| ladder.place(usize::from(plan.bindings()[usize::from(*b)].joint));
+    let mut used: Vec<u16> = levels
+        .iter()
+        .flat_map(|l| l.binding_indices.iter().copied())
+        .collect();
+    used.sort_unstable();
+    used.dedup();
+    used.sort_by_key(place);
+    let mut at = vec![0u16; plan.bindings().len()];
+    for (i, binding) in used.iter().enumerate() {
+        at[usize::from(*binding)] = i as u16;
+    }
+    let placed: Vec<(u16, Affine3A)> = used
+        .iter()
+        .map(|b| {
+            (
+                place(b) as u16,
+                plan.bindings()[usize::from(*b)].inverse_bind,
+            )
+        })
+        .collect();
+    let palette = PaletteMap::skin(ladder, &placed)?;
+    for (level, skin) in levels.iter_mut().enumerate() {
+        for index in &mut skin.binding_indices {
+            *index = at[usize::from(*index)];
+        }
+        skin.palette = palette.len(level);
+    }
+    let bindings = used.iter().map(|b| plan.bindings()[usize::from(*b)]);
+    Ok(LevelSkins {
+        bindings: bindings.collect(),
+        palette,
+        levels,
+    })
+}

@@ -1,0 +1,140 @@
+//! The vertices that stand for the skin, and what stands for it on a character without mesh.
+
+use super::moments::model_of;
+use crate::character::Asset;
+use crate::evaluate::draw_vertices;
+use articula_core::mesh::{Binding, Mesh};
+use glam::{Affine3A, Vec3};
+use std::borrow::Cow;
+
+/// Vertices that every joint with skin has among the watched ones, so that a small part of the
+/// body is not lost by chance.
+const LEAST_FOR_A_JOINT: usize = 4;
+
+/// Shortest bone that stands for skin, metres.
+const LEAST_BONE_METRES: f32 = 0.01;
+
+/// Watched vertices of a mesh, rising.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Watched {
+    /// All of them.
+    pub(super) vertices: Vec<u32>,
+    /// Which of them are the plain seeded sample, over which percentiles are taken.
+    pub(super) drawn: Vec<bool>,
+}
+
+impl Watched {
+    /// Draws `count` vertices and adds the heaviest ones of joints that got too few.
+    pub(super) fn draw(mesh: &Mesh, joints: usize, count: usize, seed: u64) -> Self {
+        let finite = |v: &u32| mesh.positions[*v as usize].is_finite();
+        let mut drawn = draw_vertices(mesh.len(), count, seed);
+        drawn.retain(finite);
+        let mut heaviest = vec![Vec::<(f32, u32)>::new(); joints];
+        for v in (0..mesh.len() as u32).filter(finite) {
+            for (joint, weight) in mesh.influences_of(v as usize) {
+                let top = &mut heaviest[joint];
+                let at = top.partition_point(|(w, _)| *w >= weight);
+                if at < LEAST_FOR_A_JOINT {
+                    top.insert(at, (weight, v));
+                    top.truncate(LEAST_FOR_A_JOINT);
+                }
+            }
+        }
+        let mut vertices = drawn.clone();
+        vertices.extend(heaviest.iter().flatten().map(|(_, v)| *v));
+        vertices.sort_unstable();
+        vertices.dedup();
+        let is_drawn = |v: &u32| drawn.binary_search(v).is_ok();
+        Self {
+            drawn: vertices.iter().map(is_drawn).collect(),
+            vertices,
+        }
+    }
+}
+
+/// The mesh of a character; for one without, points on its bones, each on one joint.
+pub(super) fn skin_of(asset: &Asset) -> Cow<'_, Mesh> {
+    if asset.mesh.is_empty() {
+        Cow::Owned(bones(asset))
+    } else {
+        Cow::Borrowed(&asset.mesh)
+    }
+}
+
+/// Points at each joint, half-way to its children, and half a bone beyond a last joint.
+fn bones(asset: &Asset) -> Mesh {
+    let rig = &asset.rig;
+    let model = model_of(asset, rig.rest_pose());
+    let mut mesh = Mesh {
+        influences: 1,
+        ..Mesh::default()
+    };
+    let mut hang = |joint: usize, point: Vec3| {
+        mesh.positions.push(point);
+        mesh.normals.push(Vec3::Y);
+        mesh.binding_indices.push(joint as u16);
+        mesh.weights.push(1.0);
+    };
+    let mut ends = vec![true; rig.len()];
+    for joint in 0..rig.len() {
+        let at = model.position(joint);
+        hang(joint, at);
+        if let Some(parent) = rig.parent(joint) {
+            ends[parent] = false;
+            hang(parent, 0.5 * (at + model.position(parent)));
+        }
+    }
+    for joint in (0..rig.len()).filter(|j| ends[*j]) {
+        let at = model.position(joint);
+        let bone = rig.parent(joint).map(|p| at - model.position(p));
+        let bone = bone.filter(|b| b.length() >= LEAST_BONE_METRES);
+        hang(
+            joint,
+            at + 0.5 * bone.unwrap_or(Vec3::Y * LEAST_BONE_METRES),
+        );
+    }
+    let binding = |joint: usize| {
+        let inverse = model.matrices[joint].inverse();
+        Binding {
+            joint: joint as u16,
+            inverse_bind: if inverse.is_finite() {
+                inverse
+            } else {
+                Affine3A::IDENTITY
+            },
+        }
+    };
+    mesh.bindings = (0..rig.len()).map(binding).collect();
+    mesh
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::test_figures::arm;
+    use super::*;
+
+    #[test]
+    fn bones_stand_for_the_skin() {
+        // Joints at 0, 1 and 2 along y: three joints, two halves, one end.
+        let mut asset = arm(3);
+        asset.mesh = Mesh::default();
+        let mesh = skin_of(&asset);
+        let mut heights: Vec<f32> = mesh.positions.iter().map(|p| p.y).collect();
+        heights.sort_by(f32::total_cmp);
+        assert_eq!(heights, [0.0, 0.5, 1.0, 1.5, 2.0, 2.5]);
+    }
+
+    #[test]
+    fn every_joint_with_skin_is_watched() {
+        let asset = arm(5);
+        let watched = Watched::draw(&asset.mesh, 5, 0, 1);
+        for joint in 0..5 {
+            let of = |v: &&u32| asset.mesh.influences_of(**v as usize).any(|i| i.0 == joint);
+            assert!(watched.vertices.iter().filter(of).count() >= 4);
+        }
+        assert!(watched.drawn.iter().all(|d| !d));
+        let all = Watched::draw(&asset.mesh, 5, usize::MAX, 1);
+        assert_eq!(all.vertices.len(), asset.mesh.len());
+        assert!(all.drawn.iter().all(|d| *d));
+    }
+}

@@ -1,0 +1,140 @@
+//! Laws of merged levels, on random rigs, skins and clips.
+
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+
+mod random_figure;
+
+use articula_build::character::{Asset, character};
+use articula_build::clip::ClipOptions;
+use articula_build::ladder::{
+    LevelOptions, LevelSkins, joint_ladder, level_errors, level_skins, mean_pose, merged_levels,
+};
+use articula_core::hierarchy::local_to_model;
+use articula_core::ladder::Ladder;
+use articula_core::loa::JointSet;
+use articula_core::mesh::Mesh;
+use articula_core::pose::{LocalPose, ModelPose};
+use articula_core::sample::{Wrap, sample};
+use articula_core::skin::{SkinnedMesh, palette, skin};
+use glam::Affine3A;
+use proptest::prelude::*;
+use random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
+
+/// Rounding of f32 positions up to some metres, several products deep.
+const ROUNDING_METRES: f32 = 5e-5;
+
+fn asset(rows: &[Row]) -> Asset {
+    let source = character_of(rows);
+    let opts = ClipOptions {
+        rate_hz: Some(RATE),
+    };
+    character(&source, Some(flat(rows.len())), &opts).unwrap()
+}
+
+fn options() -> LevelOptions {
+    LevelOptions {
+        fewest_joints: 1,
+        first_metres: 1e-3,
+        ..LevelOptions::default()
+    }
+}
+
+fn posed(asset: &Asset, mesh: &Mesh, pose: &LocalPose) -> SkinnedMesh {
+    let mut model = ModelPose::new(asset.rig.len());
+    local_to_model(&asset.rig, pose, &mut model);
+    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
+    palette(mesh, &model, &mut matrices);
+    let mut out = SkinnedMesh::new(mesh);
+    skin(mesh, &matrices, &mesh.morph_weights, &mut out);
+    out
+}
+
+fn farthest(a: &SkinnedMesh, b: &SkinnedMesh) -> f32 {
+    let all = a.positions.iter().zip(&b.positions);
+    all.map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+}
+
+/// Every prefix of a ladder's order as a level, as far as levels go.
+fn all_prefixes(asset: &Asset) -> Ladder {
+    let mean = mean_pose(asset);
+    let ladder = joint_ladder(asset, &mean, &options()).unwrap();
+    let kept = (1..=asset.rig.len() as u16).rev().collect();
+    Ladder::new(&asset.rig, ladder.joints().to_vec(), kept, &mean).unwrap()
+}
+
+fn check_palette(ladder: &Ladder, skins: &LevelSkins) {
+    for (level, skin) in skins.levels.iter().enumerate() {
+        let inside = |b: &u16| usize::from(*b) < skin.palette;
+        assert!(
+            skin.binding_indices.iter().all(inside),
+            "a prefix is enough"
+        );
+        assert_eq!(skin.palette, skins.palette.len(level));
+        let joints = skins.bindings[..skin.palette]
+            .iter()
+            .map(|b| usize::from(b.joint));
+        assert!(
+            joints
+                .collect::<JointSet>()
+                .is_subset(&ladder.kept_set(level))
+        );
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn the_mean_pose_is_exact_at_every_level(rows in rows()) {
+        let asset = asset(&rows);
+        let ladder = all_prefixes(&asset);
+        let skins = level_skins(&asset, &ladder, &options()).unwrap();
+        check_palette(&ladder, &skins);
+        let mean = mean_pose(&asset);
+        let truth = posed(&asset, &asset.mesh, &mean);
+        for level in 0..ladder.levels() {
+            let shown = posed(&asset, &skins.mesh(level, &asset.mesh), &mean);
+            let apart = farthest(&truth, &shown);
+            prop_assert!(apart < ROUNDING_METRES, "level {level}: {apart} m");
+            for (t, s) in truth.normals.iter().zip(&shown.normals) {
+                prop_assert!(t.dot(*s) > 0.999, "level {level}: {t} {s}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_first_level_is_the_character(rows in rows(), frame in 0..FRAMES) {
+        let asset = asset(&rows);
+        let levels = merged_levels(&asset, &options()).unwrap();
+        let mesh = levels.skins.mesh(0, &asset.mesh);
+        prop_assert_eq!(&mesh.positions, &asset.mesh.positions);
+        let mut pose = asset.rig.rest_pose().clone();
+        let secs = frame as f64 / f64::from(RATE);
+        sample(&asset.clips[0], secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
+        let apart = farthest(&posed(&asset, &asset.mesh, &pose), &posed(&asset, &mesh, &pose));
+        prop_assert_eq!(apart, 0.0);
+        levels.errors.check(1, levels.ladder.levels()).unwrap();
+    }
+
+    #[test]
+    fn errors_are_what_the_skins_show(rows in rows()) {
+        let asset = asset(&rows);
+        let ladder = all_prefixes(&asset);
+        let skins = level_skins(&asset, &ladder, &options()).unwrap();
+        let errors = level_errors(&asset, &ladder, &skins, &options()).unwrap();
+        let mut worst = 0.0f32;
+        for level in 0..ladder.levels() {
+            let mesh = skins.mesh(level, &asset.mesh);
+            for frame in 0..FRAMES {
+                let mut pose = asset.rig.rest_pose().clone();
+                let secs = frame as f64 / f64::from(RATE);
+                sample(&asset.clips[0], secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
+                let truth = posed(&asset, &asset.mesh, &pose);
+                worst = worst.max(farthest(&truth, &posed(&asset, &mesh, &pose)));
+            }
+            let found = errors.clips[0].worst_metres[level];
+            prop_assert!((found - worst).abs() < 1e-5, "level {level}: {found} for {worst}");
+            prop_assert!(errors.clips[0].levels_metres[level] <= found);
+        }
+    }
+}
