@@ -7,6 +7,7 @@
 //! - [`human`]: the procedural reference human
 //! - [`influences`]: fewer joints for each vertex
 //! - [`ladder`]: merged levels of a crowd: joint order, skins and errors of every level
+//! - [`motion_bounds`]: what holds a character in each second of each clip
 //! - [`motion_error`]: levers, error matrices, key tables for every metric
 //! - [`reduce`]: a motion saved at a level of articulation
 //! - [`retarget`]: a motion of one skeleton put onto another
@@ -23,6 +24,7 @@ pub mod expression;
 pub mod human;
 pub mod influences;
 pub mod ladder;
+pub mod motion_bounds;
 pub mod motion_error;
 pub mod reduce;
 pub mod retarget;

@@ -46,6 +46,7 @@ pub mod level_error;
 pub mod loa;
 pub mod math;
 pub mod mesh;
+pub mod motion_bounds;
 pub mod motion_error;
 pub mod palette;
 pub mod pose;

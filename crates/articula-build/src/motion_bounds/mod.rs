@@ -1,0 +1,227 @@
+//! What holds a character in each second of each of its clips, from every vertex.
+//!
+//! Source: `spec/motion-lod.md` part 5. The skin is posed once or more often between every two
+//! frames; where it may go from there is covered by a bound on its speed. So the
+//! bounds hold for every vertex at every time, not just at those that were looked at.
+//!
+//! Without a mesh the joints stand for the skin, each with the floor of the levers around it.
+//! Morph weights move as the clip moves them; a face that is driven from elsewhere needs a margin.
+
+mod reach;
+
+use crate::character::Asset;
+use articula_core::Mismatch;
+use articula_core::clip::Clip;
+use articula_core::hierarchy::local_to_model;
+use articula_core::motion_bounds::{Bound, ClipBounds, MotionBounds};
+use articula_core::motion_error::LEVER_FLOOR_METRES;
+use articula_core::pose::{LocalPose, ModelPose};
+use articula_core::sample::{Wrap, sample, sample_morphs};
+use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::sphere::Sphere;
+use glam::{Affine3A, Vec3};
+use reach::Reach;
+use std::ops::RangeInclusive;
+
+/// How far the skin may go from a pose that was looked at, where looking more often helps.
+const SLACK_METRES: f32 = 0.01;
+
+/// Looks between two frames, at most.
+const MOST_LOOKS: usize = 8;
+
+/// Covers the rounding of f32 in a pose that is worked out in another order.
+const ROUNDING_METRES: f32 = 1e-4;
+
+/// Measures every clip of a character.
+///
+/// `margin_metres` is added all around: for cloth, hair, or a face that the clips do not drive.
+///
+/// # Errors
+/// A [`Mismatch`] if the margin is negative or no number, or a clip moves the skin to where
+/// there are no finite numbers.
+pub fn motion_bounds(asset: &Asset, margin_metres: f32) -> Result<MotionBounds, Mismatch> {
+    if !(margin_metres.is_finite() && margin_metres >= 0.0) {
+        let what = format!("{margin_metres} is no margin");
+        return Err(Mismatch::new("margin_metres", what));
+    }
+    let reach = Reach::new(asset);
+    let margin = margin_metres + ROUNDING_METRES;
+    let clips = asset.clips.iter();
+    let measured = clips.map(|clip| measure(asset, &reach, clip, margin));
+    Ok(MotionBounds {
+        clips: measured.collect::<Result<_, _>>()?,
+        reach_metres: reach.anchor_metres() + margin,
+    })
+}
+
+fn measure(asset: &Asset, reach: &Reach, clip: &Clip, margin: f32) -> Result<ClipBounds, Mismatch> {
+    let mut body = Body::new(asset);
+    let looks = looks(asset, reach, clip);
+    let mut anchor = Corners::NOTHING;
+    let mut boxes = vec![Corners::NOTHING; ClipBounds::count(clip.duration_secs())];
+    for look in &looks {
+        let skin = body.pose(clip, look.secs);
+        let mut around = Corners::NOTHING;
+        for p in skin {
+            around.hold(*p, look.slack);
+        }
+        for second in look.seconds.clone() {
+            boxes[second].join(&around);
+        }
+        let at = reach
+            .anchor()
+            .map_or(Vec3::ZERO, |j| body.model.position(j));
+        anchor.hold(at, look.slack);
+    }
+    // The ball of a second stands in the middle of its box and is just large enough, which is
+    // less than the box's corners ask for.
+    let mut radii = vec![0.0f32; boxes.len()];
+    for look in &looks {
+        let skin = body.pose(clip, look.secs);
+        for second in look.seconds.clone() {
+            let middle = boxes[second].middle();
+            let squared = skin.iter().map(|p| p.distance_squared(middle));
+            let farthest = squared.fold(0.0, f32::max).sqrt() + look.slack;
+            radii[second] = radii[second].max(farthest);
+        }
+    }
+    let bounds = boxes.iter().zip(radii).map(|(corners, radius)| {
+        let sphere = Sphere {
+            centre: corners.middle(),
+            radius,
+        };
+        let bound = Bound {
+            sphere,
+            least: corners.least,
+            greatest: corners.greatest,
+        };
+        let is_finite = corners.is_finite && radius.is_finite();
+        is_finite.then(|| bound.grown(margin + body.floor))
+    });
+    let seconds: Option<Vec<Bound>> = bounds.collect();
+    let seconds = seconds.ok_or_else(|| {
+        let what = "the skin leaves the finite numbers";
+        Mismatch::new(format!("clip \"{}\"", clip.name), what)
+    })?;
+    let anchors = Sphere::around_box(anchor.least, anchor.greatest);
+    ClipBounds::new(clip.duration_secs(), seconds, anchors)
+}
+
+/// One time at which the skin is posed.
+struct Look {
+    secs: f64,
+    /// Seconds of the clip that it belongs to.
+    seconds: RangeInclusive<usize>,
+    /// How far the skin may be from here at any time that the look stands for.
+    slack: f32,
+}
+
+/// Looks in the middle of equal parts of every stretch between two frames, and at the last frame.
+/// A value that steps keeps within a stretch, so a part is as its middle but for what moves.
+fn looks(asset: &Asset, reach: &Reach, clip: &Clip) -> Vec<Look> {
+    let last_second = ClipBounds::count(clip.duration_secs()) - 1;
+    let rate = f64::from(clip.rate_hz());
+    let mut looks = Vec::new();
+    for frame in 0..clip.frames() - 1 {
+        let half_way = 0.5 * reach.way(asset, clip, frame);
+        let parts = ((half_way / SLACK_METRES).ceil() as usize).clamp(1, MOST_LOOKS);
+        // A border between two seconds belongs to both.
+        let border = 1e-6;
+        let first = (frame as f64 / rate - border).max(0.0) as usize;
+        let last = ((frame + 1) as f64 / rate + border) as usize;
+        for part in 0..parts {
+            looks.push(Look {
+                secs: (frame as f64 + (part as f64 + 0.5) / parts as f64) / rate,
+                seconds: first.min(last_second)..=last.min(last_second),
+                slack: half_way / parts as f32,
+            });
+        }
+    }
+    looks.push(Look {
+        secs: f64::from(clip.duration_secs()),
+        seconds: last_second..=last_second,
+        slack: 0.0,
+    });
+    looks
+}
+
+/// A box that grows.
+#[derive(Clone)]
+struct Corners {
+    least: Vec3,
+    greatest: Vec3,
+    is_finite: bool,
+}
+
+impl Corners {
+    const NOTHING: Self = Self {
+        least: Vec3::INFINITY,
+        greatest: Vec3::NEG_INFINITY,
+        is_finite: true,
+    };
+
+    fn hold(&mut self, point: Vec3, slack: f32) {
+        self.least = self.least.min(point - slack);
+        self.greatest = self.greatest.max(point + slack);
+        // `min` and `max` pass over what is no number.
+        self.is_finite &= point.is_finite() && slack.is_finite();
+    }
+
+    fn join(&mut self, other: &Self) {
+        self.least = self.least.min(other.least);
+        self.greatest = self.greatest.max(other.greatest);
+        self.is_finite &= other.is_finite;
+    }
+
+    fn middle(&self) -> Vec3 {
+        0.5 * (self.least + self.greatest)
+    }
+}
+
+/// A character to be posed; without a mesh its joints are its skin.
+struct Body<'a> {
+    asset: &'a Asset,
+    local: LocalPose,
+    model: ModelPose,
+    matrices: Vec<Affine3A>,
+    morph_weights: Vec<f32>,
+    skinned: SkinnedMesh,
+    /// What must be around each point of the skin.
+    floor: f32,
+}
+
+impl<'a> Body<'a> {
+    fn new(asset: &'a Asset) -> Self {
+        let (rig, mesh) = (&asset.rig, &asset.mesh);
+        let mut skinned = SkinnedMesh::new(mesh);
+        let is_bare = mesh.is_empty();
+        if is_bare {
+            skinned.positions = vec![Vec3::ZERO; rig.len()];
+        }
+        Self {
+            asset,
+            local: rig.rest_pose().clone(),
+            model: ModelPose::new(rig.len()),
+            matrices: vec![Affine3A::IDENTITY; mesh.bindings.len()],
+            morph_weights: mesh.morph_weights.clone(),
+            skinned,
+            floor: if is_bare { LEVER_FLOOR_METRES } else { 0.0 },
+        }
+    }
+
+    fn pose(&mut self, clip: &Clip, secs: f64) -> &[Vec3] {
+        let (rig, mesh) = (&self.asset.rig, &self.asset.mesh);
+        sample(clip, secs, Wrap::Clamp, &rig.all(), &mut self.local);
+        sample_morphs(clip, secs, Wrap::Clamp, &mut self.morph_weights);
+        local_to_model(rig, &self.local, &mut self.model);
+        if mesh.is_empty() {
+            for (joint, p) in self.skinned.positions.iter_mut().enumerate() {
+                *p = self.model.position(joint);
+            }
+        } else {
+            palette(mesh, &self.model, &mut self.matrices);
+            skin(mesh, &self.matrices, &self.morph_weights, &mut self.skinned);
+        }
+        &self.skinned.positions
+    }
+}

@@ -1,0 +1,235 @@
+//! How far the skin can be from a joint, and how far it can go from one frame to the next.
+//!
+//! Lengths are taken along the joints, each at the longest that any clip makes it, so that they
+//! hold in every pose and in every blend of poses.
+
+use crate::character::Asset;
+use articula_core::clip::{Clip, Track};
+use articula_core::math::angle_between;
+use articula_core::motion_error::LEVER_FLOOR_METRES;
+use articula_core::rig::Rig;
+use glam::Vec3;
+
+/// Lengths of one character, over all its clips.
+pub(super) struct Reach {
+    /// Farthest skin at or below each joint, from the joint, in the joint's own unscaled space;
+    /// `None` where it carries no skin.
+    local: Vec<Option<f32>>,
+    /// Greatest scale of each joint's own space against the model.
+    scales: Vec<f32>,
+    anchor: Option<usize>,
+    anchor_metres: f32,
+    /// How far each morph slot at weight one can move a vertex, in model space.
+    morphs: Vec<f32>,
+}
+
+impl Reach {
+    pub(super) fn new(asset: &Asset) -> Self {
+        let rig = &asset.rig;
+        let lengths = greatest(
+            rig,
+            asset,
+            |clip| clip.translations(),
+            |j| rig.rest_pose().translations[j].length(),
+            |v| v.length(),
+        );
+        let own_scales = greatest(
+            rig,
+            asset,
+            |clip| clip.scales(),
+            |j| rig.rest_pose().scales[j].abs().max_element(),
+            |v| v.abs().max_element(),
+        );
+        let mut scales = own_scales.clone();
+        for joint in 0..rig.len() {
+            if let Some(parent) = rig.parent(joint) {
+                scales[joint] *= scales[parent];
+            }
+        }
+        let mut local = own_skin(asset);
+        let mut from_origin = 0.0f32;
+        for joint in (0..rig.len()).rev() {
+            let Some(below) = local[joint] else { continue };
+            let way = lengths[joint] + own_scales[joint] * below;
+            match rig.parent(joint) {
+                Some(parent) => local[parent] = Some(local[parent].map_or(way, |l| l.max(way))),
+                None => from_origin = from_origin.max(way),
+            }
+        }
+        let anchor = anchor(asset, &local);
+        let anchor_metres = match anchor {
+            Some(joint) => scales[joint] * local[joint].unwrap_or(0.0),
+            None => from_origin,
+        };
+        Self {
+            morphs: morph_ways(asset, &scales),
+            local,
+            scales,
+            anchor,
+            anchor_metres,
+        }
+    }
+
+    /// The joint that everything hangs on and whose place blends in a straight line; `None`
+    /// stands for the origin of the model.
+    pub(super) fn anchor(&self) -> Option<usize> {
+        self.anchor
+    }
+
+    /// The farthest that skin can be from the anchor; metres.
+    pub(super) fn anchor_metres(&self) -> f32 {
+        self.anchor_metres
+    }
+
+    /// The longest way that any skin can go from one frame to the next; metres.
+    pub(super) fn way(&self, asset: &Asset, clip: &Clip, frame: usize) -> f32 {
+        let rig = &asset.rig;
+        let mut ways = vec![0.0f32; rig.len()];
+        let above = |joint: usize| rig.parent(joint).map_or(1.0, |p| self.scales[p]);
+        for (joint, [a, b]) in moved(clip.rotations(), frame) {
+            // A normalised blend is fastest in its middle: as if it turned by 4 tan(angle / 4).
+            let turn = 4.0 * (0.25 * angle_between(a, b)).tan();
+            ways[joint] += turn * self.scales[joint] * self.local[joint].unwrap_or(0.0);
+        }
+        for (joint, [a, b]) in moved(clip.translations(), frame) {
+            ways[joint] += above(joint) * a.distance(b);
+        }
+        for (joint, [a, b]) in moved(clip.scales(), frame) {
+            let change = (b - a).abs().max_element();
+            ways[joint] += above(joint) * change * self.local[joint].unwrap_or(0.0);
+        }
+        let mut longest = 0.0f32;
+        for joint in 0..rig.len() {
+            ways[joint] += rig.parent(joint).map_or(0.0, |p| ways[p]);
+            if self.local[joint].is_some() {
+                longest = longest.max(ways[joint]);
+            }
+        }
+        let morphs = moved(clip.morphs(), frame);
+        let morph = morphs
+            .map(|(slot, [a, b])| (b - a).abs() * self.morphs.get(slot).copied().unwrap_or(0.0));
+        longest + morph.sum::<f32>()
+    }
+}
+
+/// What blends from a frame to the next, by its target.
+fn moved<T: Copy>(tracks: &[Track<T>], frame: usize) -> impl Iterator<Item = (usize, [T; 2])> {
+    let blends = |track: &&Track<T>| !track.step && track.values.len() > 1;
+    let tracks = tracks.iter().filter(blends);
+    tracks.map(move |t| {
+        (
+            usize::from(t.target),
+            [t.values[frame], t.values[frame + 1]],
+        )
+    })
+}
+
+/// The greatest size of a property of each joint, at rest and in all clips.
+fn greatest<'a>(
+    rig: &Rig,
+    asset: &'a Asset,
+    tracks: impl Fn(&'a Clip) -> &'a [Track<Vec3>],
+    at_rest: impl Fn(usize) -> f32,
+    size: impl Fn(Vec3) -> f32,
+) -> Vec<f32> {
+    let mut sizes: Vec<f32> = (0..rig.len()).map(at_rest).collect();
+    for track in asset.clips.iter().flat_map(tracks) {
+        let of = &mut sizes[usize::from(track.target)];
+        *of = track.values.iter().map(|v| size(*v)).fold(*of, f32::max);
+    }
+    sizes
+}
+
+/// The farthest vertex that each joint itself moves, in the joint's own space.
+fn own_skin(asset: &Asset) -> Vec<Option<f32>> {
+    let mesh = &asset.mesh;
+    if mesh.is_empty() {
+        return vec![Some(LEVER_FLOOR_METRES); asset.rig.len()];
+    }
+    // How far morphs may take each vertex, in the space of its mesh.
+    let mut morphed = vec![0.0f32; mesh.len()];
+    let weights = morph_weights(asset);
+    for morph in &mesh.morphs {
+        for (v, offset) in morph.vertices.iter().zip(&morph.positions) {
+            morphed[*v as usize] += weights[usize::from(morph.slot)] * offset.length();
+        }
+    }
+    let mut own = vec![None; asset.rig.len()];
+    for (v, morphed) in morphed.iter().enumerate() {
+        for i in v * mesh.influences..(v + 1) * mesh.influences {
+            if mesh.weights[i] == 0.0 {
+                continue;
+            }
+            let binding = &mesh.bindings[usize::from(mesh.binding_indices[i])];
+            let at = binding.inverse_bind.transform_point3(mesh.positions[v]);
+            let far = at.length() + stretch(&binding.inverse_bind) * morphed;
+            let of: &mut Option<f32> = &mut own[usize::from(binding.joint)];
+            *of = Some(of.map_or(far, |o| o.max(far)));
+        }
+    }
+    own
+}
+
+/// The greatest weight of each morph slot, either sign, at rest and in all clips.
+fn morph_weights(asset: &Asset) -> Vec<f32> {
+    let mut weights: Vec<f32> = asset.mesh.morph_weights.iter().map(|w| w.abs()).collect();
+    for track in asset.clips.iter().flat_map(Clip::morphs) {
+        if let Some(of) = weights.get_mut(usize::from(track.target)) {
+            *of = track.values.iter().map(|v| v.abs()).fold(*of, f32::max);
+        }
+    }
+    weights
+}
+
+fn morph_ways(asset: &Asset, scales: &[f32]) -> Vec<f32> {
+    let mesh = &asset.mesh;
+    let bindings = mesh.bindings.iter();
+    let stretches = bindings.map(|b| scales[usize::from(b.joint)] * stretch(&b.inverse_bind));
+    let stretch = stretches.fold(0.0, f32::max);
+    let mut ways = vec![0.0f32; mesh.morph_weights.len()];
+    for morph in &mesh.morphs {
+        let longest = morph
+            .positions
+            .iter()
+            .map(|p| p.length())
+            .fold(0.0, f32::max);
+        let of = &mut ways[usize::from(morph.slot)];
+        // Each vertex stands in one mesh, so the slot's greatest offset is the way.
+        *of = of.max(longest * stretch);
+    }
+    ways
+}
+
+/// A bound on how much longer a matrix makes a vector: the root of the sum of its squares.
+fn stretch(matrix: &glam::Affine3A) -> f32 {
+    let m = matrix.matrix3;
+    let squares = m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared();
+    squares.sqrt()
+}
+
+/// Goes down from the root while a joint neither turns nor scales nor has skin of its own, and
+/// one child carries everything.
+fn anchor(asset: &Asset, carries: &[Option<f32>]) -> Option<usize> {
+    let rig = &asset.rig;
+    let only_child = |of: Option<usize>| {
+        let mut below = (0..rig.len()).filter(|j| rig.parent(*j) == of && carries[*j].is_some());
+        below.next().filter(|_| below.next().is_none())
+    };
+    let turns = |joint: usize| {
+        asset.clips.iter().any(|clip| {
+            let mut rotations = clip.rotations().iter().map(|t| t.target);
+            let mut scales = clip.scales().iter().map(|t| t.target);
+            let is = |target: u16| usize::from(target) == joint;
+            rotations.any(is) || scales.any(is)
+        })
+    };
+    let own = own_skin(asset);
+    let mut at = only_child(None)?;
+    while own[at].is_none() && !turns(at) {
+        match only_child(Some(at)) {
+            Some(child) => at = child,
+            None => break,
+        }
+    }
+    Some(at)
+}

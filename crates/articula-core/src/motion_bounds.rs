@@ -1,0 +1,287 @@
+//! What holds a moving character, by the second of its clip: for waking it ahead of view.
+//!
+//! Source: `spec/motion-lod.md` part 5 ("the union of the clip's precomputed per-second boxes
+//! over `[now, now + horizon]`"). Differs: each second also keeps a ball, smaller than the one
+//! around its box, and what is in a blend of clips has a bound of its own, because a blend of two
+//! poses need not lie between them.
+//!
+//! Made before the frame by `articula-build`, from every vertex.
+
+use crate::Mismatch;
+use crate::sample::Wrap;
+use crate::sphere::Sphere;
+use glam::Vec3;
+
+/// A ball and a box in model space; both hold the same.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bound {
+    /// The ball.
+    pub sphere: Sphere,
+    /// Least corner of the box.
+    pub least: Vec3,
+    /// Greatest corner of the box.
+    pub greatest: Vec3,
+}
+
+impl Bound {
+    /// Holds what both hold.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            sphere: self.sphere.union(other.sphere),
+            least: self.least.min(other.least),
+            greatest: self.greatest.max(other.greatest),
+        }
+    }
+
+    /// The same, everything farther out by so much.
+    #[must_use]
+    pub fn grown(self, metres: f32) -> Self {
+        Self {
+            sphere: Sphere {
+                radius: self.sphere.radius + metres,
+                ..self.sphere
+            },
+            least: self.least - metres,
+            greatest: self.greatest + metres,
+        }
+    }
+
+    /// Whether both the ball and the box hold a point.
+    pub fn contains(&self, point: Vec3) -> bool {
+        self.sphere.contains(point)
+            && point.cmpge(self.least).all()
+            && point.cmple(self.greatest).all()
+    }
+}
+
+/// Bounds of a character in one clip.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClipBounds {
+    duration_secs: f64,
+    seconds: Vec<Bound>,
+    whole: Bound,
+    anchors: Sphere,
+}
+
+impl ClipBounds {
+    /// Puts together what was measured.
+    ///
+    /// - `seconds`: entry `k` holds the character from second `k` of the clip to second `k + 1`,
+    ///   both included; the last one may be shorter
+    /// - `anchors`: holds the joint that everything hangs on, over the whole clip
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if the duration is negative or no number, or there are not as many
+    /// seconds as it has begun (one at least).
+    pub fn new(duration_secs: f32, seconds: Vec<Bound>, anchors: Sphere) -> Result<Self, Mismatch> {
+        if !(duration_secs.is_finite() && duration_secs >= 0.0) {
+            let what = format!("{duration_secs} is no duration");
+            return Err(Mismatch::new("duration_secs", what));
+        }
+        let expected = Self::count(duration_secs);
+        let Some(whole) = seconds.iter().copied().reduce(Bound::union) else {
+            return Err(Mismatch::new("seconds", "a clip has at least one"));
+        };
+        if seconds.len() != expected {
+            let what = format!("{} bounds for {expected} seconds", seconds.len());
+            return Err(Mismatch::new("seconds", what));
+        }
+        Ok(Self {
+            duration_secs: f64::from(duration_secs),
+            seconds,
+            whole,
+            anchors,
+        })
+    }
+
+    /// How many seconds a clip of this duration has begun, at least one.
+    pub fn count(duration_secs: f32) -> usize {
+        (duration_secs.ceil() as usize).max(1)
+    }
+
+    /// Holds the character at every time of the clip.
+    pub fn whole(&self) -> &Bound {
+        &self.whole
+    }
+
+    /// Holds the character in each second of the clip.
+    pub fn seconds(&self) -> &[Bound] {
+        &self.seconds
+    }
+
+    /// Holds the character from clip time `now_secs` for `horizon_secs` of play at `speed` (1 is
+    /// the clip's own, negative runs backwards). Times that are no number give the whole clip.
+    ///
+    /// O(seconds passed over); does not allocate.
+    pub fn over(&self, now_secs: f64, horizon_secs: f32, speed: f32, wrap: Wrap) -> Bound {
+        let then = now_secs + f64::from(speed) * f64::from(horizon_secs);
+        if !(now_secs.is_finite() && then.is_finite()) {
+            return self.whole;
+        }
+        // Longer than any rounding of a clock that has run for days, shorter than any frame.
+        let rounding = 1e-6;
+        let from = now_secs.min(then) - rounding;
+        let length = (then - now_secs).abs() + 2.0 * rounding;
+        let end = self.duration_secs;
+        match wrap {
+            Wrap::Clamp => self.between(from.clamp(0.0, end), (from + length).clamp(0.0, end)),
+            Wrap::Loop if length >= end => self.whole,
+            Wrap::Loop => {
+                let from = from.rem_euclid(end);
+                let to = from + length;
+                if to < end {
+                    self.between(from, to)
+                } else {
+                    self.between(from, end).union(self.between(0.0, to - end))
+                }
+            }
+        }
+    }
+
+    /// The union of the seconds from one time of the clip to another.
+    fn between(&self, from: f64, to: f64) -> Bound {
+        let last = self.seconds.len() - 1;
+        let first = (from as usize).min(last);
+        let rest = &self.seconds[first + 1..=(to as usize).clamp(first, last)];
+        rest.iter().fold(self.seconds[first], |a, b| a.union(*b))
+    }
+}
+
+/// Bounds of a character in all its clips.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MotionBounds {
+    /// One for each clip, in their order.
+    pub clips: Vec<ClipBounds>,
+    /// The farthest that any skin can be from the joint that everything hangs on, whatever the
+    /// joints below turn by; metres.
+    pub reach_metres: f32,
+}
+
+impl MotionBounds {
+    /// Holds the character in every blend of two clips, at whatever times and weights: an arm
+    /// may pass wide of both the poses that it is blended from.
+    ///
+    /// # Panics
+    /// If there is no such clip.
+    pub fn blended(&self, a: usize, b: usize) -> Sphere {
+        let anchors = self.clips[a].anchors.union(self.clips[b].anchors);
+        Sphere {
+            radius: anchors.radius + self.reach_metres,
+            ..anchors
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A point that walks a metre a second along x, on a clip of so many seconds.
+    fn walk(duration_secs: f32) -> ClipBounds {
+        let second = |k: usize| {
+            let (from, to) = (k as f32, ((k + 1) as f32).min(duration_secs));
+            let (least, greatest) = (Vec3::X * from, Vec3::X * to);
+            Bound {
+                sphere: Sphere::around_box(least, greatest),
+                least,
+                greatest,
+            }
+        };
+        let seconds = (0..ClipBounds::count(duration_secs)).map(second).collect();
+        ClipBounds::new(duration_secs, seconds, Sphere::default()).unwrap()
+    }
+
+    #[test]
+    fn validity_table() {
+        let one = walk(0.5).seconds;
+        let at = |duration, seconds| {
+            ClipBounds::new(duration, seconds, Sphere::default())
+                .unwrap_err()
+                .at
+        };
+        assert_eq!(at(f32::NAN, one.clone()), "duration_secs");
+        assert_eq!(at(-1.0, one.clone()), "duration_secs");
+        assert_eq!(at(0.0, vec![]), "seconds");
+        assert_eq!(at(1.5, one.clone()), "seconds");
+        assert!(ClipBounds::new(0.0, one, Sphere::default()).is_ok());
+    }
+
+    #[test]
+    fn what_lies_ahead_by_hand() {
+        let clip = walk(3.5);
+        let x = |now, horizon, speed, wrap| {
+            let bound = clip.over(now, horizon, speed, wrap);
+            (bound.least.x, bound.greatest.x)
+        };
+        assert_eq!(x(0.2, 0.5, 1.0, Wrap::Loop), (0.0, 1.0));
+        assert_eq!(x(0.8, 0.5, 1.0, Wrap::Loop), (0.0, 2.0));
+        assert_eq!(
+            x(0.8, 0.5, 4.0, Wrap::Loop),
+            (0.0, 3.0),
+            "four times as fast"
+        );
+        assert_eq!(x(2.2, 0.5, -1.0, Wrap::Loop), (1.0, 3.0), "backwards");
+        assert_eq!(x(1.2 + 7.0 * 3.5, 0.5, 1.0, Wrap::Loop), (1.0, 2.0));
+        assert_eq!(
+            x(-2.2, 0.1, 1.0, Wrap::Loop),
+            (1.0, 2.0),
+            "1.3 from the start"
+        );
+        let over_the_seam = clip.over(3.2, 0.5, 1.0, Wrap::Loop);
+        assert_eq!(
+            (over_the_seam.least.x, over_the_seam.greatest.x),
+            (0.0, 3.5)
+        );
+        assert_eq!(x(3.2, 0.5, 1.0, Wrap::Clamp), (3.0, 3.5));
+        assert_eq!(x(-9.0, 0.5, 1.0, Wrap::Clamp), (0.0, 1.0));
+        assert_eq!(x(99.0, 0.5, 1.0, Wrap::Clamp), (3.0, 3.5));
+        for odd in [f64::NAN, f64::INFINITY] {
+            assert_eq!(x(odd, 0.5, 1.0, Wrap::Loop), (0.0, 3.5));
+        }
+        assert_eq!(x(0.2, f32::INFINITY, 1.0, Wrap::Clamp), (0.0, 3.5));
+        assert_eq!(x(0.2, f32::NAN, 1.0, Wrap::Loop), (0.0, 3.5));
+        let still = walk(0.0);
+        assert_eq!(still.over(5.0, 1.0, 1.0, Wrap::Loop), still.whole);
+    }
+
+    #[test]
+    fn a_blend_reaches_from_wherever_it_hangs() {
+        let hung = |x: f32| ClipBounds {
+            anchors: Sphere {
+                centre: Vec3::X * x,
+                radius: 0.0,
+            },
+            ..walk(1.0)
+        };
+        let bounds = MotionBounds {
+            clips: vec![hung(0.0), hung(2.0)],
+            reach_metres: 1.5,
+        };
+        let both = bounds.blended(0, 1);
+        assert!((both.centre - Vec3::X).length() < 1e-6 && (both.radius - 2.5).abs() < 1e-5);
+        assert_eq!(bounds.blended(0, 0).radius, 1.5);
+    }
+
+    proptest! {
+        #[test]
+        fn no_time_ahead_is_missed(
+            duration in 0.1f32..6.0,
+            now in -50.0f64..50.0,
+            horizon in 0.0f32..5.0,
+            speed in -3.0f32..3.0,
+            part in 0.0f64..1.0,
+            wrap in prop::sample::select(vec![Wrap::Loop, Wrap::Clamp]),
+        ) {
+            let bound = walk(duration).over(now, horizon, speed, wrap);
+            let at = now + f64::from(speed) * f64::from(horizon) * part;
+            let end = f64::from(duration);
+            let at = match wrap {
+                Wrap::Loop => at.rem_euclid(end),
+                Wrap::Clamp => at.clamp(0.0, end),
+            };
+            prop_assert!(bound.contains(Vec3::X * at as f32), "{at} s: {bound:?}");
+        }
+    }
+}
