@@ -93,6 +93,20 @@ const LEAST_DEVIATION: f64 = 0.5;
 const PERSISTENT: u32 = 8;
 
 /// Running means of unit costs, or fixed ones.
+///
+/// ```
+/// use articula_core::budget::{CostModel, Work};
+///
+/// // What one character at some level takes, and a frame of a thousand of them.
+/// let one = Work { characters: 1, sampled_joints: 24, fk_joints: 24, matrices: 24 };
+/// let all = (0..1000).fold(Work::default(), |sum, _| sum + one);
+/// let mut model = CostModel::default();
+/// for _ in 0..50 {
+///     model.observe(&all, 80_000.0);
+/// }
+/// assert!((model.cost_ns(&one) - 80.0).abs() < 0.1);
+/// // From time to time: budget.reprice(|menu, option| model.cost_ns(&work[option]) as f32).
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostModel {
     costs: [f64; 4],

@@ -1,37 +1,30 @@
 //! Where the budget ends in the list of all upgrades, best first, without sorting it.
 //!
 //! Greedy takes upgrades by falling gain per cost until the next one does not fit. The taken
-//! ones are those above one key, and that key is found by three digits, as a radix sort would,
-//! with the costs summed for each value of a digit. The sums of the first digit are kept from
-//! frame to frame, so a change costs its own upgrades only.
+//! ones are those above one key, and that key is found byte by byte, as a radix sort would,
+//! with the costs summed for each value of a byte. The sums by the two high bytes are kept from
+//! frame to frame, so a change costs its own upgrades only; they leave a span of keys that differ
+//! by less than a hundredth, in which the upgrades are summed by the two low bytes.
 //!
 //! A key is a positive `f32` as its bits, which order as the numbers do; the sign bit, free in a
 //! positive number, marks the upgrades that come first.
 
-/// Bits of a key below its first digit.
-const LOW_BITS: u32 = 19;
-/// Bits of the second digit, then of the third.
-const MIDDLE_BITS: u32 = 10;
-const LAST_BITS: u32 = LOW_BITS - MIDDLE_BITS;
-const BUCKETS: usize = 1 << (32 - LOW_BITS);
+const BYTE: usize = 256;
 
-/// Sums of the costs of all upgrades by the first digit of their key, and the digit at which the
-/// room ends.
+/// Sums of the costs of all upgrades by the high bytes of their keys.
 #[derive(Debug, Clone)]
 pub(super) struct Frontier {
-    sums: Vec<u64>,
-    bucket: usize,
-    /// Cost of everything above that bucket.
-    above: u64,
-    middle: Vec<u64>,
-    last: Vec<u64>,
+    by_first: Vec<u64>,
+    /// By both, the first byte times 256 plus the second.
+    by_second: Vec<u64>,
 }
 
-/// The keys with one first digit.
+/// The keys with the same high bytes, and the room for them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Span {
     pub(super) least: u32,
     pub(super) greatest: u32,
+    pub(super) room: u64,
 }
 
 /// The last key that is taken, and the room for upgrades of just this key.
@@ -44,85 +37,69 @@ pub(super) struct Break {
 impl Frontier {
     pub(super) fn new() -> Self {
         Self {
-            sums: vec![0; BUCKETS],
-            bucket: 0,
-            above: 0,
-            middle: vec![0; 1 << MIDDLE_BITS],
-            last: vec![0; 1 << LAST_BITS],
+            by_first: vec![0; BYTE],
+            by_second: vec![0; BYTE * BYTE],
         }
     }
 
     /// Forgets all upgrades.
     pub(super) fn clear(&mut self) {
-        self.sums.fill(0);
-        self.above = 0;
+        self.by_first.fill(0);
+        self.by_second.fill(0);
     }
 
     pub(super) fn add(&mut self, key: u32, cost: u32) {
-        let bucket = (key >> LOW_BITS) as usize;
-        self.sums[bucket] += u64::from(cost);
-        self.above += u64::from(cost) * u64::from(bucket > self.bucket);
+        self.by_first[(key >> 24) as usize] += u64::from(cost);
+        self.by_second[(key >> 16) as usize] += u64::from(cost);
     }
 
     pub(super) fn remove(&mut self, key: u32, cost: u32) {
-        let bucket = (key >> LOW_BITS) as usize;
-        self.sums[bucket] -= u64::from(cost);
-        self.above -= u64::from(cost) * u64::from(bucket > self.bucket);
+        self.by_first[(key >> 24) as usize] -= u64::from(cost);
+        self.by_second[(key >> 16) as usize] -= u64::from(cost);
     }
 
-    /// Moves to the bucket in which the room ends, and gives its keys. If everything fits, it is
-    /// the lowest one.
-    pub(super) fn seek(&mut self, room: u64) -> Span {
-        while self.above > room {
-            self.bucket += 1;
-            self.above -= self.sums[self.bucket];
-        }
-        while self.bucket > 0 && self.above + self.sums[self.bucket] <= room {
-            self.above += self.sums[self.bucket];
-            self.bucket -= 1;
-        }
-        let least = (self.bucket as u32) << LOW_BITS;
+    /// The span in which the room ends; the lowest one if everything fits.
+    pub(super) fn seek(&self, mut room: u64) -> Span {
+        let first = descend(&self.by_first, &mut room);
+        let second = descend(&self.by_second[first * BYTE..][..BYTE], &mut room);
+        let least = ((first * BYTE + second) as u32) << 16;
         Span {
             least: least.max(1),
-            greatest: least | ((1 << LOW_BITS) - 1),
+            greatest: least | 0xffff,
+            room,
         }
-    }
-
-    /// The exact key at which the room ends. `upgrades` calls back with key and cost of every
-    /// upgrade in the span that `seek` gave; it is asked twice.
-    pub(super) fn find(
-        &mut self,
-        room: u64,
-        mut upgrades: impl FnMut(&mut dyn FnMut(u32, u32)),
-    ) -> Break {
-        let mut room = room - self.above;
-        self.middle.fill(0);
-        let middle = &mut self.middle;
-        let mask = (1 << MIDDLE_BITS) - 1;
-        upgrades(&mut |key, cost| {
-            middle[((key >> LAST_BITS) & mask) as usize] += u64::from(cost);
-        });
-        let high = ((self.bucket as u32) << MIDDLE_BITS) | descend(middle, &mut room);
-        self.last.fill(0);
-        let last = &mut self.last;
-        upgrades(&mut |key, cost| {
-            if key >> LAST_BITS == high {
-                last[(key & ((1 << LAST_BITS) - 1)) as usize] += u64::from(cost);
-            }
-        });
-        let key = (high << LAST_BITS) | descend(last, &mut room);
-        Break { key, room }
     }
 }
 
-/// The highest digit whose sum does not fit any more, or the lowest of all; `room` loses what
-/// lies above.
-fn descend(sums: &[u64], room: &mut u64) -> u32 {
-    for digit in (1..sums.len()).rev() {
-        if sums[digit] > *room {
-            return digit as u32;
+impl Span {
+    /// The exact key at which the room ends. `upgrades` calls back with key and cost of every
+    /// upgrade of the span; it is asked twice.
+    pub(super) fn find(mut self, upgrades: impl Fn(&mut dyn FnMut(u32, u32))) -> Break {
+        let mut sums = [0; BYTE];
+        upgrades(&mut |key, cost| sums[(key >> 8 & 0xff) as usize] += u64::from(cost));
+        let third = descend(&sums, &mut self.room);
+        let mut sums = [0; BYTE];
+        upgrades(&mut |key, cost| {
+            if (key >> 8 & 0xff) as usize == third {
+                sums[(key & 0xff) as usize] += u64::from(cost);
+            }
+        });
+        let fourth = descend(&sums, &mut self.room);
+        Break {
+            key: self.greatest & !0xffff | (third * BYTE + fourth) as u32,
+            room: self.room,
         }
-        *room -= sums[digit];
+    }
+}
+
+/// The highest byte whose sum does not fit any more, or the lowest of all; `room` loses what
+/// lies above.
+fn descend(sums: &[u64], room: &mut u64) -> usize {
+    for byte in (1..sums.len()).rev() {
+        if sums[byte] > *room {
+            return byte;
+        }
+        *room -= sums[byte];
     }
     0
 }
@@ -161,7 +138,7 @@ mod tests {
             all.iter().for_each(|u| frontier.add(u.0, u.1));
             for room in rooms {
                 let span = frontier.seek(room);
-                let found = frontier.find(room, |each| {
+                let found = span.find(|each| {
                     all.iter().filter(|u| u.0 >= span.least && u.0 <= span.greatest)
                         .for_each(|u| each(u.0, u.1));
                 });

@@ -8,173 +8,17 @@
 //! next or last upgrade lies near that key.
 
 use super::frontier::{Break, Frontier, Span};
-use super::menu::{Menu, MenuId, Offer, Point, from_fixed, to_fixed};
+use super::menu::{Menu, MenuId, Offer, from_fixed, to_fixed};
 use super::report::{Change, FrameReport, survey};
+use super::seat::{ALARM, EMPTY, Policy, Request, Seat, Watch};
 use crate::Mismatch;
 
-/// A change of scale below this factor leaves a character's judgement as it is.
-const SCALE_HYSTERESIS: f32 = 1.1;
-/// The same for weights, which go with the third power of the scale (pixels per metre times the
-/// pixels covered).
-const WEIGHT_HYSTERESIS: f32 = 1.331;
-/// Bounds that keep every product of weight, ageing and gain a normal number.
-const WEIGHTS: (f32, f32) = (1e-12, 1e15);
-const MOST_AGEING: f32 = 1e12;
-const MOST_PIXELS_PER_METRE: f32 = 1e9;
 /// A key for characters that must be looked at in any case; no upgrade has it.
 const TOUCHED: u32 = u32::MAX;
-/// Marks upgrades of a character that is above the cap: they come before all others.
-const URGENT: u32 = 1 << 31;
+/// Characters that are tested at once.
+const ROW: usize = 16;
 /// No option: hidden.
 const NOTHING: u8 = u8::MAX;
-
-/// What the budget aims at.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Policy {
-    /// Error that no character should exceed, pixels. Upgrades of those above it come first.
-    /// Infinite: there is no cap.
-    pub cap_px: f32,
-    /// Error below which a character is not improved any more, pixels; 0 spends the whole
-    /// budget, the cap spends no more than the cap asks for.
-    pub enough_px: f32,
-    /// A character that stays above the cap gains weight each time it has waited for so many
-    /// frames: after `w` frames it counts `(1 + w / patience)³` times. 0: nobody ages.
-    pub patience_frames: u32,
-    /// For so many frames a character that had to wait keeps the weight that it gained.
-    pub hold_frames: u32,
-}
-
-impl Default for Policy {
-    /// A cap of one pixel, the whole budget is spent, 16 frames each to wait and to hold.
-    fn default() -> Self {
-        Self {
-            cap_px: 1.0,
-            enough_px: 0.0,
-            patience_frames: 16,
-            hold_frames: 16,
-        }
-    }
-}
-
-/// What a visible character asks for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Request {
-    /// Its options.
-    pub menu: MenuId,
-    /// What a metre of its error counts: salience × pixels per metre × covered pixels. What is
-    /// negative or no number counts as 0: such a character is brought to the cap, no further.
-    pub weight: f32,
-    /// Pixels that one metre spans at its nearest depth; several views: the largest.
-    pub pixels_per_metre: f32,
-}
-
-/// How one character was judged last.
-#[derive(Debug, Clone, Copy)]
-struct Seat {
-    menu: u32,
-    weight: f32,
-    pixels_per_metre: f32,
-    /// Factor of the weight while it is above the cap.
-    ageing: f32,
-    /// Frame since which it waits, or at which its turn began.
-    waits_since: u32,
-    turn_since: u32,
-    /// Points up to this one are needed for the cap, up to `last` they are wanted.
-    target: u8,
-    last: u8,
-    chosen: u8,
-    visible: bool,
-    /// Above the cap for want of budget.
-    starved: bool,
-    /// It waited, and was served less than the hold ago.
-    turn: bool,
-    /// Judged anew at the next request, whatever it says.
-    due: bool,
-}
-
-const EMPTY: Seat = Seat {
-    menu: 0,
-    weight: 0.0,
-    pixels_per_metre: 0.0,
-    ageing: 1.0,
-    waits_since: 0,
-    turn_since: 0,
-    target: 0,
-    last: 0,
-    chosen: 0,
-    visible: false,
-    starved: false,
-    turn: false,
-    due: false,
-};
-
-impl Seat {
-    /// Key of the upgrade from point `i`.
-    fn key(&self, menu: &Menu, i: u8) -> u32 {
-        let gain = menu.steps()[usize::from(i)].gain_per_cost;
-        if i < self.target {
-            (self.weight * self.ageing * gain).to_bits() | URGENT
-        } else {
-            (self.weight * gain).to_bits().max(1)
-        }
-    }
-
-    fn judge(&mut self, menu: &Menu, request: &Request, policy: &Policy) {
-        *self = Self {
-            menu: request.menu.0,
-            weight: request.weight,
-            pixels_per_metre: request.pixels_per_metre,
-            due: false,
-            visible: true,
-            ..*self
-        };
-        let within = |limit| first_within(menu.points(), request.pixels_per_metre, limit);
-        self.target = within(policy.cap_px);
-        self.last = self.target;
-        if request.weight > WEIGHTS.0 {
-            self.last = within(policy.enough_px).max(self.target);
-        }
-    }
-}
-
-impl Seat {
-    /// The factor that its wait has earned it.
-    fn aged(&mut self, frame: u32, policy: &Policy) -> f32 {
-        if self.turn && frame.wrapping_sub(self.turn_since) >= policy.hold_frames {
-            self.turn = false;
-            self.waits_since = frame;
-        }
-        if !(self.turn || self.starved) {
-            return 1.0;
-        }
-        let waited = frame.wrapping_sub(self.waits_since) as f32 / policy.patience_frames as f32;
-        // Others are looked at up to one patience earlier or later; two keep a turn from them.
-        let lead = if self.turn { 2.0 } else { 0.0 };
-        (1.0 + waited + lead).powi(3).min(MOST_AGEING)
-    }
-}
-
-impl Request {
-    /// Without what would break sums and products.
-    fn tamed(self) -> Self {
-        Self {
-            menu: self.menu,
-            weight: tamed(self.weight, WEIGHTS.0, WEIGHTS.1),
-            pixels_per_metre: tamed(self.pixels_per_metre, 0.0, MOST_PIXELS_PER_METRE),
-        }
-    }
-}
-
-/// Clamps; what is no number is the least.
-fn tamed(x: f32, least: f32, most: f32) -> f32 {
-    if x >= least { x.min(most) } else { least }
-}
-
-/// The first point whose error is within a limit, or the best one.
-fn first_within(points: &[Point], pixels_per_metre: f32, limit_px: f32) -> u8 {
-    let within = |p: &Point| p.error_metres * pixels_per_metre <= limit_px;
-    points.iter().position(within).unwrap_or(points.len() - 1) as u8
-}
 
 /// The choice for a fixed number of characters, all hidden at first.
 ///
@@ -185,6 +29,7 @@ pub struct Budget {
     policy: Policy,
     menus: Vec<Menu>,
     seats: Vec<Seat>,
+    watches: Vec<Watch>,
     /// Keys of the upgrade that each would take next and of the one it took last.
     next_key: Vec<u32>,
     last_key: Vec<u32>,
@@ -215,6 +60,7 @@ impl Budget {
             policy,
             menus: Vec::new(),
             seats: vec![EMPTY; characters],
+            watches: vec![ALARM; characters],
             next_key: vec![0; characters],
             last_key: vec![TOUCHED; characters],
             error_metres: vec![0.0; characters],
@@ -255,22 +101,17 @@ impl Budget {
 
     /// Says how a visible character stands in this frame. It is judged anew only if it was hidden,
     /// has another menu, or its scale changed by more than 10 % (its weight: by more than a
-    /// third) since it was judged last. O(1), does not allocate.
+    /// third) since it was judged last; so its error may grow to a tenth above the cap before it is
+    /// seen. O(1), does not allocate.
     ///
     /// # Panics
     /// If there is no such character, or the menu is of another budget with more menus.
+    #[inline]
     pub fn request(&mut self, character: usize, request: Request) {
-        let request = request.tamed();
-        self.pixels_per_metre[character] = request.pixels_per_metre;
-        let seat = &self.seats[character];
-        let (scale, weight) = (request.pixels_per_metre, request.weight);
-        let same = seat.visible
-            && !seat.due
-            && seat.menu == request.menu.0
-            && near(seat.pixels_per_metre, scale, SCALE_HYSTERESIS)
-            && near(seat.weight, weight, WEIGHT_HYSTERESIS);
-        if !same {
-            self.judge(character, &request);
+        if self.watches[character].is_quiet(&request) {
+            self.pixels_per_metre[character] = request.pixels_per_metre;
+        } else {
+            self.judge(character, &request.tamed());
         }
     }
 
@@ -279,13 +120,14 @@ impl Budget {
         if self.seats[character].visible {
             self.retract(character);
             self.seats[character] = EMPTY;
+            self.watches[character] = ALARM;
             self.touch(character);
         }
     }
 
     /// Has a character judged anew at its next request: its hold ended.
     pub fn requeue(&mut self, character: usize) {
-        self.seats[character].due = true;
+        self.watches[character] = ALARM;
     }
 
     /// Replaces the policy; everyone is judged anew by it. O(characters), does not allocate.
@@ -335,12 +177,15 @@ impl Budget {
         &self.per_option
     }
 
+    #[cold]
     fn judge(&mut self, character: usize, request: &Request) {
         if self.seats[character].visible {
             self.retract(character);
         }
         let menu = &self.menus[request.menu.0 as usize];
         self.seats[character].judge(menu, request, &self.policy);
+        self.watches[character] = Watch::around(&self.seats[character]);
+        self.pixels_per_metre[character] = request.pixels_per_metre;
         self.enter(character);
     }
 
@@ -349,9 +194,8 @@ impl Budget {
         let seat = &self.seats[character];
         let menu = &self.menus[seat.menu as usize];
         let base = u64::from(menu.points()[0].cost);
-        for i in 0..seat.last {
-            let cost = menu.steps()[usize::from(i)].cost;
-            self.frontier.remove(seat.key(menu, i), cost);
+        for (key, cost) in seat.upgrades(menu, 0) {
+            self.frontier.remove(key, cost);
         }
         self.base -= base;
         self.demand -= u64::from(menu.points()[usize::from(seat.last)].cost);
@@ -365,9 +209,8 @@ impl Budget {
         seat.chosen = 0;
         let menu = &self.menus[seat.menu as usize];
         let base = u64::from(menu.points()[0].cost);
-        for i in 0..seat.last {
-            let cost = menu.steps()[usize::from(i)].cost;
-            self.frontier.add(seat.key(menu, i), cost);
+        for (key, cost) in seat.upgrades(menu, 0) {
+            self.frontier.add(key, cost);
         }
         self.base += base;
         self.demand += u64::from(menu.points()[usize::from(seat.last)].cost);
@@ -440,26 +283,21 @@ impl Budget {
             let character = self.looked_at[k] as usize;
             let (seat, menu) = seat_and_menu(&mut self.seats, &self.menus, character);
             let before = seat.chosen;
-            seat.chosen = (0..seat.last)
-                .find(|i| seat.key(menu, *i) <= span.greatest)
-                .unwrap_or(seat.last);
+            // Keys fall, but counting on costs less than guessing where they pass the span.
+            let above = seat.upgrades(menu, 0).filter(|u| u.0 > span.greatest);
+            seat.chosen = above.count() as u8;
             if seat.visible {
                 let cost = |i: u8| u64::from(menu.points()[usize::from(i)].cost);
                 self.used = self.used - cost(before) + cost(seat.chosen);
             }
         }
         let (seats, menus, looked_at) = (&self.seats, &self.menus, &self.looked_at);
-        let end = self.frontier.find(self.room, |each| {
+        let end = span.find(|each| {
             for character in looked_at {
                 let seat = &seats[*character as usize];
-                let menu = &menus[seat.menu as usize];
-                for i in seat.chosen..seat.last {
-                    let key = seat.key(menu, i);
-                    if key < span.least {
-                        break;
-                    }
-                    each(key, menu.steps()[usize::from(i)].cost);
-                }
+                let upgrades = seat.upgrades(&menus[seat.menu as usize], seat.chosen);
+                let within = upgrades.take_while(|u| u.0 >= span.least);
+                within.for_each(|(key, cost)| each(key, cost));
             }
         });
         self.settle(end);
@@ -467,24 +305,22 @@ impl Budget {
 
     /// Characters that changed, or have an upgrade on the wrong side of the span or in it.
     fn look_for(&mut self, span: Span) {
-        /// Characters that are tested at once.
-        const ROW: usize = 16;
         self.looked_at.clear();
-        let rows = self.next_key.chunks(ROW).zip(self.last_key.chunks(ROW));
-        for (row, (next, last)) in rows.enumerate() {
-            let near =
-                |(next, last): (&u32, &u32)| (*next >= span.least) | (*last <= span.greatest);
-            let any = next
-                .iter()
-                .zip(last)
-                .fold(false, |any, pair| any | near(pair));
+        let near = |next: u32, last: u32| (next >= span.least) | (last <= span.greatest);
+        let (next, next_rest) = self.next_key.as_chunks::<ROW>();
+        let (last, last_rest) = self.last_key.as_chunks::<ROW>();
+        let mut note = |from: usize, next: &[u32], last: &[u32]| {
+            let pairs = (from as u32..).zip(next.iter().zip(last));
+            let found = pairs.filter(|(_, (next, last))| near(**next, **last));
+            self.looked_at.extend(found.map(|(character, _)| character));
+        };
+        for (row, (next, last)) in next.iter().zip(last).enumerate() {
+            let any = (0..ROW).fold(false, |any, l| any | near(next[l], last[l]));
             if any {
-                let pairs = next.iter().zip(last).enumerate();
-                let found = pairs.filter(|(_, pair)| near(*pair));
-                let found = found.map(|(i, _)| (row * ROW + i) as u32);
-                self.looked_at.extend(found);
+                note(row * ROW, next, last);
             }
         }
+        note(next.len() * ROW, next_rest, last_rest);
     }
 
     /// Takes what lies above the break, and of what lies on it the first that fit, by character.
@@ -492,24 +328,23 @@ impl Budget {
         for k in 0..self.looked_at.len() {
             let character = self.looked_at[k] as usize;
             let (seat, menu) = seat_and_menu(&mut self.seats, &self.menus, character);
-            while seat.chosen < seat.last {
-                let key = seat.key(menu, seat.chosen);
-                let cost = u64::from(menu.steps()[usize::from(seat.chosen)].cost);
-                if key < end.key {
+            let mut chosen = seat.chosen;
+            for (key, cost) in seat.upgrades(menu, seat.chosen) {
+                let cost = u64::from(cost);
+                if key == end.key && cost <= end.room {
+                    end.room -= cost;
+                } else if key == end.key {
+                    // Nothing behind the first that does not fit, so that a larger budget never
+                    // takes anything back.
+                    end.room = 0;
+                    break;
+                } else if key < end.key {
                     break;
                 }
-                if key == end.key {
-                    if cost > end.room {
-                        // Nothing behind the first that does not fit, so that a larger budget
-                        // never takes anything back.
-                        end.room = 0;
-                        break;
-                    }
-                    end.room -= cost;
-                }
                 self.used += cost;
-                seat.chosen += 1;
+                chosen += 1;
             }
+            seat.chosen = chosen;
             self.show(character);
         }
     }
@@ -523,11 +358,11 @@ impl Budget {
             let menu = &self.menus[seat.menu as usize];
             let point = &menu.points()[usize::from(seat.chosen)];
             (now, error) = (point.option, point.error_metres);
-            if seat.chosen < seat.last {
-                self.next_key[character] = seat.key(menu, seat.chosen);
+            if let Some((key, _)) = seat.upgrades(menu, seat.chosen).next() {
+                self.next_key[character] = key;
             }
-            if seat.chosen > 0 {
-                self.last_key[character] = seat.key(menu, seat.chosen - 1);
+            if let Some(i) = seat.chosen.checked_sub(1) {
+                self.last_key[character] = seat.key(i, &menu.steps()[usize::from(i)]);
             }
         }
         let starved = seat.visible && seat.chosen < seat.target;
@@ -585,11 +420,6 @@ fn seat_and_menu<'a>(
     let seat = &mut seats[character];
     let menu = &menus[seat.menu as usize];
     (seat, menu)
-}
-
-/// Whether two numbers, neither negative, are within a factor of each other.
-fn near(a: f32, b: f32, factor: f32) -> bool {
-    a <= b * factor && b <= a * factor
 }
 
 fn option(shown: u8) -> Option<u8> {

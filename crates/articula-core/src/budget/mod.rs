@@ -34,8 +34,10 @@ mod frontier;
 mod knapsack;
 mod menu;
 mod report;
+mod seat;
 
 pub use cost_model::{CostModel, UnitCosts, Work};
-pub use knapsack::{Budget, Policy, Request};
+pub use knapsack::Budget;
 pub use menu::{Menu, MenuId, Offer, Point};
 pub use report::{Change, FrameReport};
+pub use seat::{Policy, Request};

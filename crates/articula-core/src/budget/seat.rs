@@ -1,0 +1,214 @@
+//! How one character stands in the budget: what it asks for, and what was made of it.
+//!
+//! Source: `spec/motion-lod.md` part 7 (what has a character judged anew, ageing).
+
+use super::menu::{Menu, MenuId, Point, Step};
+
+/// A change of scale below this factor leaves a character's judgement as it is.
+const SCALE_HYSTERESIS: f32 = 1.1;
+/// The same for weights, which go with the third power of the scale (pixels per metre times the
+/// pixels covered).
+const WEIGHT_HYSTERESIS: f32 = 1.331;
+/// Bounds that keep every product of weight, ageing and gain a normal number.
+const WEIGHTS: (f32, f32) = (1e-12, 1e15);
+const MOST_AGEING: f32 = 1e12;
+const MOST_PIXELS_PER_METRE: f32 = 1e9;
+/// Marks upgrades of a character that is above the cap: they come before all others.
+const URGENT: u32 = 1 << 31;
+
+/// What the budget aims at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Policy {
+    /// Error that no character should exceed, pixels. Upgrades of those above it come first.
+    /// Infinite: there is no cap.
+    pub cap_px: f32,
+    /// Error below which a character is not improved any more, pixels; 0 spends the whole
+    /// budget, the cap spends no more than the cap asks for.
+    pub enough_px: f32,
+    /// A character that stays above the cap gains weight each time it has waited for so many
+    /// frames: after `w` frames it counts `(1 + w / patience)³` times. 0: nobody ages.
+    pub patience_frames: u32,
+    /// For so many frames a character that had to wait keeps the weight that it gained.
+    pub hold_frames: u32,
+}
+
+impl Default for Policy {
+    /// A cap of one pixel, the whole budget is spent, 16 frames each to wait and to hold.
+    fn default() -> Self {
+        Self {
+            cap_px: 1.0,
+            enough_px: 0.0,
+            patience_frames: 16,
+            hold_frames: 16,
+        }
+    }
+}
+
+/// What a visible character asks for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Request {
+    /// Its options.
+    pub menu: MenuId,
+    /// What a metre of its error counts: salience × pixels per metre × covered pixels. What is
+    /// negative or no number counts as 0: such a character is brought to the cap, no further.
+    pub weight: f32,
+    /// Pixels that one metre spans at its nearest depth; several views: the largest.
+    pub pixels_per_metre: f32,
+}
+
+/// How one character was judged last.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seat {
+    pub(super) menu: u32,
+    pub(super) weight: f32,
+    pub(super) pixels_per_metre: f32,
+    /// Factor of the weight while it is above the cap.
+    pub(super) ageing: f32,
+    /// Frame since which it waits, or at which its turn began.
+    pub(super) waits_since: u32,
+    pub(super) turn_since: u32,
+    /// Points up to this one are needed for the cap, up to `last` they are wanted.
+    pub(super) target: u8,
+    pub(super) last: u8,
+    pub(super) chosen: u8,
+    pub(super) visible: bool,
+    /// Above the cap for want of budget.
+    pub(super) starved: bool,
+    /// It waited, and was served less than the hold ago.
+    pub(super) turn: bool,
+}
+
+/// Hidden.
+pub(super) const EMPTY: Seat = Seat {
+    menu: 0,
+    weight: 0.0,
+    pixels_per_metre: 0.0,
+    ageing: 1.0,
+    waits_since: 0,
+    turn_since: 0,
+    target: 0,
+    last: 0,
+    chosen: 0,
+    visible: false,
+    starved: false,
+    turn: false,
+};
+
+impl Seat {
+    /// Key of an upgrade from point `i`.
+    pub(super) fn key(&self, i: u8, step: &Step) -> u32 {
+        let urgent = i < self.target;
+        let ageing = if urgent { self.ageing } else { 1.0 };
+        let key = (self.weight * ageing * step.gain_per_cost).to_bits().max(1);
+        key | if urgent { URGENT } else { 0 }
+    }
+
+    /// Key and cost of every wanted upgrade from point `from` on; keys fall.
+    pub(super) fn upgrades<'a>(
+        &'a self,
+        menu: &'a Menu,
+        from: u8,
+    ) -> impl Iterator<Item = (u32, u32)> + 'a {
+        let steps = &menu.steps()[usize::from(from)..usize::from(self.last)];
+        let numbered = (from..).zip(steps);
+        numbered.map(|(i, step)| (self.key(i, step), step.cost))
+    }
+
+    /// Takes over what is asked for, and finds what is needed and what is wanted.
+    pub(super) fn judge(&mut self, menu: &Menu, request: &Request, policy: &Policy) {
+        *self = Self {
+            menu: request.menu.0,
+            weight: request.weight,
+            pixels_per_metre: request.pixels_per_metre,
+            visible: true,
+            ..*self
+        };
+        let within = |limit| first_within(menu.points(), request.pixels_per_metre, limit);
+        self.target = within(policy.cap_px);
+        self.last = self.target;
+        if request.weight > WEIGHTS.0 {
+            self.last = within(policy.enough_px).max(self.target);
+        }
+    }
+
+    /// The factor that its wait has earned it.
+    pub(super) fn aged(&mut self, frame: u32, policy: &Policy) -> f32 {
+        if self.turn && frame.wrapping_sub(self.turn_since) >= policy.hold_frames {
+            self.turn = false;
+            self.waits_since = frame;
+        }
+        if !(self.turn || self.starved) {
+            return 1.0;
+        }
+        let waited = frame.wrapping_sub(self.waits_since) as f32 / policy.patience_frames as f32;
+        // Others are looked at up to one patience earlier or later; two keep a turn from them.
+        let lead = if self.turn { 2.0 } else { 0.0 };
+        (1.0 + waited + lead).powi(3).min(MOST_AGEING)
+    }
+}
+
+impl Request {
+    /// Without what would break sums and products.
+    pub(super) fn tamed(self) -> Self {
+        Self {
+            menu: self.menu,
+            weight: tamed(self.weight, WEIGHTS.0, WEIGHTS.1),
+            pixels_per_metre: tamed(self.pixels_per_metre, 0.0, MOST_PIXELS_PER_METRE),
+        }
+    }
+}
+
+/// Clamps; what is no number is the least.
+fn tamed(x: f32, least: f32, most: f32) -> f32 {
+    if x >= least { x.min(most) } else { least }
+}
+
+/// What a request must be like for its character to stay as it was judged.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Watch {
+    menu: u32,
+    scale: (f32, f32),
+    weight: (f32, f32),
+}
+
+/// No request is like this.
+pub(super) const ALARM: Watch = Watch {
+    menu: 0,
+    scale: (f32::NAN, f32::NAN),
+    weight: (f32::NAN, f32::NAN),
+};
+
+impl Watch {
+    /// Within the hysteresis of how a character was judged.
+    pub(super) fn around(seat: &Seat) -> Self {
+        let least = match seat.weight > WEIGHTS.0 {
+            true => seat.weight / WEIGHT_HYSTERESIS,
+            // Whatever does not count.
+            false => 0.0,
+        };
+        let scale = seat.pixels_per_metre;
+        Self {
+            menu: seat.menu,
+            scale: (scale / SCALE_HYSTERESIS, scale * SCALE_HYSTERESIS),
+            weight: (least, seat.weight * WEIGHT_HYSTERESIS),
+        }
+    }
+
+    /// Without branches: nearly all requests are like this.
+    pub(super) fn is_quiet(&self, request: &Request) -> bool {
+        let (scale, weight) = (request.pixels_per_metre, request.weight);
+        (self.menu == request.menu.0)
+            & (scale >= self.scale.0)
+            & (scale <= self.scale.1)
+            & (weight >= self.weight.0)
+            & (weight <= self.weight.1)
+    }
+}
+
+/// The first point whose error is within a limit, or the best one.
+fn first_within(points: &[Point], pixels_per_metre: f32, limit_px: f32) -> u8 {
+    let outside = points
+        .iter()
+        .filter(|p| p.error_metres * pixels_per_metre > limit_px);
+    outside.count().min(points.len() - 1) as u8
+}
