@@ -15,7 +15,9 @@
 //!   be, and how large
 //! - [`pose`], [`sample`], [`mod@blend`], [`hierarchy`], [`skin`]: one verb each
 //! - [`joint_state`]: active, passive and the transitions between them
+//! - [`motion_bounds`]: what holds a moving character, by the second of its clip
 //! - [`motion_error`]: what a held joint costs, in metres and in pixels
+//! - [`attention`]: when a clip and who plays it matter more, so that less error is tolerated
 //! - [`thesis_metric`]: the second step of the thesis' metric, kept as a baseline
 //! - [`drift`]: ours, untabled: holds joints while what is shown stays within the tolerance
 //! - [`budget`]: one option for each character of a crowd, least error within the budget
@@ -29,6 +31,7 @@
 //! Units are metres, seconds and radians; +Y is up and a character faces +Z.
 
 pub mod articulation;
+pub mod attention;
 pub mod batch;
 pub mod blend;
 pub mod budget;

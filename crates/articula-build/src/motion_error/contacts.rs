@@ -4,6 +4,7 @@
 //! lowest height of the clip, for 80 ms or more.
 
 use crate::character::Asset;
+use articula_core::attention::Interval;
 use articula_core::clip::Clip;
 use articula_core::hierarchy::local_to_model;
 use articula_core::pose::ModelPose;
@@ -85,6 +86,17 @@ pub fn attention(asset: &Asset, contacts: &[Contact], frame: usize, out: &mut [f
     }
 }
 
+/// The contacts of a clip as intervals in which less is tolerated of the whole body.
+pub fn intervals(contacts: &[Contact], clip: &Clip) -> Vec<Interval> {
+    let interval = |contact: &Contact| Interval {
+        start_secs: contact.frames.start as f32 / clip.rate_hz(),
+        // Up to the first frame that moves: a pose between the two is still half of the contact.
+        end_secs: (contact.frames.end as f32 / clip.rate_hz()).min(clip.duration_secs()),
+        factor: CONTACT_ATTENTION,
+    };
+    contacts.iter().map(interval).collect()
+}
+
 /// Runs of at least `least` frames for which `stands` holds.
 fn runs(frames: usize, stands: impl Fn(usize) -> bool, least: usize) -> Vec<Range<usize>> {
     let mut runs = Vec::new();
@@ -120,6 +132,20 @@ fn paths(asset: &Asset, clip: &Clip, joints: &[usize]) -> Vec<Vec<Vec3>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use articula_core::attention::Attention;
+    use articula_core::clip::Tracks;
+
+    #[test]
+    fn contacts_become_intervals_of_the_clip() {
+        let clip = Clip::new("c", 10.0, 11, 1, Tracks::default()).unwrap();
+        let contact = |frames| Contact { joint: 0, frames };
+        let found = intervals(&[contact(2..5), contact(8..11)], &clip);
+        let ends: Vec<_> = found.iter().map(|i| (i.start_secs, i.end_secs)).collect();
+        assert_eq!(ends, [(0.2, 0.5), (0.8, 1.0)]);
+        let attention = Attention::new(clip.duration_secs(), &found).unwrap();
+        assert_eq!(attention.at(0.3, Wrap::Loop), CONTACT_ATTENTION);
+        assert_eq!(attention.at(0.6, Wrap::Loop), 1.0);
+    }
 
     #[test]
     fn short_stops_are_no_contacts() {
