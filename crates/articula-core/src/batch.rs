@@ -4,14 +4,15 @@
 //! part 3. The plain path is [`sample`](crate::sample), [`blend`](crate::blend) and
 //! [`hierarchy`](crate::hierarchy); a property test holds every backend to it.
 //!
-//! Each character is a lane, so no joint waits for another lane's parent. Rigs without scale
-//! chain quaternions; rigs with scale chain matrices, as glTF defines them.
+//! Each character is a lane, so no joint waits for another lane's parent. Joints that no scale
+//! reaches chain quaternions; from a scaled joint downwards matrices are chained, as glTF defines
+//! them.
 
 use crate::Mismatch;
 use crate::clip_set::{ClipSet, Cursor, Rows};
 use crate::palette::{Bind, Entry, PaletteForm, PaletteMap, PaletteRows};
 use crate::simd::{Backend, Kernel, LANES, Lanes, Row, Tile, dispatch};
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 /// What one character of a batch shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +40,7 @@ impl From<Cursor> for Shown {
 struct Joint {
     /// Rows of the 3x4 model-from-joint matrix.
     matrix: [[Tile; 4]; 3],
-    /// Rotation of that matrix; not kept for rigs with scale.
+    /// Rotation of that matrix; of no meaning at and below a scaled joint.
     rotation: [Tile; 4],
 }
 
@@ -257,11 +258,9 @@ struct Batch<'a> {
 impl Kernel for Batch<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        match (self.clips.rows(), self.clips.is_scaled()) {
-            (Rows::Float(rows), false) => self.walk::<L, _, false>(FloatFrames(rows)),
-            (Rows::Float(rows), true) => self.walk::<L, _, true>(FloatFrames(rows)),
-            (Rows::Short(rows), false) => self.walk::<L, _, false>(ShortFrames(rows)),
-            (Rows::Short(rows), true) => self.walk::<L, _, true>(ShortFrames(rows)),
+        match self.clips.rows() {
+            Rows::Float(rows) => self.walk::<L, _>(FloatFrames(rows)),
+            Rows::Short(rows) => self.walk::<L, _>(ShortFrames(rows)),
         }
     }
 }
@@ -336,8 +335,8 @@ impl<'a, L: Lanes, N> Span<'a, L, N> {
 
     /// The four numbers of a slot at this time, for every lane.
     #[inline(always)]
-    fn slot<F: Frames<Number = N>>(&self, clips: &ClipSet, slot: u32) -> [L; 4] {
-        let at = slot as usize;
+    fn slot<F: Frames<Number = N>>(&self, clips: &ClipSet, at: usize) -> [L; 4] {
+        let slot = at as u32;
         let weights = if clips.is_held_somewhere(slot) {
             self.weights_of_held(clips, slot)
         } else {
@@ -359,93 +358,216 @@ impl<'a, L: Lanes, N> Span<'a, L, N> {
     }
 }
 
+// Sampling is a pass of its own: what it and the chain need at once does not fit the registers
+// (measured: 205 against 129 ns for a figure of 67 joints, nothing stored). Writing follows each
+// joint, while its matrix is near.
 impl Batch<'_> {
-    /// Joints in ladder order, parents before children.
     #[inline(always)]
-    fn walk<L: Lanes, F: Frames, const SCALED: bool>(mut self, frames: F) {
-        let (clips, slots) = (self.clips, self.clips.slots());
-        let from = Span::<L, _>::new(frames.all(), &self.from, slots);
-        let to_cursors = self.fade.map_or(self.from, |(to, _)| to);
-        let to = Span::<L, _>::new(frames.all(), &to_cursors, slots);
-        let fade = self.fade.map(|(_, fade)| L::load(&Tile(fade)));
-        let stride = self.entries.len() * self.form.rows();
-        let mut entry = 0;
+    fn walk<L: Lanes, F: Frames>(mut self, frames: F) {
+        self.sample::<L, F>(frames);
+        let entries = match self.out {
+            Out::Tile => &[],
+            _ => self.entries,
+        };
+        let mut next = 0;
         for place in 0..self.kept {
-            let source = clips.sources()[place];
-            let constant = clips.constants()[place];
-            let mut rotation = match source[0] {
-                Some(slot) => normalised(from.slot::<F>(clips, slot)),
-                None => splat4(constant.rotation),
-            };
-            let mut translation = vector::<L, F>(clips, &from, source[1], constant.translation);
-            if let Some(fade) = fade {
-                if let Some(slot) = source[0] {
-                    let other = normalised(to.slot::<F>(clips, slot));
-                    rotation = faded(rotation, other, fade);
+            self.chain::<L>(place);
+            while next < entries.len() && usize::from(entries[next].place) == place {
+                match self.form.is_rigid() {
+                    true => self.write_rigid::<L>(next),
+                    false => self.write_matrix::<L>(next),
                 }
-                if source[1].is_some() {
-                    let other = vector::<L, F>(clips, &to, source[1], constant.translation);
-                    translation = lerp3(translation, other, fade);
-                }
-            }
-            let parent = clips.ladder().parents()[place].map(usize::from);
-            let parent = parent.map(|p| &self.joints[p]);
-            let (rows, rotation) = if SCALED {
-                let mut scale = vector::<L, F>(clips, &from, source[2], constant.scale);
-                if let (Some(fade), Some(_)) = (fade, source[2]) {
-                    let other = vector::<L, F>(clips, &to, source[2], constant.scale);
-                    scale = lerp3(scale, other, fade);
-                }
-                (matrix_chain(parent, rotation, translation, scale), rotation)
-            } else {
-                quaternion_chain(parent, rotation, translation)
-            };
-            let joint = &mut self.joints[place];
-            for (tiles, row) in joint.matrix.iter_mut().zip(rows) {
-                store4(row, tiles);
-            }
-            if !SCALED {
-                store4(rotation, &mut joint.rotation);
-            }
-            while let Some(e) = self
-                .entries
-                .get(entry)
-                .filter(|e| usize::from(e.place) == place)
-            {
-                let at = entry * self.form.rows();
-                write(
-                    &mut self.out,
-                    self.form,
-                    rows,
-                    rotation,
-                    e.bind.as_ref(),
-                    (stride, at),
-                );
-                entry += 1;
+                next += 1;
             }
         }
     }
+
+    /// Local rotations, translations and scales of the channels that move, each to the place in
+    /// [`Joint`] where [`Batch::chain`] takes it from.
+    #[inline(always)]
+    fn sample<L: Lanes, F: Frames>(&mut self, frames: F) {
+        let clips = self.clips;
+        let from = Span::<L, _>::new(frames.all(), &self.from, clips.slots());
+        for (slot, place) in clips.rotations(self.kept).iter().enumerate() {
+            let rotation = normalised(from.slot::<F>(clips, slot));
+            store4(rotation, &mut self.joints[usize::from(*place)].rotation);
+        }
+        let (places, first) = clips.translations(self.kept);
+        for (i, place) in places.iter().enumerate() {
+            let v = vector::<L, F>(clips, &from, first + i);
+            self.joints[usize::from(*place)].set_translation(v);
+        }
+        let (places, first) = clips.scales(self.kept);
+        for (i, place) in places.iter().enumerate() {
+            let v = vector::<L, F>(clips, &from, first + i);
+            self.joints[usize::from(*place)].set_scale(v);
+        }
+        if let Some((to, fade)) = self.fade {
+            let to = Span::<L, _>::new(frames.all(), &to, clips.slots());
+            self.fade_in::<L, F>(&to, L::load(&Tile(fade)));
+        }
+    }
+
+    /// Moves what was sampled towards a second clip.
+    #[inline(always)]
+    fn fade_in<L: Lanes, F: Frames>(&mut self, to: &Span<'_, L, F::Number>, fade: L) {
+        let clips = self.clips;
+        for (slot, place) in clips.rotations(self.kept).iter().enumerate() {
+            let joint = &mut self.joints[usize::from(*place)];
+            let other = normalised(to.slot::<F>(clips, slot));
+            store4(
+                faded(load4(&joint.rotation), other, fade),
+                &mut joint.rotation,
+            );
+        }
+        let (places, first) = clips.translations(self.kept);
+        for (i, place) in places.iter().enumerate() {
+            let joint = &mut self.joints[usize::from(*place)];
+            let other = vector::<L, F>(clips, to, first + i);
+            joint.set_translation(lerp3(joint.translation(), other, fade));
+        }
+        let (places, first) = clips.scales(self.kept);
+        for (i, place) in places.iter().enumerate() {
+            let joint = &mut self.joints[usize::from(*place)];
+            let other = vector::<L, F>(clips, to, first + i);
+            joint.set_scale(lerp3(joint.scale(), other, fade));
+        }
+    }
+
+    /// The model-space matrix of one joint, whose parent has its own.
+    #[inline(always)]
+    fn chain<L: Lanes>(&mut self, place: usize) {
+        let clips = self.clips;
+        let (above, joint) = self.joints.split_at_mut(place);
+        let joint = &mut joint[0];
+        let (source, constant) = (&clips.sources()[place], &clips.constants()[place]);
+        let rotation = match source[0] {
+            Some(_) => load4(&joint.rotation),
+            None => splat4(constant.rotation.to_array()),
+        };
+        let translation = match source[1] {
+            Some(_) => joint.translation(),
+            None => splat3(constant.translation),
+        };
+        let parent = clips.ladder().parents()[place].map(|p| &above[usize::from(p)]);
+        if clips.scaled()[place] {
+            let scale = match source[2] {
+                Some(_) => joint.scale(),
+                None => splat3(constant.scale),
+            };
+            joint.set_rows(matrix_chain::<L>(parent, rotation, translation, scale));
+        } else {
+            let (rows, rotation) = quaternion_chain::<L>(parent, rotation, translation);
+            joint.set_rows(rows);
+            store4(rotation, &mut joint.rotation);
+        }
+    }
+
+    #[inline(always)]
+    fn write_matrix<L: Lanes>(&mut self, at: usize) {
+        let (entry, stride) = (&self.entries[at], self.entries.len() * 3);
+        let rows = self.joints[usize::from(entry.place)].rows::<L>();
+        let [x, y, z] = match &entry.bind {
+            None => rows,
+            Some(Bind { rows: b, .. }) => [bound(rows[0], b), bound(rows[1], b), bound(rows[2], b)],
+        };
+        self.out.store(x, stride, at * 3);
+        self.out.store(y, stride, at * 3 + 1);
+        self.out.store(z, stride, at * 3 + 2);
+    }
+
+    #[inline(always)]
+    fn write_rigid<L: Lanes>(&mut self, at: usize) {
+        let (entry, stride) = (&self.entries[at], self.entries.len() * 2);
+        let joint = &self.joints[usize::from(entry.place)];
+        let rotation = load4::<L>(&joint.rotation);
+        let (rotation, t) = match &entry.bind {
+            None => (rotation, joint.translation()),
+            Some(bind) => (
+                product(rotation, splat4(bind.rotation.to_array())),
+                moved(&joint.rows(), splat3(bind.translation)),
+            ),
+        };
+        self.out.store(rotation, stride, at * 2);
+        self.out
+            .store([t[0], t[1], t[2], L::splat(1.0)], stride, at * 2 + 1);
+    }
 }
 
+impl Joint {
+    #[inline(always)]
+    fn rows<L: Lanes>(&self) -> [[L; 4]; 3] {
+        let [x, y, z] = &self.matrix;
+        [load4(x), load4(y), load4(z)]
+    }
+
+    #[inline(always)]
+    fn set_rows<L: Lanes>(&mut self, rows: [[L; 4]; 3]) {
+        let [x, y, z] = &mut self.matrix;
+        store4(rows[0], x);
+        store4(rows[1], y);
+        store4(rows[2], z);
+    }
+
+    /// The last column: the local translation before the chain, the place in the model after.
+    #[inline(always)]
+    fn translation<L: Lanes>(&self) -> [L; 3] {
+        let [x, y, z] = &self.matrix;
+        [L::load(&x[3]), L::load(&y[3]), L::load(&z[3])]
+    }
+
+    #[inline(always)]
+    fn set_translation<L: Lanes>(&mut self, v: [L; 3]) {
+        let [x, y, z] = &mut self.matrix;
+        v[0].store(&mut x[3]);
+        v[1].store(&mut y[3]);
+        v[2].store(&mut z[3]);
+    }
+
+    /// The first row, before the chain.
+    #[inline(always)]
+    fn scale<L: Lanes>(&self) -> [L; 3] {
+        let [x, y, z, _] = &self.matrix[0];
+        [L::load(x), L::load(y), L::load(z)]
+    }
+
+    #[inline(always)]
+    fn set_scale<L: Lanes>(&mut self, v: [L; 3]) {
+        let [x, y, z, _] = &mut self.matrix[0];
+        v[0].store(x);
+        v[1].store(y);
+        v[2].store(z);
+    }
+}
+
+// No closures and no iterators over lanes below: they would be compiled without the backend's
+// instructions, and then not be joined with the kernel (measured: eighteen times slower).
+
 #[inline(always)]
-fn splat4<L: Lanes>(q: Quat) -> [L; 4] {
-    q.to_array().map(L::splat)
+fn splat4<L: Lanes>(v: [f32; 4]) -> [L; 4] {
+    [
+        L::splat(v[0]),
+        L::splat(v[1]),
+        L::splat(v[2]),
+        L::splat(v[3]),
+    ]
 }
 
 #[inline(always)]
 fn splat3<L: Lanes>(v: Vec3) -> [L; 3] {
-    v.to_array().map(L::splat)
+    [L::splat(v.x), L::splat(v.y), L::splat(v.z)]
 }
 
 #[inline(always)]
 fn load4<L: Lanes>(tiles: &[Tile; 4]) -> [L; 4] {
-    std::array::from_fn(|i| L::load(&tiles[i]))
+    let [a, b, c, d] = tiles;
+    [L::load(a), L::load(b), L::load(c), L::load(d)]
 }
 
 #[inline(always)]
 fn store4<L: Lanes>(lanes: [L; 4], tiles: &mut [Tile; 4]) {
-    for (lane, tile) in lanes.into_iter().zip(tiles) {
-        lane.store(tile);
+    for i in 0..4 {
+        lanes[i].store(&mut tiles[i]);
     }
 }
 
@@ -458,7 +580,12 @@ fn dot4<L: Lanes>(a: [L; 4], b: [L; 4]) -> L {
 #[inline(always)]
 fn normalised<L: Lanes>(q: [L; 4]) -> [L; 4] {
     let scale = L::splat(1.0).div(dot4(q, q).sqrt());
-    q.map(|c| c.mul(scale))
+    [
+        q[0].mul(scale),
+        q[1].mul(scale),
+        q[2].mul(scale),
+        q[3].mul(scale),
+    ]
 }
 
 /// Normalised linear blend on the short way.
@@ -466,26 +593,30 @@ fn normalised<L: Lanes>(q: [L; 4]) -> [L; 4] {
 fn faded<L: Lanes>(a: [L; 4], b: [L; 4], weight: L) -> [L; 4] {
     let towards = weight.mul(dot4(a, b).sign());
     let rest = L::splat(1.0).sub(weight);
-    let blend: [L; 4] = std::array::from_fn(|i| a[i].mul(rest).add(b[i].mul(towards)));
-    normalised(blend)
+    normalised([
+        a[0].mul(rest).add(b[0].mul(towards)),
+        a[1].mul(rest).add(b[1].mul(towards)),
+        a[2].mul(rest).add(b[2].mul(towards)),
+        a[3].mul(rest).add(b[3].mul(towards)),
+    ])
 }
 
 #[inline(always)]
 fn lerp3<L: Lanes>(a: [L; 3], b: [L; 3], weight: L) -> [L; 3] {
-    std::array::from_fn(|i| a[i].add(b[i].sub(a[i]).mul(weight)))
+    [
+        a[0].add(b[0].sub(a[0]).mul(weight)),
+        a[1].add(b[1].sub(a[1]).mul(weight)),
+        a[2].add(b[2].sub(a[2]).mul(weight)),
+    ]
 }
 
-/// Translation or scale: a constant, or a slot brought back from its range.
+/// A translation or scale, brought back from the range of its slot.
 #[inline(always)]
 fn vector<L: Lanes, F: Frames>(
     clips: &ClipSet,
     span: &Span<'_, L, F::Number>,
-    slot: Option<u32>,
-    constant: Vec3,
+    slot: usize,
 ) -> [L; 3] {
-    let Some(slot) = slot else {
-        return splat3(constant);
-    };
     let [x, y, z, _] = span.slot::<F>(clips, slot);
     match clips.range(slot) {
         None => [x, y, z],
@@ -535,23 +666,31 @@ fn along<L: Lanes>(row: [L; 4], v: [L; 3]) -> L {
     xy.add(row[2].mul(v[2]))
 }
 
-/// A rig without scale: model-space quaternions, and the matrix of each.
+/// Where a parent's rows take a point.
+#[inline(always)]
+fn moved<L: Lanes>(rows: &[[L; 4]; 3], point: [L; 3]) -> [L; 3] {
+    [
+        along(rows[0], point).add(rows[0][3]),
+        along(rows[1], point).add(rows[1][3]),
+        along(rows[2], point).add(rows[2][3]),
+    ]
+}
+
+/// Without scale: model-space quaternions, and the matrix of each.
 #[inline(always)]
 fn quaternion_chain<L: Lanes>(
     parent: Option<&Joint>,
     rotation: [L; 4],
     translation: [L; 3],
 ) -> ([[L; 4]; 3], [L; 4]) {
-    let (rotation, translation) = match parent {
+    let (rotation, [tx, ty, tz]) = match parent {
         None => (rotation, translation),
-        Some(parent) => {
-            let rows = parent.matrix.each_ref().map(load4::<L>);
-            let moved = rows.map(|row| along(row, translation).add(row[3]));
-            (product(load4(&parent.rotation), rotation), moved)
-        }
+        Some(parent) => (
+            product(load4(&parent.rotation), rotation),
+            moved(&parent.rows(), translation),
+        ),
     };
     let [x, y, z] = matrix_of(rotation);
-    let [tx, ty, tz] = translation;
     let rows = [
         [x[0], x[1], x[2], tx],
         [y[0], y[1], y[2], ty],
@@ -560,7 +699,7 @@ fn quaternion_chain<L: Lanes>(
     (rows, rotation)
 }
 
-/// A rig with scale: matrices all the way, so that children inherit shear as glTF has it.
+/// With scale: matrices all the way down, so that children inherit shear as glTF has it.
 #[inline(always)]
 fn matrix_chain<L: Lanes>(
     parent: Option<&Joint>,
@@ -568,61 +707,49 @@ fn matrix_chain<L: Lanes>(
     translation: [L; 3],
     scale: [L; 3],
 ) -> [[L; 4]; 3] {
-    let local =
-        matrix_of(rotation).map(|r| [r[0].mul(scale[0]), r[1].mul(scale[1]), r[2].mul(scale[2])]);
-    match parent {
-        None => std::array::from_fn(|r| {
-            let [a, b, c] = local[r];
-            [a, b, c, translation[r]]
-        }),
+    let [x, y, z] = matrix_of(rotation);
+    let column = [
+        [x[0].mul(scale[0]), y[0].mul(scale[0]), z[0].mul(scale[0])],
+        [x[1].mul(scale[1]), y[1].mul(scale[1]), z[1].mul(scale[1])],
+        [x[2].mul(scale[2]), y[2].mul(scale[2]), z[2].mul(scale[2])],
+    ];
+    let [a, b, c, d] = match parent {
+        None => [column[0], column[1], column[2], translation],
         Some(parent) => {
-            let column = |c: usize| [local[0][c], local[1][c], local[2][c]];
-            let (a, b, c) = (column(0), column(1), column(2));
-            parent.matrix.each_ref().map(|row| {
-                let row = load4::<L>(row);
-                let t = along(row, translation).add(row[3]);
-                [along(row, a), along(row, b), along(row, c), t]
-            })
+            let rows = parent.rows();
+            [
+                turned(&rows, column[0]),
+                turned(&rows, column[1]),
+                turned(&rows, column[2]),
+                moved(&rows, translation),
+            ]
         }
-    }
+    };
+    [
+        [a[0], b[0], c[0], d[0]],
+        [a[1], b[1], c[1], d[1]],
+        [a[2], b[2], c[2], d[2]],
+    ]
 }
 
-/// Writes one entry for all lanes.
+/// Where a parent's rows take a direction.
 #[inline(always)]
-fn write<L: Lanes>(
-    out: &mut Out<'_>,
-    form: PaletteForm,
-    rows: [[L; 4]; 3],
-    rotation: [L; 4],
-    bind: Option<&Bind>,
-    (stride, at): (usize, usize),
-) {
-    if matches!(out, Out::Tile) {
-        return;
-    }
-    if form.is_rigid() {
-        let (rotation, translation) = match bind {
-            None => (rotation, rows.map(|r| r[3])),
-            Some(bind) => {
-                let by = splat3::<L>(bind.translation);
-                let moved = rows.map(|row| along(row, by).add(row[3]));
-                (product(rotation, splat4(bind.rotation)), moved)
-            }
-        };
-        let [x, y, z] = translation;
-        out.store(rotation, stride, at);
-        out.store([x, y, z, L::splat(1.0)], stride, at + 1);
-        return;
-    }
-    for (r, row) in rows.into_iter().enumerate() {
-        let row = match bind {
-            None => row,
-            Some(bind) => {
-                let [x, y, z] = bind.rows.map(|b| b.map(L::splat));
-                let column = |c: usize| along(row, [x[c], y[c], z[c]]);
-                [column(0), column(1), column(2), column(3).add(row[3])]
-            }
-        };
-        out.store(row, stride, at + r);
-    }
+fn turned<L: Lanes>(rows: &[[L; 4]; 3], v: [L; 3]) -> [L; 3] {
+    [along(rows[0], v), along(rows[1], v), along(rows[2], v)]
+}
+
+/// One row of a matrix times a bind matrix.
+#[inline(always)]
+fn bound<L: Lanes>(row: [L; 4], bind: &[Row; 3]) -> [L; 4] {
+    let (x, y, z) = (
+        splat4::<L>(bind[0]),
+        splat4::<L>(bind[1]),
+        splat4::<L>(bind[2]),
+    );
+    [
+        along(row, [x[0], y[0], z[0]]),
+        along(row, [x[1], y[1], z[1]]),
+        along(row, [x[2], y[2], z[2]]),
+        along(row, [x[3], y[3], z[3]]).add(row[3]),
+    ]
 }

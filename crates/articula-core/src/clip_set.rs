@@ -16,6 +16,10 @@ use crate::rig::Rig;
 use crate::simd::Row;
 use glam::{Quat, Vec3};
 
+/// Differences that files leave in channels that stand still: a channel whose numbers stay
+/// within this of their first ones is a constant, and a scale this near to one is one.
+const STILL: f32 = 2e-6;
+
 /// How the numbers of a [`ClipSet`] are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub enum Storage {
@@ -74,13 +78,15 @@ pub struct ClipSet {
     ladder: Ladder,
     constants: Vec<Transform>,
     sources: Vec<Source>,
+    moving: [Vec<u16>; 3],
     ranges: Vec<SlotRange>,
     first_range: usize,
     rows: Rows,
     slots: usize,
     segments: Vec<Segment>,
     held: Vec<u32>,
-    scaled: bool,
+    /// Whether a joint or one above it is scaled, by place.
+    scaled: Vec<bool>,
 }
 
 impl ClipSet {
@@ -116,7 +122,15 @@ impl ClipSet {
                 .collect(),
         };
         let joints = ladder.joints().iter();
-        let constants: Vec<Transform> = joints.map(|&j| frames[0].at(usize::from(j), 0)).collect();
+        let constants: Vec<Transform> = joints
+            .map(|&j| {
+                let mut first = frames[0].at(usize::from(j), 0);
+                if first.scale.abs_diff_eq(Vec3::ONE, STILL) {
+                    first.scale = Vec3::ONE;
+                }
+                first
+            })
+            .collect();
         let (sources, slots) = layout(&ladder, &constants, &frames);
         let all: usize = frames.iter().map(Frames::len).sum();
         if all.saturating_mul(slots) > u32::MAX as usize {
@@ -132,9 +146,18 @@ impl ClipSet {
         let mut held: Vec<u32> = segments.iter().flat_map(|s| s.held.clone()).collect();
         held.sort_unstable();
         held.dedup();
-        let moved = sources.iter().any(|s| s[2].is_some());
+        let mut scaled = vec![false; ladder.len()];
+        for (place, parent) in ladder.parents().iter().enumerate() {
+            let own = sources[place][2].is_some() || constants[place].scale != Vec3::ONE;
+            scaled[place] = own || parent.is_some_and(|p| scaled[usize::from(p)]);
+        }
+        let moving = std::array::from_fn(|channel| {
+            let places = (0..ladder.len()).filter(|&p| sources[p][channel].is_some());
+            places.map(|p| p as u16).collect()
+        });
         Ok(Self {
-            scaled: moved || constants.iter().any(|t| t.scale != Vec3::ONE),
+            scaled,
+            moving,
             ladder,
             constants,
             sources,
@@ -170,7 +193,7 @@ impl ClipSet {
 
     /// Whether any joint is scaled, at rest or by a clip.
     pub fn is_scaled(&self) -> bool {
-        self.scaled
+        self.scaled.contains(&true)
     }
 
     /// Bytes that the frames of all clips take.
@@ -208,12 +231,34 @@ impl ClipSet {
         }
     }
 
+    /// Whether each joint or one above it is scaled, by place.
+    pub(crate) fn scaled(&self) -> &[bool] {
+        &self.scaled
+    }
+
     pub(crate) fn rows(&self) -> &Rows {
         &self.rows
     }
 
+    /// Whether each joint's rotation, translation and scale come from slots, by place.
     pub(crate) fn sources(&self) -> &[Source] {
         &self.sources
+    }
+
+    /// Places below `kept` whose rotations take slots; the slots count up from 0.
+    pub(crate) fn rotations(&self, kept: usize) -> &[u16] {
+        below(&self.moving[0], kept)
+    }
+
+    /// Places below `kept` whose translations take slots, and the first of these slots.
+    pub(crate) fn translations(&self, kept: usize) -> (&[u16], usize) {
+        (below(&self.moving[1], kept), self.moving[0].len())
+    }
+
+    /// Places below `kept` whose scales take slots, and the first of these slots.
+    pub(crate) fn scales(&self, kept: usize) -> (&[u16], usize) {
+        let first = self.moving[0].len() + self.moving[1].len();
+        (below(&self.moving[2], kept), first)
     }
 
     pub(crate) fn constants(&self) -> &[Transform] {
@@ -221,9 +266,8 @@ impl ClipSet {
     }
 
     /// Range of a translation or scale slot; `None` where numbers are stored as they are.
-    pub(crate) fn range(&self, slot: u32) -> Option<&SlotRange> {
-        self.ranges
-            .get((slot as usize).wrapping_sub(self.first_range))
+    pub(crate) fn range(&self, slot: usize) -> Option<&SlotRange> {
+        self.ranges.get(slot.wrapping_sub(self.first_range))
     }
 
     /// Whether any clip holds the values of a slot until the next frame.
@@ -238,6 +282,10 @@ impl ClipSet {
             .binary_search(&slot)
             .is_ok()
     }
+}
+
+fn below(places: &[u16], kept: usize) -> &[u16] {
+    &places[..places.partition_point(|p| usize::from(*p) < kept)]
 }
 
 fn check(clip: &Clip, joints: usize) -> Result<(), Mismatch> {
@@ -332,9 +380,10 @@ fn layout(ladder: &Ladder, constants: &[Transform], clips: &[Frames<'_>]) -> (Ve
         let (joint, constant) = (usize::from(ladder.joints()[place]), constants[place]);
         for (clip, frame) in clips.iter().flat_map(|c| (0..c.len()).map(move |f| (c, f))) {
             let now = clip.at(joint, frame);
-            moves[0] |= now.rotation != constant.rotation;
-            moves[1] |= now.translation != constant.translation;
-            moves[2] |= now.scale != constant.scale;
+            let turned = now.rotation - constant.rotation;
+            moves[0] |= turned.to_array().iter().any(|c| c.abs() > STILL);
+            moves[1] |= !now.translation.abs_diff_eq(constant.translation, STILL);
+            moves[2] |= !now.scale.abs_diff_eq(constant.scale, STILL);
         }
     }
     let mut sources = vec![Source::default(); ladder.len()];

@@ -53,22 +53,60 @@ unsafe fn turned(rows: [__m256; 4]) -> [__m256; 4] {
 #[derive(Clone, Copy)]
 struct Avx2(__m256);
 
-impl Avx2 {
-    /// Blends pairs of rows (lanes `i` and `i + 4`) and turns them.
-    #[inline(always)]
-    fn lerp(
-        before: impl Fn(usize) -> __m256,
-        after: impl Fn(usize) -> __m256,
-        weights: [__m256; 4],
-    ) -> [Self; 4] {
-        let blend = |pair: usize| {
-            let (a, b) = (before(pair), after(pair));
-            // SAFETY: a value of this type exists inside `run_avx2` only.
-            unsafe { _mm256_add_ps(a, _mm256_mul_ps(_mm256_sub_ps(b, a), weights[pair])) }
+/// Blends pairs of rows (lanes `i` and `i + 4`) and turns them.
+///
+/// # Safety
+/// The machine has AVX2.
+#[inline(always)]
+unsafe fn lerp_turned(before: [__m256; 4], after: [__m256; 4], weights: [__m256; 4]) -> [Avx2; 4] {
+    let mut rows = before;
+    for i in 0..4 {
+        // SAFETY: the caller vouches for AVX2.
+        rows[i] = unsafe {
+            let way = _mm256_sub_ps(after[i], before[i]);
+            _mm256_add_ps(before[i], _mm256_mul_ps(way, weights[i]))
         };
-        // SAFETY: as above.
-        unsafe { turned([blend(0), blend(1), blend(2), blend(3)]).map(Self) }
     }
+    // SAFETY: as above.
+    let [x, y, z, w] = unsafe { turned(rows) };
+    [Avx2(x), Avx2(y), Avx2(z), Avx2(w)]
+}
+
+/// Rows of lanes `i` and `i + 4` in one vector.
+///
+/// # Safety
+/// The machine has AVX.
+#[inline(always)]
+unsafe fn pair(rows: &[&Row; LANES], i: usize) -> __m256 {
+    // SAFETY: a row is four numbers; the caller vouches for AVX.
+    unsafe {
+        let high = _mm_loadu_ps(rows[i + 4].as_ptr());
+        _mm256_set_m128(high, _mm_loadu_ps(rows[i].as_ptr()))
+    }
+}
+
+/// The same of 16-bit numbers.
+///
+/// # Safety
+/// The machine has AVX2.
+#[inline(always)]
+unsafe fn short_pair(rows: &[&[i16; 4]; LANES], i: usize) -> __m256 {
+    // SAFETY: a row is 64 bits, so 64 bits are read of each; the caller vouches for AVX2.
+    unsafe {
+        let low = _mm_loadl_epi64(rows[i].as_ptr().cast());
+        let high = _mm_loadl_epi64(rows[i + 4].as_ptr().cast());
+        _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_unpacklo_epi64(low, high)))
+    }
+}
+
+/// A weight in the lower and another in the upper half.
+///
+/// # Safety
+/// The machine has AVX.
+#[inline(always)]
+unsafe fn halves(low: f32, high: f32) -> __m256 {
+    // SAFETY: the caller vouches for AVX.
+    unsafe { _mm256_set_m128(_mm_set1_ps(high), _mm_set1_ps(low)) }
 }
 
 impl Lanes for Avx2 {
@@ -131,64 +169,77 @@ impl Lanes for Avx2 {
         }
     }
 
+    // No closures and no iterators over vectors from here on: they would be compiled without
+    // the instructions, and then not be joined with the kernel.
+
     #[inline(always)]
-    fn weights(weights: &[f32; LANES]) -> [__m256; 4] {
+    fn weights(w: &[f32; LANES]) -> [__m256; 4] {
         // SAFETY: see `splat`.
-        std::array::from_fn(|i| unsafe {
-            _mm256_set_m128(_mm_set1_ps(weights[i + 4]), _mm_set1_ps(weights[i]))
-        })
+        unsafe {
+            [
+                halves(w[0], w[4]),
+                halves(w[1], w[5]),
+                halves(w[2], w[6]),
+                halves(w[3], w[7]),
+            ]
+        }
     }
 
     #[inline(always)]
-    fn lerp_rows(before: [&Row; LANES], after: [&Row; LANES], weights: [__m256; 4]) -> [Self; 4] {
-        // SAFETY: a row is four numbers.
-        let pair = |rows: &[&Row; LANES], i: usize| unsafe {
-            let high = _mm_loadu_ps(rows[i + 4].as_ptr());
-            _mm256_set_m128(high, _mm_loadu_ps(rows[i].as_ptr()))
-        };
-        Self::lerp(|i| pair(&before, i), |i| pair(&after, i), weights)
+    fn lerp_rows(a: [&Row; LANES], b: [&Row; LANES], weights: [__m256; 4]) -> [Self; 4] {
+        // SAFETY: see `splat`.
+        unsafe {
+            let before = [pair(&a, 0), pair(&a, 1), pair(&a, 2), pair(&a, 3)];
+            let after = [pair(&b, 0), pair(&b, 1), pair(&b, 2), pair(&b, 3)];
+            lerp_turned(before, after, weights)
+        }
     }
 
     #[inline(always)]
     fn lerp_short_rows(
-        before: [&[i16; 4]; LANES],
-        after: [&[i16; 4]; LANES],
+        a: [&[i16; 4]; LANES],
+        b: [&[i16; 4]; LANES],
         weights: [__m256; 4],
     ) -> [Self; 4] {
-        // SAFETY: a row is four 16-bit numbers, so 64 bits are read of each.
-        let pair = |rows: &[&[i16; 4]; LANES], i: usize| unsafe {
-            let low = _mm_loadl_epi64(rows[i].as_ptr().cast());
-            let high = _mm_loadl_epi64(rows[i + 4].as_ptr().cast());
-            _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(_mm_unpacklo_epi64(low, high)))
-        };
-        Self::lerp(|i| pair(&before, i), |i| pair(&after, i), weights)
+        // SAFETY: see `splat`.
+        unsafe {
+            let (a0, a1) = (short_pair(&a, 0), short_pair(&a, 1));
+            let (a2, a3) = (short_pair(&a, 2), short_pair(&a, 3));
+            let (b0, b1) = (short_pair(&b, 0), short_pair(&b, 1));
+            let (b2, b3) = (short_pair(&b, 2), short_pair(&b, 3));
+            lerp_turned([a0, a1, a2, a3], [b0, b1, b2, b3], weights)
+        }
     }
 
     #[inline(always)]
-    fn store_rows(components: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
+    fn store_rows(c: [Self; 4], out: &mut [Row], stride: usize, at: usize) {
         assert!(out.len() > (LANES - 1) * stride + at, "room for eight rows");
         let out = out.as_mut_ptr();
         // SAFETY: the rows `lane * stride + at` lie within `out`, as was just checked.
         unsafe {
-            for (i, pair) in turned(components.map(|c| c.0)).into_iter().enumerate() {
-                let row = |lane: usize| out.add(lane * stride + at).cast::<f32>();
-                _mm_storeu_ps(row(i), _mm256_castps256_ps128(pair));
-                _mm_storeu_ps(row(i + 4), _mm256_extractf128_ps::<1>(pair));
+            let pairs = turned([c[0].0, c[1].0, c[2].0, c[3].0]);
+            for (i, pair) in pairs.iter().enumerate() {
+                let low = out.add(i * stride + at).cast::<f32>();
+                let high = out.add((i + 4) * stride + at).cast::<f32>();
+                _mm_storeu_ps(low, _mm256_castps256_ps128(*pair));
+                _mm_storeu_ps(high, _mm256_extractf128_ps::<1>(*pair));
             }
         }
     }
 
     #[inline(always)]
-    fn store_half_rows(components: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize) {
+    fn store_half_rows(c: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize) {
         assert!(out.len() > (LANES - 1) * stride + at, "room for eight rows");
         let out = out.as_mut_ptr();
         // SAFETY: the rows `lane * stride + at` lie within `out`, as was just checked.
         unsafe {
-            for (i, pair) in turned(components.map(|c| c.0)).into_iter().enumerate() {
-                let halves = _mm256_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(pair);
-                let row = |lane: usize| out.add(lane * stride + at).cast::<__m128i>();
-                _mm_storel_epi64(row(i), halves);
-                _mm_storel_epi64(row(i + 4), _mm_unpackhi_epi64(halves, halves));
+            let pairs = turned([c[0].0, c[1].0, c[2].0, c[3].0]);
+            for (i, pair) in pairs.iter().enumerate() {
+                let halves = _mm256_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(*pair);
+                let low = out.add(i * stride + at).cast::<__m128i>();
+                let high = out.add((i + 4) * stride + at).cast::<__m128i>();
+                _mm_storel_epi64(low, halves);
+                _mm_storel_epi64(high, _mm_unpackhi_epi64(halves, halves));
             }
         }
     }
