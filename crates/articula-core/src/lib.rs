@@ -14,6 +14,7 @@
 //! - [`sphere`], [`world_bounds`], [`frustum`], [`visibility`]: which bodies are seen, soon may
 //!   be, and how large
 //! - [`pose`], [`sample`], [`mod@blend`], [`hierarchy`], [`skin`]: one verb each
+//! - [`skin_groups`]: the skin four vertices at a time, and only where something moved
 //! - [`joint_state`]: active, passive and the transitions between them
 //! - [`motion_bounds`]: what holds a moving character, by the second of its clip
 //! - [`motion_error`]: what a held joint costs, in metres and in pixels
@@ -56,6 +57,7 @@ pub mod pose;
 pub mod rig;
 pub mod sample;
 pub mod skin;
+pub mod skin_groups;
 pub mod source;
 pub mod sphere;
 pub mod thesis_metric;

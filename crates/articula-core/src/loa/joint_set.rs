@@ -79,6 +79,12 @@ impl JointSet {
         self.difference(other).is_empty()
     }
 
+    /// Whether no joint is in both sets.
+    pub fn is_disjoint(&self, other: &Self) -> bool {
+        let mut words = self.words.iter().zip(&other.words);
+        words.all(|(a, b)| a & b == 0)
+    }
+
     /// Number of joints in the set.
     pub fn len(&self) -> usize {
         self.words.iter().map(|w| w.count_ones() as usize).sum()
@@ -161,6 +167,7 @@ mod tests {
             prop_assert_eq!(list(sa.difference(&sb)), a.difference(&b).copied().collect::<Vec<_>>());
             prop_assert_eq!(sa.len(), a.len());
             prop_assert_eq!(sa.is_subset(&sb), a.is_subset(&b));
+            prop_assert_eq!(sa.is_disjoint(&sb), a.is_disjoint(&b));
         }
 
         #[test]

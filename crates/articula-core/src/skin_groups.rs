@@ -1,0 +1,555 @@
+//! Linear blend skinning with vertices grouped by their number of influences.
+//!
+//! The fast twin of [`crate::skin`]: the same operations in the same order, so its values are
+//! equal (within rounding where a build fuses multiplication and addition). A vertex pays for
+//! the influences that it has and for no more. Four vertices of a group are blended one after
+//! the other, then turned so that each goes through one lane. Blocks of 32 vertices know their
+//! joints, so what did not move is not skinned again.
+//!
+//! Source: linear blend skinning as there; groups and blocks are ours.
+
+use crate::loa::JointSet;
+use crate::mesh::Mesh;
+use crate::skin::SkinnedMesh;
+use glam::{Affine3A, Mat4, Vec3, Vec4};
+use std::ops::Range;
+
+/// Rows of an affine matrix: 48 bytes. The rows that [`crate::palette::PaletteForm::Matrix`]
+/// writes become these by `as_chunks::<3>().0`.
+pub type Matrix3x4 = [[f32; 4]; 3];
+
+/// Vertices that go through the lanes together.
+const LANES: usize = 4;
+
+/// Quads of one block: 32 vertices. Smaller ones miss less of what held, but cost more to visit.
+const BLOCK_QUADS: usize = 8;
+
+/// In the place of a vertex where a group does not fill its last quad.
+const NO_VERTEX: u32 = u32::MAX;
+
+/// Rest positions and normals of four vertices, one lane each.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Quad {
+    position: [Vec4; 3],
+    normal: [Vec4; 3],
+}
+
+/// What is skinned: positions and normals in mesh space in the order of one [`GroupedSkin`], at
+/// rest or with morph targets added.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    quads: Vec<Quad>,
+    /// Weights with which it was last morphed.
+    weights: Vec<f32>,
+}
+
+/// The blocks of a [`GroupedSkin`] whose output is out of date.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Stale {
+    blocks: Vec<bool>,
+}
+
+/// Up to 32 vertices of one group.
+#[derive(Debug, Clone)]
+struct Block {
+    /// Influences of each of its vertices.
+    influences: usize,
+    quads: Range<usize>,
+    /// Its part of the indices and weights.
+    values: Range<usize>,
+    /// Joints that move any of its vertices.
+    joints: JointSet,
+}
+
+/// The skin of a [`Mesh`] with its vertices grouped by their number of influences that weigh
+/// anything; shared by all characters that wear the mesh.
+#[derive(Debug, Clone)]
+pub struct GroupedSkin {
+    /// Joint of each matrix of the palette.
+    joints: Vec<u16>,
+    blocks: Vec<Block>,
+    /// Vertex of the mesh in each lane, or [`NO_VERTEX`].
+    vertices: Vec<[u32; LANES]>,
+    /// Lane of each vertex of the mesh.
+    lane_of: Vec<u32>,
+    /// Palette indices, one after the other for each vertex of a group.
+    indices: Vec<u16>,
+    weights: Vec<f32>,
+    rest: Shape,
+}
+
+impl GroupedSkin {
+    /// Groups the vertices of a mesh. Allocates; of what follows only [`GroupedSkin::stale`],
+    /// [`GroupedSkin::group_sizes`] and copies of the shape do.
+    ///
+    /// # Panics
+    /// If the mesh is of a rig with more than [`MAX_JOINTS`](crate::loa::MAX_JOINTS) joints.
+    pub fn new(mesh: &Mesh) -> Self {
+        let counts: Vec<usize> = (0..mesh.len()).map(|v| weighty(mesh, v).count()).collect();
+        let most = counts.iter().copied().max().unwrap_or(0);
+        let mut skin = Self {
+            joints: mesh.bindings.iter().map(|b| b.joint).collect(),
+            blocks: Vec::new(),
+            vertices: Vec::with_capacity(mesh.len() / LANES + most + 1),
+            lane_of: vec![0; mesh.len()],
+            indices: Vec::new(),
+            weights: Vec::new(),
+            rest: Shape {
+                quads: Vec::new(),
+                weights: vec![0.0; mesh.morph_weights.len()],
+            },
+        };
+        for influences in 0..=most {
+            let mut group: Vec<usize> = (0..mesh.len())
+                .filter(|v| counts[*v] == influences)
+                .collect();
+            // Neighbours on the skeleton share blocks, so that what moves touches few of them.
+            group.sort_by_key(|v| heaviest(mesh, *v));
+            for block in group.chunks(BLOCK_QUADS * LANES) {
+                skin.append(mesh, influences, block);
+            }
+        }
+        skin
+    }
+
+    fn append(&mut self, mesh: &Mesh, influences: usize, block: &[usize]) {
+        let (first_quad, first_value) = (self.vertices.len(), self.indices.len());
+        let mut joints = JointSet::EMPTY;
+        for four in block.chunks(LANES) {
+            let mut quad = Quad {
+                position: [Vec4::ZERO; 3],
+                normal: [Vec4::ZERO; 3],
+            };
+            let mut vertices = [NO_VERTEX; LANES];
+            for (lane, &v) in four.iter().enumerate() {
+                self.lane_of[v] = (self.vertices.len() * LANES + lane) as u32;
+                vertices[lane] = v as u32;
+                quad.set(lane, mesh.positions[v], mesh.normals[v]);
+                for (index, weight) in weighty(mesh, v) {
+                    joints.insert(usize::from(mesh.bindings[usize::from(index)].joint));
+                    self.indices.push(index);
+                    self.weights.push(weight);
+                }
+            }
+            // Lanes without a vertex blend nothing, but the kernel reads their influences.
+            let full = first_value + (self.vertices.len() + 1 - first_quad) * LANES * influences;
+            let filler = self.indices.last().copied().unwrap_or(0);
+            self.indices.resize(full, filler);
+            self.weights.resize(full, 0.0);
+            self.vertices.push(vertices);
+            self.rest.quads.push(quad);
+        }
+        self.blocks.push(Block {
+            influences,
+            quads: first_quad..self.vertices.len(),
+            values: first_value..self.indices.len(),
+            joints,
+        });
+    }
+
+    /// Number of vertices of the mesh.
+    pub fn len(&self) -> usize {
+        self.lane_of.len()
+    }
+
+    /// Whether there is no vertex.
+    pub fn is_empty(&self) -> bool {
+        self.lane_of.is_empty()
+    }
+
+    /// Number of vertices with each number of influences, from none to the most that any has.
+    pub fn group_sizes(&self) -> Vec<usize> {
+        let most = self.blocks.last().map_or(0, |b| b.influences);
+        let mut sizes = vec![0; most + 1];
+        for block in &self.blocks {
+            sizes[block.influences] += self.vertices_of(block);
+        }
+        sizes
+    }
+
+    /// The shape at rest, without morph targets; copy it for a character that morphs.
+    pub fn rest(&self) -> &Shape {
+        &self.rest
+    }
+
+    /// All blocks stale, as before anything was skinned. Allocates.
+    pub fn stale(&self) -> Stale {
+        Stale {
+            blocks: vec![true; self.blocks.len()],
+        }
+    }
+
+    /// Sets a shape to rest with morph targets added; blocks in which a target's weight changed
+    /// become stale. O(vertices of the targets).
+    ///
+    /// # Panics
+    /// If an argument is of another mesh.
+    pub fn morph(&self, mesh: &Mesh, weights: &[f32], shape: &mut Shape, stale: &mut Stale) {
+        assert_eq!(mesh.len(), self.len(), "the mesh is another one");
+        assert_eq!(
+            weights.len(),
+            shape.weights.len(),
+            "the morph weights are of another mesh"
+        );
+        self.check(shape, Some(stale));
+        if weights == shape.weights {
+            return;
+        }
+        for morph in &mesh.morphs {
+            let slot = usize::from(morph.slot);
+            let changed = weights[slot] != shape.weights[slot];
+            for &v in &morph.vertices {
+                let lane = self.lane_of[v as usize] as usize;
+                shape.quads[lane / LANES].copy(lane % LANES, &self.rest.quads[lane / LANES]);
+                if changed {
+                    stale.blocks[self.block_of(lane / LANES)] = true;
+                }
+            }
+        }
+        // In the mesh's order, so that sums round as those of the plain version do.
+        for morph in &mesh.morphs {
+            let weight = weights[usize::from(morph.slot)];
+            if weight == 0.0 {
+                continue;
+            }
+            let offsets = morph.positions.iter().zip(&morph.normals);
+            for (&v, (dp, dn)) in morph.vertices.iter().zip(offsets) {
+                let lane = self.lane_of[v as usize] as usize;
+                shape.quads[lane / LANES].add(lane % LANES, *dp * weight, *dn * weight);
+            }
+        }
+        shape.weights.copy_from_slice(weights);
+    }
+
+    /// Marks as stale the blocks of vertices that any of these joints moves. Joints whose
+    /// parents moved have moved too.
+    ///
+    /// # Panics
+    /// If `stale` is of another skin.
+    pub fn mark_joints(&self, moved: &JointSet, stale: &mut Stale) {
+        assert_eq!(
+            stale.blocks.len(),
+            self.blocks.len(),
+            "the stale blocks are of another skin"
+        );
+        for (flag, block) in stale.blocks.iter_mut().zip(&self.blocks) {
+            *flag |= !block.joints.is_disjoint(moved);
+        }
+    }
+
+    /// The joints whose matrices differ between two palettes.
+    ///
+    /// # Panics
+    /// If a palette is of another mesh.
+    pub fn moved(&self, before: &[Matrix3x4], now: &[Matrix3x4]) -> JointSet {
+        self.check_palette(before);
+        self.check_palette(now);
+        let pairs = before.iter().zip(now).zip(&self.joints);
+        pairs
+            .filter(|((a, b), _)| a != b)
+            .map(|(_, joint)| usize::from(*joint))
+            .collect()
+    }
+
+    /// Skins positions and normals into the mesh's order.
+    ///
+    /// Every value equals what [`crate::skin::skin`] gives, in builds that fuse multiplication
+    /// and addition within rounding. O(influences that weigh anything); does not allocate.
+    ///
+    /// # Panics
+    /// If an argument is of another mesh.
+    pub fn skin(&self, shape: &Shape, palette: &[Matrix3x4], out: &mut SkinnedMesh) {
+        self.check_palette(palette);
+        self.check_out(out);
+        self.check(shape, None);
+        for block in &self.blocks {
+            self.skin_block(block, shape, palette, out);
+        }
+    }
+
+    /// Skins the stale blocks alone, after which none is stale, and gives the number of
+    /// vertices skinned. All others keep what `out` holds.
+    ///
+    /// # Panics
+    /// If an argument is of another mesh.
+    pub fn skin_stale(
+        &self,
+        shape: &Shape,
+        palette: &[Matrix3x4],
+        stale: &mut Stale,
+        out: &mut SkinnedMesh,
+    ) -> usize {
+        self.check_palette(palette);
+        self.check_out(out);
+        self.check(shape, Some(stale));
+        let mut skinned = 0;
+        for (block, flag) in self.blocks.iter().zip(&mut stale.blocks) {
+            if std::mem::take(flag) {
+                self.skin_block(block, shape, palette, out);
+                skinned += self.vertices_of(block);
+            }
+        }
+        skinned
+    }
+
+    fn vertices_of(&self, block: &Block) -> usize {
+        let lanes = self.vertices[block.quads.clone()].as_flattened();
+        // Only the end of a group has lanes without a vertex.
+        lanes.len() - lanes.iter().rev().take_while(|v| **v == NO_VERTEX).count()
+    }
+
+    fn block_of(&self, quad: usize) -> usize {
+        self.blocks.partition_point(|b| b.quads.end <= quad)
+    }
+
+    fn check(&self, shape: &Shape, stale: Option<&Stale>) {
+        assert_eq!(
+            shape.quads.len(),
+            self.vertices.len(),
+            "the shape is of another mesh"
+        );
+        if let Some(stale) = stale {
+            assert_eq!(
+                stale.blocks.len(),
+                self.blocks.len(),
+                "the stale blocks are of another mesh"
+            );
+        }
+    }
+
+    fn check_palette(&self, palette: &[Matrix3x4]) {
+        assert_eq!(
+            palette.len(),
+            self.joints.len(),
+            "the palette is of another mesh"
+        );
+    }
+
+    fn check_out(&self, out: &SkinnedMesh) {
+        let lengths = (out.positions.len(), out.normals.len());
+        assert_eq!(
+            lengths,
+            (self.len(), self.len()),
+            "the output is of another mesh"
+        );
+    }
+
+    fn skin_block(
+        &self,
+        block: &Block,
+        shape: &Shape,
+        palette: &[Matrix3x4],
+        out: &mut SkinnedMesh,
+    ) {
+        let vertices = &self.vertices[block.quads.clone()];
+        let quads = &shape.quads[block.quads.clone()];
+        let influences = Influences {
+            palette,
+            indices: &self.indices[block.values.clone()],
+            weights: &self.weights[block.values.clone()],
+        };
+        match block.influences {
+            0 => skin_nowhere(vertices, quads, out),
+            1 => influences.skin::<1>(vertices, quads, out),
+            2 => influences.skin::<2>(vertices, quads, out),
+            3 => influences.skin::<3>(vertices, quads, out),
+            4 => influences.skin::<4>(vertices, quads, out),
+            many => influences.skin_many(many, vertices, quads, out),
+        }
+    }
+}
+
+/// Writes a palette as rows.
+///
+/// # Panics
+/// If the slices differ in length.
+pub fn rows(palette: &[Affine3A], out: &mut [Matrix3x4]) {
+    assert_eq!(palette.len(), out.len(), "one output for each matrix");
+    for (rows, matrix) in out.iter_mut().zip(palette) {
+        let (m, t) = (matrix.matrix3, matrix.translation);
+        *rows = [
+            [m.x_axis.x, m.y_axis.x, m.z_axis.x, t.x],
+            [m.x_axis.y, m.y_axis.y, m.z_axis.y, t.y],
+            [m.x_axis.z, m.y_axis.z, m.z_axis.z, t.z],
+        ];
+    }
+}
+
+/// Palette indices and weights of a vertex, those that weigh nothing left out.
+fn weighty(mesh: &Mesh, vertex: usize) -> impl Iterator<Item = (u16, f32)> + '_ {
+    let at = vertex * mesh.influences..(vertex + 1) * mesh.influences;
+    let pairs = mesh.binding_indices[at.clone()]
+        .iter()
+        .zip(&mesh.weights[at]);
+    pairs.map(|(i, w)| (*i, *w)).filter(|(_, w)| *w != 0.0)
+}
+
+/// Palette index with the greatest weight, the first of equal ones.
+fn heaviest(mesh: &Mesh, vertex: usize) -> Option<u16> {
+    let pairs = weighty(mesh, vertex);
+    let best = pairs.reduce(|a, b| if b.1 > a.1 { b } else { a });
+    best.map(|(index, _)| index)
+}
+
+/// Vertices that nothing holds collapse to the origin, as in the plain version.
+fn skin_nowhere(vertices: &[[u32; LANES]], quads: &[Quad], out: &mut SkinnedMesh) {
+    for (vertices, quad) in vertices.iter().zip(quads) {
+        store(vertices, [Vec4::ZERO; 3], &mut out.positions);
+        store(vertices, quad.normal, &mut out.normals);
+    }
+}
+
+/// What moves the vertices of one block.
+struct Influences<'a> {
+    palette: &'a [Matrix3x4],
+    indices: &'a [u16],
+    weights: &'a [f32],
+}
+
+impl Influences<'_> {
+    fn skin<const K: usize>(
+        &self,
+        vertices: &[[u32; LANES]],
+        quads: &[Quad],
+        out: &mut SkinnedMesh,
+    ) {
+        let (indices, _) = self.indices.as_chunks::<K>().0.as_chunks::<LANES>();
+        let (weights, _) = self.weights.as_chunks::<K>().0.as_chunks::<LANES>();
+        let influences = indices.iter().zip(weights);
+        for ((vertices, quad), (indices, weights)) in vertices.iter().zip(quads).zip(influences) {
+            let [i, j, k, l] = indices;
+            let [s, t, u, v] = weights;
+            let blended = [
+                self.blend(i, s),
+                self.blend(j, t),
+                self.blend(k, u),
+                self.blend(l, v),
+            ];
+            quad.skin(blended, vertices, out);
+        }
+    }
+
+    /// More influences than have a kernel of their own.
+    fn skin_many(
+        &self,
+        count: usize,
+        vertices: &[[u32; LANES]],
+        quads: &[Quad],
+        out: &mut SkinnedMesh,
+    ) {
+        let indices = self.indices.chunks_exact(count * LANES);
+        let influences = indices.zip(self.weights.chunks_exact(count * LANES));
+        for ((vertices, quad), (indices, weights)) in vertices.iter().zip(quads).zip(influences) {
+            let blended = [0, 1, 2, 3].map(|l| {
+                let at = l * count..(l + 1) * count;
+                self.blend(&indices[at.clone()], &weights[at])
+            });
+            quad.skin(blended, vertices, out);
+        }
+    }
+
+    /// Rows of the weighted sum, in the order of the plain version.
+    #[inline(always)]
+    fn blend(&self, indices: &[u16], weights: &[f32]) -> [Vec4; 3] {
+        let mut sum = [Vec4::ZERO; 3];
+        for (i, (index, weight)) in indices.iter().zip(weights).enumerate() {
+            let rows = &self.palette[usize::from(*index)];
+            for (sum, row) in sum.iter_mut().zip(rows) {
+                let part = Vec4::from_array(*row) * *weight;
+                *sum = if i == 0 { part } else { *sum + part };
+            }
+        }
+        sum
+    }
+}
+
+impl Quad {
+    fn set(&mut self, lane: usize, position: Vec3, normal: Vec3) {
+        for axis in 0..3 {
+            self.position[axis][lane] = position[axis];
+            self.normal[axis][lane] = normal[axis];
+        }
+    }
+
+    fn copy(&mut self, lane: usize, from: &Self) {
+        for axis in 0..3 {
+            self.position[axis][lane] = from.position[axis][lane];
+            self.normal[axis][lane] = from.normal[axis][lane];
+        }
+    }
+
+    fn add(&mut self, lane: usize, position: Vec3, normal: Vec3) {
+        for axis in 0..3 {
+            self.position[axis][lane] += position[axis];
+            self.normal[axis][lane] += normal[axis];
+        }
+    }
+
+    /// Transforms four vertices by the matrices of each; every lane does, in order, what
+    /// [`crate::skin::skin`] does for one vertex.
+    #[inline(always)]
+    fn skin(&self, blended: [[Vec4; 3]; LANES], vertices: &[u32; LANES], out: &mut SkinnedMesh) {
+        let [a, b, c, d] = blended;
+        // Lanes of the entries of one row.
+        let row = |r: usize| Mat4::from_cols(a[r], b[r], c[r], d[r]).transpose();
+        let [x, y, z] = [row(0), row(1), row(2)];
+        let [px, py, pz] = self.position;
+        let point = |m: &Mat4| m.x_axis * px + m.y_axis * py + m.z_axis * pz + m.w_axis;
+        store(
+            vertices,
+            [point(&x), point(&y), point(&z)],
+            &mut out.positions,
+        );
+
+        // Columns of the cofactor matrix.
+        let column = |m: [&Mat4; 3], axis: fn(&Mat4) -> Vec4| m.map(axis);
+        let m = [&x, &y, &z];
+        let [cx, cy, cz] = [
+            column(m, |m| m.x_axis),
+            column(m, |m| m.y_axis),
+            column(m, |m| m.z_axis),
+        ];
+        let (ux, uy, uz) = (cross(cy, cz), cross(cz, cx), cross(cx, cy));
+        let determinant = dot(cx, ux);
+        let [nx, ny, nz] = self.normal;
+        let turned = [0, 1, 2].map(|r| ux[r] * nx + uy[r] * ny + uz[r] * nz);
+        // The sign of the determinant keeps normals outwards under a mirror.
+        let mirrored = determinant.cmplt(Vec4::ZERO);
+        let reciprocal = Vec4::ONE / dot(turned, turned).sqrt();
+        let known = reciprocal.is_finite_mask() & reciprocal.cmpgt(Vec4::ZERO);
+        let signed = Vec4::select(mirrored, -reciprocal, reciprocal);
+        let normal = [0, 1, 2].map(|r| Vec4::select(known, turned[r] * signed, self.normal[r]));
+        store(vertices, normal, &mut out.normals);
+    }
+}
+
+#[inline(always)]
+fn dot(a: [Vec4; 3], b: [Vec4; 3]) -> Vec4 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn cross(a: [Vec4; 3], b: [Vec4; 3]) -> [Vec4; 3] {
+    [
+        a[1] * b[2] - b[1] * a[2],
+        a[2] * b[0] - b[2] * a[0],
+        a[0] * b[1] - b[0] * a[1],
+    ]
+}
+
+/// Writes four lanes to their vertices; lanes without one are beyond every mesh.
+#[inline(always)]
+fn store(vertices: &[u32; LANES], lanes: [Vec4; 3], out: &mut [Vec3]) {
+    let columns = Mat4::from_cols(lanes[0], lanes[1], lanes[2], Vec4::ZERO).transpose();
+    let columns = [
+        columns.x_axis,
+        columns.y_axis,
+        columns.z_axis,
+        columns.w_axis,
+    ];
+    for (vertex, value) in vertices.iter().zip(columns) {
+        if let Some(place) = out.get_mut(*vertex as usize) {
+            *place = value.truncate();
+        }
+    }
+}
