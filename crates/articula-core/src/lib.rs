@@ -25,6 +25,7 @@
 //! - [`key_table`]: ours, tabled: nested keys for a ladder of tolerances
 //! - [`ladder`], [`level_error`]: merged levels of a crowd, and what each costs
 //! - [`clip_set`], [`palette`], [`batch`]: eight characters at once, from cursors to palettes
+//! - [`pose_cache`]: whole palettes shared by all characters, and the blend between two of them
 //!
 //! What is deliberately absent: files, clocks, threads, logging, JSON, and any allocation in a
 //! function that runs once a frame (a test counts them).
@@ -54,6 +55,7 @@ pub mod motion_bounds;
 pub mod motion_error;
 pub mod palette;
 pub mod pose;
+pub mod pose_cache;
 pub mod rig;
 pub mod sample;
 pub mod skin;

@@ -19,6 +19,9 @@ pub const LANES: usize = 8;
 /// One row of a matrix or one quaternion.
 pub(crate) type Row = [f32; 4];
 
+/// Eight half floats, as bits.
+pub(crate) type Halves = [u16; LANES];
+
 /// Eight lanes in memory, as aligned as the widest load wants them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[repr(C, align(32))]
@@ -111,6 +114,15 @@ pub(crate) trait Lanes: Copy {
     fn store_rows(components: [Self; 4], out: &mut [Row], stride: usize, at: usize);
     /// The same as half floats, rounded to the nearest, ties to even.
     fn store_half_rows(components: [Self; 4], out: &mut [[u16; 4]], stride: usize, at: usize);
+    /// `before + (after - before) * weight` of eight half floats, rounded to the nearest, ties
+    /// to even.
+    #[inline(always)]
+    fn lerp_halves(before: &Halves, after: &Halves, weight: f32, out: &mut Halves) {
+        for (out, (a, b)) in out.iter_mut().zip(before.iter().zip(after)) {
+            let (a, b) = (half::f32_from_half(*a), half::f32_from_half(*b));
+            *out = half::half_from_f32(a + (b - a) * weight);
+        }
+    }
 }
 
 /// Work that runs on lanes. `run` must be `#[inline(always)]`, else it is compiled without the
@@ -173,10 +185,23 @@ mod tests {
             L::store_rows(b, &mut rows, 2, 0);
             let mut tile = Tile::ZERO;
             L::load(&Tile(self.weights)).store(&mut tile);
+            let mut blended = [0; LANES];
+            let (before, after) = (
+                self.floats[0].map(half::half_from_f32),
+                self.floats[1].map(half::half_from_f32),
+            );
+            let halves_of = |row: [u16; 4]| std::array::from_fn(|i| row[i % 4]);
+            L::lerp_halves(
+                &halves_of(before),
+                &halves_of(after),
+                self.weights[0],
+                &mut blended,
+            );
             let numbers = rows.iter().flatten().chain(&tile.0);
             self.out.extend(numbers.map(|v| v.to_bits()));
             self.out
                 .extend(halves.iter().flatten().map(|h| u32::from(*h)));
+            self.out.extend(blended.map(u32::from));
         }
     }
 

@@ -5,7 +5,7 @@
 )]
 
 use super::half::half_from_f32;
-use super::{Backend, Kernel, LANES, Lanes, Row, Tile};
+use super::{Backend, Halves, Kernel, LANES, Lanes, Row, Tile};
 use std::arch::x86_64::*;
 
 /// Runs a kernel on 256-bit vectors.
@@ -241,6 +241,19 @@ impl Lanes for Avx2 {
                 _mm_storel_epi64(low, halves);
                 _mm_storel_epi64(high, _mm_unpackhi_epi64(halves, halves));
             }
+        }
+    }
+
+    #[inline(always)]
+    fn lerp_halves(before: &Halves, after: &Halves, weight: f32, out: &mut Halves) {
+        // SAFETY: see `splat`; eight half floats are 128 bits.
+        unsafe {
+            let a = _mm256_cvtph_ps(_mm_loadu_si128(before.as_ptr().cast()));
+            let b = _mm256_cvtph_ps(_mm_loadu_si128(after.as_ptr().cast()));
+            let way = _mm256_mul_ps(_mm256_sub_ps(b, a), _mm256_set1_ps(weight));
+            let sum = _mm256_add_ps(a, way);
+            let halves = _mm256_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(sum);
+            _mm_storeu_si128(out.as_mut_ptr().cast(), halves);
         }
     }
 }

@@ -1,0 +1,662 @@
+//! Pose keys shared by all characters of a rig: whole palettes, ready to be blended.
+//!
+//! Source: `spec/motion-lod.md` part 6 and `spec/runtime.md` 4.1. Linear blend skinning is linear
+//! in the palette, so between two cached palettes every vertex moves on a straight line; keys are
+//! chosen (by `articula-build`) so that this line stays near the motion. A character then costs
+//! one look-up a frame: where its time falls between two keys ([`PoseCache::locate`]). The
+//! palettes are blended by the CPU ([`PoseCache::blend`]) or by a vertex shader ([`BlendRecord`]).
+//!
+//! Differs: a character holds no key and no cursor. Its record is made anew each frame from clip,
+//! level and time, so a change of clip or level is nothing to be told of, and keys of different
+//! clips or levels cannot be mixed up. The two ends of a clip are never blended with each other.
+
+use crate::Mismatch;
+use crate::clip_set::ClipSet;
+use crate::palette::{PaletteForm, PaletteMap, PaletteRows};
+use crate::simd::{Backend, Kernel, LANES, Lanes, Row, dispatch};
+
+/// Most buckets for each key in the table that finds keys by time.
+const BUCKETS_PER_KEY: usize = 8;
+
+/// Where a character stands between two cached palettes: the 16 bytes that leave the CPU when
+/// the GPU blends.
+///
+/// The cached palettes ([`PoseCache::rows`]) are uploaded once, three rows of four numbers a
+/// matrix. Each frame a vertex shader then reads the record of its instance and takes, for a
+/// vertex that is bound to entry `b` of the palette,
+///
+/// ```text
+/// let r = records[instance];
+/// let m = mix(palettes[r.before + b], palettes[r.after + b], r.blend);   // row by row
+/// let model_position = m * rest_position;              // summed over influences as usual
+/// let world_position = characters[r.character] * model_position;
+/// ```
+///
+/// It may as well blend the two skinned positions: that is the same point.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(C)]
+pub struct BlendRecord {
+    /// First matrix of the cached palette at or before the time.
+    pub before: u32,
+    /// First matrix of the cached palette after it; `before` at the last key.
+    pub after: u32,
+    /// Blend between the two, 0 to 1.
+    pub blend: f32,
+    /// The caller's number of the character, such as where its place in the world stands.
+    pub character: u32,
+}
+
+const _: () = assert!(size_of::<BlendRecord>() == 16);
+
+impl BlendRecord {
+    /// The same for a character.
+    #[must_use]
+    pub fn of(self, character: u32) -> Self {
+        Self { character, ..self }
+    }
+
+    /// The bytes that a GPU reads: four little-endian words in the order of the fields.
+    pub fn to_le_bytes(self) -> [u8; 16] {
+        let words = [
+            self.before,
+            self.after,
+            self.blend.to_bits(),
+            self.character,
+        ];
+        let mut bytes = [0; 16];
+        for (to, word) in bytes.chunks_exact_mut(4).zip(words) {
+            to.copy_from_slice(&word.to_le_bytes());
+        }
+        bytes
+    }
+}
+
+/// Keys of one clip at one level.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CachedKeys {
+    /// Times of the keys: rising, the first 0, the last the clip's end.
+    pub times_secs: Vec<f32>,
+    /// First matrix of the first key's palette. Palettes of further keys follow without gaps.
+    pub first_matrix: u32,
+    /// Metres of skin by which blending between the keys misses the same level evaluated: per
+    /// frame the 95th percentile over vertices, then the greatest over frames.
+    pub error_metres: f32,
+}
+
+/// Matrices of all cached palettes, three rows each.
+#[derive(Debug, Clone, PartialEq)]
+pub enum CachedRows {
+    /// [`PaletteForm::Matrix`].
+    Float(Vec<[f32; 4]>),
+    /// [`PaletteForm::HalfMatrix`], as bits.
+    Half(Vec<[u16; 4]>),
+}
+
+impl CachedRows {
+    /// How each matrix is written.
+    pub fn form(&self) -> PaletteForm {
+        match self {
+            Self::Float(_) => PaletteForm::Matrix,
+            Self::Half(_) => PaletteForm::HalfMatrix,
+        }
+    }
+
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Float(rows) => rows.len(),
+            Self::Half(rows) => rows.len(),
+        }
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// One key, or the end of a list of them at an infinite time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Key {
+    time_secs: f32,
+    /// One over the time to the next key, 0 at the last.
+    per_sec: f32,
+}
+
+/// Keys of one clip at one level, as they are found by time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Segment {
+    /// First of the keys; a key at an infinite time stands behind the last.
+    first_key: u32,
+    /// Index of the last key, counted from the first.
+    last: u32,
+    /// First of the buckets.
+    first_bucket: u32,
+    last_bucket: u32,
+    buckets_per_sec: f32,
+    first_matrix: u32,
+    matrices: u32,
+    error_metres: f32,
+}
+
+/// Cached palettes of one rig: shared by every character, clip and level that they serve.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PoseCache {
+    levels: usize,
+    /// Matrices of a palette, by level.
+    entries: Vec<usize>,
+    /// By clip, then level; `None` where poses are to be evaluated.
+    segments: Vec<Option<Segment>>,
+    keys: Vec<Key>,
+    /// Key, counted from the first of its segment, that every time of a bucket lies behind.
+    buckets: Vec<u32>,
+    rows: CachedRows,
+}
+
+impl PoseCache {
+    /// Puts keys and palettes together. `keys` has one entry for each clip, and in it one for
+    /// each level; `None` says that this clip is to be evaluated at this level. Levels may share
+    /// palettes, and nothing says in which order they stand.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if the palette is of another ladder, an entry is missing, times do not rise
+    /// from 0 to the clip's end, an error is negative or no number, palettes reach beyond the
+    /// rows, or there are more than 2^32 matrices.
+    pub fn new(
+        clips: &ClipSet,
+        map: &PaletteMap,
+        keys: &[Vec<Option<CachedKeys>>],
+        rows: CachedRows,
+    ) -> Result<Self, Mismatch> {
+        let (ladder, levels) = (clips.ladder(), clips.ladder().levels());
+        if map.levels() != levels || map.places().any(|p| p >= ladder.len()) {
+            let what = "the palette was made for another ladder";
+            return Err(Mismatch::new("map", what));
+        }
+        if keys.len() != clips.clips() {
+            let what = format!("{} entries for {} clips", keys.len(), clips.clips());
+            return Err(Mismatch::new("keys", what));
+        }
+        if !rows.len().is_multiple_of(3) || rows.len() / 3 > u32::MAX as usize {
+            let what = format!("{} rows, three for each of at most 2^32", rows.len());
+            return Err(Mismatch::new("rows", what));
+        }
+        let mut cache = Self {
+            levels,
+            entries: (0..levels).map(|l| map.len(l)).collect(),
+            segments: Vec::with_capacity(keys.len() * levels),
+            keys: Vec::new(),
+            buckets: Vec::new(),
+            rows,
+        };
+        for (c, of_clip) in keys.iter().enumerate() {
+            if of_clip.len() != levels {
+                let what = format!("{} entries for {levels} levels", of_clip.len());
+                return Err(Mismatch::new(format!("keys[{c}]"), what));
+            }
+            for (level, keys) in of_clip.iter().enumerate() {
+                if let Some(keys) = keys {
+                    cache
+                        .check(keys, level, clips.duration_secs(c))
+                        .map_err(|e| {
+                            Mismatch::new(format!("keys[{c}][{level}].{}", e.at), e.what)
+                        })?;
+                }
+                let segment = keys.as_ref().map(|keys| cache.add(keys, level));
+                cache.segments.push(segment);
+            }
+        }
+        Ok(cache)
+    }
+
+    fn check(&self, keys: &CachedKeys, level: usize, end_secs: f32) -> Result<(), Mismatch> {
+        let times = &keys.times_secs;
+        let ends = times.first() == Some(&0.0) && times.last() == Some(&end_secs);
+        if !ends || !times.windows(2).all(|w| w[0] < w[1]) {
+            let what = format!("must rise from 0 to the clip's end at {end_secs} s");
+            return Err(Mismatch::new("times_secs", what));
+        }
+        if !keys.error_metres.is_finite() || keys.error_metres < 0.0 {
+            let what = "must be finite and not negative";
+            return Err(Mismatch::new("error_metres", what));
+        }
+        let matrices = self.rows.len() / 3;
+        let needed = times.len().saturating_mul(self.entries[level]);
+        if needed.saturating_add(keys.first_matrix as usize) > matrices {
+            let what = format!(
+                "{needed} matrices from {} on, there are {matrices}",
+                keys.first_matrix
+            );
+            return Err(Mismatch::new("first_matrix", what));
+        }
+        Ok(())
+    }
+
+    /// Adds checked keys and the table that finds them.
+    fn add(&mut self, keys: &CachedKeys, level: usize) -> Segment {
+        let times = &keys.times_secs;
+        let last = times.len() - 1;
+        let least = times
+            .windows(2)
+            .map(|w| w[1] - w[0])
+            .fold(f32::MAX, f32::min);
+        // As many buckets as make each no longer than the shortest span, within reason.
+        let wanted = (times[last] / least).ceil() as usize;
+        let count = wanted.clamp(1, BUCKETS_PER_KEY * times.len());
+        let mut segment = Segment {
+            first_key: self.keys.len() as u32,
+            last: last as u32,
+            first_bucket: self.buckets.len() as u32,
+            last_bucket: count as u32 - 1,
+            buckets_per_sec: if last == 0 {
+                0.0
+            } else {
+                count as f32 / times[last]
+            },
+            first_matrix: keys.first_matrix,
+            matrices: self.entries[level] as u32,
+            error_metres: keys.error_metres,
+        };
+        if !segment.buckets_per_sec.is_finite() {
+            // A clip that is over at once: every time has the only bucket.
+            segment.buckets_per_sec = 0.0;
+        }
+        for (k, time) in times.iter().enumerate() {
+            let next = times.get(k + 1);
+            self.keys.push(Key {
+                time_secs: *time,
+                per_sec: next.map_or(0.0, |next| 1.0 / (next - time)),
+            });
+        }
+        self.keys.push(Key {
+            time_secs: f32::INFINITY,
+            per_sec: 0.0,
+        });
+        // A key of an earlier bucket lies before every time of a later one, however times are
+        // rounded, because the bucket of a time never falls.
+        let mut behind = 0;
+        for bucket in 0..count as u32 {
+            while behind < last && segment.bucket(times[behind + 1]) < bucket {
+                behind += 1;
+            }
+            self.buckets.push(behind as u32);
+        }
+        segment
+    }
+
+    /// Number of clips.
+    pub fn clips(&self) -> usize {
+        self.segments.len() / self.levels
+    }
+
+    /// Number of levels of the ladder, whether cached or not.
+    pub fn levels(&self) -> usize {
+        self.levels
+    }
+
+    /// How palettes are written.
+    pub fn form(&self) -> PaletteForm {
+        self.rows.form()
+    }
+
+    /// All cached palettes, to upload: three rows a matrix.
+    pub fn rows(&self) -> &CachedRows {
+        &self.rows
+    }
+
+    /// Matrices of one palette of a level.
+    pub fn matrices(&self, level: usize) -> usize {
+        self.entries[level]
+    }
+
+    /// Bytes of palettes, keys and tables.
+    pub fn bytes(&self) -> usize {
+        self.palette_bytes()
+            + size_of_val(self.keys.as_slice())
+            + size_of_val(self.buckets.as_slice())
+            + size_of_val(self.segments.as_slice())
+    }
+
+    /// Bytes of the palettes alone: what is uploaded for a GPU that blends.
+    pub fn palette_bytes(&self) -> usize {
+        self.rows.len() / 3 * self.form().bytes()
+    }
+
+    /// Metres of skin that blending adds to the level's own error; `None` says that poses of
+    /// this clip and level are to be evaluated.
+    ///
+    /// # Panics
+    /// If there is no such clip or level.
+    #[inline]
+    pub fn error_metres(&self, clip: usize, level: usize) -> Option<f32> {
+        self.segment(clip, level).map(|s| s.error_metres)
+    }
+
+    /// Times of the keys of a clip at a level; `None` as in [`PoseCache::error_metres`].
+    ///
+    /// # Panics
+    /// If there is no such clip or level.
+    pub fn times_secs(
+        &self,
+        clip: usize,
+        level: usize,
+    ) -> Option<impl ExactSizeIterator<Item = f32> + '_> {
+        self.segment(clip, level).map(|s| {
+            let first = s.first_key as usize;
+            let keys = &self.keys[first..=first + s.last as usize];
+            keys.iter().map(|k| k.time_secs)
+        })
+    }
+
+    /// Where a time falls between the cached palettes of a clip at a level, for character 0;
+    /// `None` says that the pose is to be evaluated.
+    ///
+    /// Times before the first or after the last key show that key; a time that is no number
+    /// counts as 0. A table gives the key: O(1) while the shortest span is no less than an
+    /// eighth of the mean, a few steps more where it is. Does not allocate.
+    ///
+    /// # Panics
+    /// If there is no such clip or level.
+    #[inline]
+    pub fn locate(&self, clip: usize, level: usize, time_secs: f32) -> Option<BlendRecord> {
+        let segment = self.segment(clip, level)?;
+        let first = segment.first_key as usize;
+        let keys = &self.keys[first..=first + segment.last as usize + 1];
+        // NaN falls through `max` to 0.
+        let time = time_secs
+            .max(0.0)
+            .min(keys[segment.last as usize].time_secs);
+        let bucket = segment.first_bucket + segment.bucket(time);
+        let mut key = self.buckets[bucket as usize] as usize;
+        while keys[key + 1].time_secs <= time {
+            key += 1;
+        }
+        let Key { time_secs, per_sec } = keys[key];
+        let before = segment.first_matrix + key as u32 * segment.matrices;
+        let is_last = key as u32 == segment.last;
+        Some(BlendRecord {
+            before,
+            after: if is_last {
+                before
+            } else {
+                before + segment.matrices
+            },
+            blend: ((time - time_secs) * per_sec).min(1.0),
+            character: 0,
+        })
+    }
+
+    #[inline]
+    fn segment(&self, clip: usize, level: usize) -> Option<&Segment> {
+        assert!(level < self.levels, "no such level");
+        self.segments[clip * self.levels + level].as_ref()
+    }
+
+    /// Writes the palettes of characters at one level, one after the other: each the straight
+    /// blend of the two that its record names, and at a key that one itself, bit for bit.
+    ///
+    /// O(matrices); does not allocate. All backends give the same bits.
+    ///
+    /// # Panics
+    /// If `out` is not as long as these palettes or of the other kind of floats, or a record is
+    /// of another cache or level.
+    pub fn blend(
+        &self,
+        level: usize,
+        records: &[BlendRecord],
+        backend: Backend,
+        out: PaletteRows<'_>,
+    ) {
+        let stride = self.entries[level] * 3;
+        assert_eq!(out.len(), records.len() * stride, "room for each palette");
+        match (&self.rows, out) {
+            (CachedRows::Float(rows), PaletteRows::Float(out)) => dispatch(
+                backend,
+                Blend {
+                    rows,
+                    stride,
+                    records,
+                    out,
+                },
+            ),
+            (CachedRows::Half(rows), PaletteRows::Half(out)) => dispatch(
+                backend,
+                Blend {
+                    rows,
+                    stride,
+                    records,
+                    out,
+                },
+            ),
+            _ => panic!("the rows are not of the form's kind of floats"),
+        }
+    }
+}
+
+impl Segment {
+    /// Bucket of a time that is a number and not negative; never falls as the time rises.
+    #[inline]
+    fn bucket(&self, time_secs: f32) -> u32 {
+        ((time_secs * self.buckets_per_sec) as u32).min(self.last_bucket)
+    }
+}
+
+/// Palettes that are blended, in rows of one kind of floats.
+struct Blend<'a, R> {
+    rows: &'a [R],
+    /// Rows of a palette.
+    stride: usize,
+    records: &'a [BlendRecord],
+    out: &'a mut [R],
+}
+
+// No closures around lanes: they would be compiled without the backend's instructions.
+
+impl<'a, R: Copy> Blend<'a, R> {
+    /// The two palettes of a record; `None` if the first is shown as it is.
+    #[inline(always)]
+    fn palettes(&self, record: &BlendRecord) -> (&'a [R], Option<&'a [R]>) {
+        let before = &self.rows[record.before as usize * 3..][..self.stride];
+        if record.blend == 0.0 || record.before == record.after {
+            return (before, None);
+        }
+        let after = &self.rows[record.after as usize * 3..][..self.stride];
+        (before, Some(after))
+    }
+}
+
+impl Kernel for Blend<'_, Row> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for (i, record) in self.records.iter().enumerate() {
+            let (before, after) = self.palettes(record);
+            let out = &mut self.out[i * self.stride..][..self.stride];
+            match after {
+                None => out.copy_from_slice(before),
+                Some(after) => blend_floats(before, after, record.blend, out),
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn blend_floats(before: &[Row], after: &[Row], weight: f32, out: &mut [Row]) {
+    let ends = before.as_flattened().iter().zip(after.as_flattened());
+    for (out, (a, b)) in out.as_flattened_mut().iter_mut().zip(ends) {
+        *out = a + (b - a) * weight;
+    }
+}
+
+impl Kernel for Blend<'_, [u16; 4]> {
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        for (i, record) in self.records.iter().enumerate() {
+            let (before, after) = self.palettes(record);
+            let out = &mut self.out[i * self.stride..][..self.stride];
+            match after {
+                None => out.copy_from_slice(before),
+                Some(after) => blend_halves::<L>(before, after, record.blend, out),
+            }
+        }
+    }
+}
+
+#[inline(always)]
+fn blend_halves<L: Lanes>(a: &[[u16; 4]], b: &[[u16; 4]], weight: f32, out: &mut [[u16; 4]]) {
+    let (a, a_rest) = a.as_flattened().as_chunks::<LANES>();
+    let (b, b_rest) = b.as_flattened().as_chunks::<LANES>();
+    let (out, out_rest) = out.as_flattened_mut().as_chunks_mut::<LANES>();
+    for (out, (a, b)) in out.iter_mut().zip(a.iter().zip(b)) {
+        L::lerp_halves(a, b, weight, out);
+    }
+    // Half a chunk is left of palettes with an odd number of rows.
+    if !out_rest.is_empty() {
+        let mut blended = [0; LANES];
+        L::lerp_halves(&filled(a_rest), &filled(b_rest), weight, &mut blended);
+        out_rest.copy_from_slice(&blended[..out_rest.len()]);
+    }
+}
+
+/// The numbers, then zeros.
+#[inline(always)]
+fn filled(halves: &[u16]) -> [u16; LANES] {
+    let mut filled = [0; LANES];
+    filled[..halves.len()].copy_from_slice(halves);
+    filled
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clip::{Clip, Tracks};
+    use crate::clip_set::Storage;
+    use crate::ladder::Ladder;
+    use crate::rig::tests::rig_of;
+    use glam::Vec3;
+
+    /// One joint; a clip of a second at 4 Hz and a single pose.
+    fn parts() -> (ClipSet, PaletteMap) {
+        let rig = rig_of(&[(None, Vec3::ZERO, 0)]);
+        let clip = |frames| Clip::new("c", 4.0, frames, 1, Tracks::default()).unwrap();
+        let ladder = Ladder::whole(&rig).unwrap();
+        let map = PaletteMap::joints(&ladder);
+        let clips = [clip(5), clip(1)];
+        (
+            ClipSet::new(&rig, ladder, &clips, Storage::Float).unwrap(),
+            map,
+        )
+    }
+
+    fn keys(times: &[f32], first_matrix: u32) -> Option<CachedKeys> {
+        Some(CachedKeys {
+            times_secs: times.to_vec(),
+            first_matrix,
+            error_metres: 0.25,
+        })
+    }
+
+    fn rows(matrices: u16) -> CachedRows {
+        let row = |i: u16| [f32::from(i), 0.0, -1.0, 0.5];
+        CachedRows::Float((0..matrices * 3).map(row).collect())
+    }
+
+    #[test]
+    fn by_hand() {
+        let (clips, map) = parts();
+        // The single pose stands first among the palettes.
+        let all = [
+            vec![keys(&[0.0, 0.125, 0.25, 1.0], 1)],
+            vec![keys(&[0.0], 0)],
+        ];
+        let cache = PoseCache::new(&clips, &map, &all, rows(5)).unwrap();
+        let record = |clip, secs| {
+            let r = cache.locate(clip, 0, secs).unwrap();
+            (r.before, r.after, r.blend)
+        };
+        let expected = [
+            (0.0, (1, 2, 0.0)),
+            (0.0625, (1, 2, 0.5)),
+            (0.125, (2, 3, 0.0)),
+            (0.25, (3, 4, 0.0)),
+            (0.4375, (3, 4, 0.25)),
+            (1.0, (4, 4, 0.0)),
+            (7.0, (4, 4, 0.0)),
+            (f32::INFINITY, (4, 4, 0.0)),
+            (-3.0, (1, 2, 0.0)),
+            (f32::NEG_INFINITY, (1, 2, 0.0)),
+            (f32::NAN, (1, 2, 0.0)),
+        ];
+        for (secs, expected) in expected {
+            assert_eq!(record(0, secs), expected, "at {secs} s");
+            assert_eq!(record(1, secs), (0, 0, 0.0), "a single pose at {secs} s");
+        }
+        let mut out = [[0.0; 4]; 3];
+        let at = cache.locate(0, 0, 0.4375).unwrap();
+        cache.blend(0, &[at], Backend::best(), PaletteRows::Float(&mut out));
+        // Matrix 3 begins with row 9, matrix 4 with row 12: a quarter of the way.
+        assert_eq!(out[1], [10.75, 0.0, -1.0, 0.5]);
+        assert_eq!(cache.error_metres(0, 0), Some(0.25));
+        assert_eq!(cache.palette_bytes(), 5 * 48);
+        assert_eq!(
+            (cache.clips(), cache.levels(), cache.matrices(0)),
+            (2, 1, 1)
+        );
+        let times: Vec<f32> = cache.times_secs(0, 0).unwrap().collect();
+        assert_eq!(times, [0.0, 0.125, 0.25, 1.0]);
+    }
+
+    #[test]
+    fn bytes_of_a_record() {
+        let record = BlendRecord {
+            before: 1,
+            after: 0x0203,
+            blend: 1.0,
+            ..BlendRecord::default()
+        };
+        let bytes = [1, 0, 0, 0, 3, 2, 0, 0, 0, 0, 0x80, 0x3f, 9, 0, 0, 0];
+        assert_eq!(record.of(9).to_le_bytes(), bytes);
+    }
+
+    #[test]
+    fn validity_table() {
+        let (clips, map) = parts();
+        let at = |first, second, rows| {
+            let all = [vec![first], vec![second]];
+            PoseCache::new(&clips, &map, &all, rows)
+                .map_err(|e| e.at)
+                .err()
+        };
+        let single = || keys(&[0.0], 0);
+        assert_eq!(at(None, None, rows(0)), None, "all are evaluated");
+        assert_eq!(at(keys(&[0.0, 1.0], 0), single(), rows(2)), None);
+        let times = [
+            &[0.0][..],
+            &[],
+            &[0.1, 1.0],
+            &[0.0, 0.5],
+            &[0.0, 0.5, 0.5, 1.0],
+            &[0.0, f32::NAN, 1.0],
+        ];
+        for times in times {
+            let found = at(keys(times, 0), single(), rows(9));
+            assert_eq!(found.as_deref(), Some("keys[0][0].times_secs"), "{times:?}");
+        }
+        let beyond = at(single().filter(|_| false), keys(&[0.0], 2), rows(2));
+        assert_eq!(beyond.as_deref(), Some("keys[1][0].first_matrix"));
+        let nan = single().map(|k| CachedKeys {
+            error_metres: f32::NAN,
+            ..k
+        });
+        assert_eq!(
+            at(None, nan, rows(2)).as_deref(),
+            Some("keys[1][0].error_metres")
+        );
+        let odd = CachedRows::Float(vec![[0.0; 4]; 4]);
+        assert_eq!(at(None, None, odd).as_deref(), Some("rows"));
+        let at = |all: &[Vec<Option<CachedKeys>>]| {
+            PoseCache::new(&clips, &map, all, rows(1)).unwrap_err().at
+        };
+        assert_eq!(at(&[vec![None]]), "keys");
+        assert_eq!(at(&[vec![None], vec![]]), "keys[1]");
+    }
+}
