@@ -4,7 +4,7 @@
 //! given: a body between the eye and a renderer's near plane must still move, since its shadow
 //! or its hand may reach into view.
 
-use crate::view::Camera;
+use crate::view::{Camera, Viewport};
 use glam::{Quat, Vec3, Vec4};
 
 /// Tangents of the angles between the viewing direction and the sides of a picture.
@@ -21,6 +21,20 @@ pub struct Tangents {
     pub down: f32,
     /// To the upper side.
     pub up: f32,
+}
+
+impl Tangents {
+    /// Of a picture that is centred on the viewing direction.
+    pub fn of(viewport: &Viewport) -> Self {
+        let up = (0.5 * viewport.fov_y_radians).tan();
+        let side = up * viewport.width_px / viewport.height_px;
+        Self {
+            left: side,
+            right: side,
+            down: up,
+            up,
+        }
+    }
 }
 
 /// The space that a camera sees, in world space.
@@ -51,14 +65,7 @@ impl Frustum {
 
     /// What a perspective camera sees.
     pub fn of(camera: &Camera) -> Self {
-        let up = (0.5 * camera.viewport.fov_y_radians).tan();
-        let side = up * camera.viewport.width_px / camera.viewport.height_px;
-        let tangents = Tangents {
-            left: side,
-            right: side,
-            down: up,
-            up,
-        };
+        let tangents = Tangents::of(&camera.viewport);
         Self::perspective(camera.eye, camera.orientation, tangents)
     }
 
@@ -158,7 +165,6 @@ impl Frustum {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::view::Viewport;
     use proptest::prelude::*;
 
     fn camera() -> Camera {

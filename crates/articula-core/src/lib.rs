@@ -13,6 +13,7 @@
 //! - [`view`]: viewport, camera, pixels per metre
 //! - [`sphere`], [`world_bounds`], [`frustum`], [`visibility`]: which bodies are seen, soon may
 //!   be, and how large
+//! - [`capsule`], [`occlusion`]: how much of a body others hide, for those who ask no renderer
 //! - [`pose`], [`sample`], [`mod@blend`], [`hierarchy`], [`skin`]: one verb each
 //! - [`skin_groups`]: the skin four vertices at a time, and only where something moved
 //! - [`joint_state`]: active, passive and the transitions between them
@@ -37,6 +38,7 @@ pub mod attention;
 pub mod batch;
 pub mod blend;
 pub mod budget;
+pub mod capsule;
 pub mod clip;
 pub mod clip_set;
 pub mod drift;
@@ -53,6 +55,7 @@ pub mod math;
 pub mod mesh;
 pub mod motion_bounds;
 pub mod motion_error;
+pub mod occlusion;
 pub mod palette;
 pub mod pose;
 pub mod pose_cache;

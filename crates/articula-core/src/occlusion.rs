@@ -1,0 +1,363 @@
+//! How much of a body is hidden behind others: an estimate for those who have no renderer to ask.
+//!
+//! Source: `spec/motion-lod.md` part 5 takes the occluded fraction from the engine; this makes one,
+//! after the software occlusion buffers of the field. Capsules that lie *inside* the nearest
+//! bodies are drawn into a small grid of depths, and the boxes of the others are looked up in it.
+//! Conservative on both sides: a cell counts as covered only if a capsule covers all of it, at the
+//! farthest depth of what covers it, and a box is tested by the rectangle around it at its nearest
+//! depth. So 1 is given only to what cannot be seen.
+//!
+//! A look-up costs as much as evaluating a few joints, so this pays for bodies that are dear to
+//! evaluate or to draw, in dense crowds; far ones at a coarse level are cheaper shown than asked for.
+//!
+//! It never hides a body behind its own capsules, since these lie behind the front of its box.
+//! Draw where bodies are in this frame, not in the last one, else who steps out comes late.
+
+use crate::Mismatch;
+use crate::capsule::Capsule;
+use crate::frustum::Tangents;
+use crate::motion_bounds::Bound;
+use crate::view::Camera;
+use glam::{Mat3, Quat, Vec2, Vec3, Vec4};
+
+/// What comes nearer to the eye than this hides nothing and is not hidden.
+const NEAR_METRES: f32 = 0.05;
+
+/// A part of a cell; no edge is trusted to be nearer to a border than this.
+const ROUNDING_CELLS: f32 = 1e-3;
+
+/// Points on the half circle around each end of a capsule.
+const ARC: [(f32, f32); 5] = {
+    const HALF: f32 = std::f32::consts::FRAC_1_SQRT_2;
+    [
+        (0.0, -1.0),
+        (HALF, -HALF),
+        (1.0, 0.0),
+        (HALF, HALF),
+        (0.0, 1.0),
+    ]
+};
+
+/// A grid of depths as seen from one camera.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Occlusion {
+    columns: usize,
+    rows: usize,
+    /// For each cell, row by row from the top, the depth behind which all of it is hidden.
+    depths: Vec<f32>,
+    eye: Vec3,
+    /// To the right, up, and depth.
+    camera_from_world: Mat3,
+    /// Cells for a tangent of one, to the right and down, and the viewing direction's place.
+    cells: Vec2,
+    middle: Vec2,
+}
+
+impl Occlusion {
+    /// Room for a grid; 160 by 90 suits a crowd seen in full HD.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if a side has no cell or more than 4096.
+    pub fn new(columns: usize, rows: usize) -> Result<Self, Mismatch> {
+        for (at, cells) in [("columns", columns), ("rows", rows)] {
+            if !(1..=4096).contains(&cells) {
+                return Err(Mismatch::new(at, format!("{cells}, expected 1 to 4096")));
+            }
+        }
+        Ok(Self {
+            columns,
+            rows,
+            depths: vec![f32::INFINITY; columns * rows],
+            eye: Vec3::ZERO,
+            camera_from_world: Mat3::IDENTITY,
+            cells: Vec2::ONE,
+            middle: Vec2::ZERO,
+        })
+    }
+
+    /// Begins a frame as a camera sees it, with nothing hidden.
+    pub fn begin(&mut self, camera: &Camera) {
+        let tangents = Tangents::of(&camera.viewport);
+        self.begin_off_axis(camera.eye, camera.orientation, tangents);
+    }
+
+    /// The same for a picture that need not be centred, such as that of an eye of a headset; the
+    /// orientation is world from camera, looking along -Z. What is no camera hides nothing.
+    pub fn begin_off_axis(&mut self, eye: Vec3, orientation: Quat, tangents: Tangents) {
+        self.depths.fill(f32::INFINITY);
+        self.eye = eye;
+        let back = Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0));
+        self.camera_from_world = back * Mat3::from_quat(orientation.conjugate());
+        let size = Vec2::new(tangents.left + tangents.right, tangents.up + tangents.down);
+        self.cells = Vec2::new(self.columns as f32, self.rows as f32) / size;
+        self.middle = Vec2::new(tangents.left, tangents.up) * self.cells;
+    }
+
+    /// Draws a capsule of the world that lies inside something opaque. Does not allocate.
+    pub fn draw(&mut self, capsule: &Capsule) {
+        let radius = capsule.radius;
+        let [a, b] = capsule.ends.map(|end| self.view(end));
+        let nearest = a.z.min(b.z) - radius;
+        if !(nearest >= NEAR_METRES && radius > 0.0 && (a + b).is_finite()) {
+            return;
+        }
+        // Two half circles that face the eye, with the line from one end to the other between.
+        let toward = (a + b).normalize();
+        let along = (b - a).reject_from_normalized(toward);
+        let along = along
+            .try_normalize()
+            .unwrap_or_else(|| toward.any_orthonormal_vector());
+        let across = toward.cross(along);
+        let mut outline = [Vec2::ZERO; 2 * ARC.len()];
+        let mut farthest = 0.0f32;
+        for (i, at) in outline.iter_mut().enumerate() {
+            let (end, sign) = if i < ARC.len() { (a, -1.0) } else { (b, 1.0) };
+            let (out, side) = ARC[i % ARC.len()];
+            let point = end + radius * sign * (out * along + side * across);
+            farthest = farthest.max(point.z);
+            *at = self.middle + Vec2::new(point.x, -point.y) / point.z * self.cells;
+        }
+        self.fill(&outline, farthest);
+    }
+
+    /// The part of a body, 0 to 1, that is hidden: of the cells that the rectangle around its box
+    /// has in the picture. 1 only if no point of the box can be seen; 0 for what is out of the
+    /// picture, reaches the eye or is no number. `bound` is in model space; does not allocate.
+    pub fn occluded(&self, bound: &Bound, position: Vec3, rotation: Quat, scale: f32) -> f32 {
+        let centre = 0.5 * (bound.least + bound.greatest);
+        let half = (0.5 * scale) * (bound.greatest - bound.least);
+        let world_from_model = Mat3::from_quat(rotation);
+        let middle = self.view(position + world_from_model * (centre * scale));
+        let turned = self.camera_from_world * world_from_model;
+        let (x, y, z) = (
+            turned.x_axis * half.x,
+            turned.y_axis * half.y,
+            turned.z_axis * half.z,
+        );
+        // Four corners by the signs of x and y, on both sides of z.
+        let (sx, sy) = (
+            Vec4::new(1.0, -1.0, 1.0, -1.0),
+            Vec4::new(1.0, 1.0, -1.0, -1.0),
+        );
+        let corner = |m: f32, x: f32, y: f32, z: f32| {
+            let four = m + sx * x + sy * y;
+            [four + z, four - z]
+        };
+        let xs = corner(middle.x, x.x, y.x, z.x);
+        let ys = corner(middle.y, x.y, y.y, z.y);
+        let depths = corner(middle.z, x.z, y.z, z.z);
+        let nearest = depths[0].min(depths[1]).min_element();
+        if !(nearest >= NEAR_METRES && middle.is_finite()) {
+            return 0.0;
+        }
+        let scales = depths.map(|depths| 1.0 / depths);
+        let range = |values: [Vec4; 2], cells: f32, middle: f32, most: usize| {
+            let at = [0, 1].map(|i| values[i] * scales[i] * cells + middle);
+            let least = at[0].min(at[1]).min_element() - ROUNDING_CELLS;
+            let greatest = at[0].max(at[1]).max_element() + ROUNDING_CELLS;
+            // A cast cuts towards zero and keeps to the ends of its range.
+            (least as usize, ((greatest + 1.0) as usize).min(most))
+        };
+        let (left, right) = range(xs, self.cells.x, self.middle.x, self.columns);
+        let (top, bottom) = range(ys, -self.cells.y, self.middle.y, self.rows);
+        if left >= right || top >= bottom {
+            return 0.0;
+        }
+        let nearest = nearest * (1.0 - 1e-5);
+        let rows =
+            self.depths[top * self.columns..bottom * self.columns].chunks_exact(self.columns);
+        let hidden: usize = rows
+            .map(|row| row[left..right].iter().filter(|d| **d <= nearest).count())
+            .sum();
+        hidden as f32 / ((right - left) * (bottom - top)) as f32
+    }
+
+    /// Right, up and depth of a point of the world.
+    fn view(&self, point: Vec3) -> Vec3 {
+        self.camera_from_world * (point - self.eye)
+    }
+
+    /// Hides what lies behind a depth in every cell that is inside a closed line around points
+    /// of a convex body. The line itself need not be convex: between any two points of the body
+    /// there is body, so a cell is inside where its upper and its lower border are.
+    fn fill(&mut self, outline: &[Vec2], depth: f32) {
+        let (mut top, mut bottom) = (f32::INFINITY, f32::NEG_INFINITY);
+        for p in outline {
+            top = top.min(p.y);
+            bottom = bottom.max(p.y);
+        }
+        let first = (top + ROUNDING_CELLS).ceil().max(0.0) as usize;
+        let last = ((bottom - ROUNDING_CELLS).floor().max(0.0) as usize).min(self.rows);
+        let mut above = crossing(outline, first as f32);
+        for row in first..last {
+            let below = crossing(outline, (row + 1) as f32);
+            let left = above.0.max(below.0) + ROUNDING_CELLS;
+            let right = above.1.min(below.1) - ROUNDING_CELLS;
+            above = below;
+            let left = left.ceil().max(0.0) as usize;
+            let right = (right.floor().max(0.0) as usize).min(self.columns);
+            if left < right {
+                let cells = row * self.columns;
+                for cell in &mut self.depths[cells + left..cells + right] {
+                    *cell = cell.min(depth);
+                }
+            }
+        }
+    }
+}
+
+/// The leftmost and the rightmost place at which a closed line crosses a height.
+fn crossing(outline: &[Vec2], y: f32) -> (f32, f32) {
+    let (mut left, mut right) = (f32::INFINITY, f32::NEG_INFINITY);
+    let mut from = outline[outline.len() - 1];
+    for &to in outline {
+        if (from.y <= y) != (to.y <= y) {
+            let x = from.x + (to.x - from.x) * ((y - from.y) / (to.y - from.y));
+            left = left.min(x);
+            right = right.max(x);
+        }
+        from = to;
+    }
+    (left, right)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sphere::Sphere;
+    use crate::view::Viewport;
+
+    fn bound(half: Vec3) -> Bound {
+        Bound {
+            sphere: Sphere::around_box(-half, half),
+            least: -half,
+            greatest: half,
+        }
+    }
+
+    fn grid() -> Occlusion {
+        let mut grid = Occlusion::new(160, 90).unwrap();
+        grid.begin(&Camera::looking_at(
+            Vec3::ZERO,
+            Vec3::NEG_Z,
+            Viewport::default(),
+        ));
+        grid
+    }
+
+    fn ball(centre: Vec3, radius: f32) -> Capsule {
+        Capsule {
+            ends: [centre; 2],
+            radius,
+        }
+    }
+
+    #[test]
+    fn refuses_grids_of_no_size() {
+        assert_eq!(Occlusion::new(0, 90).unwrap_err().at, "columns");
+        assert_eq!(Occlusion::new(160, 5000).unwrap_err().at, "rows");
+    }
+
+    #[test]
+    fn a_wall_of_a_man_by_hand() {
+        let mut grid = grid();
+        let cube = bound(Vec3::splat(0.5));
+        let at = |grid: &Occlusion, p: Vec3| grid.occluded(&cube, p, Quat::IDENTITY, 1.0);
+        let behind = Vec3::NEG_Z * 20.0;
+        assert_eq!(at(&grid, behind), 0.0);
+        // A ball of 1 m at 5 m spans 4 m at 20 m; a cube of 1 m is wholly behind it.
+        grid.draw(&ball(Vec3::NEG_Z * 5.0, 1.0));
+        assert_eq!(at(&grid, behind), 1.0);
+        assert_eq!(at(&grid, behind + Vec3::X * 5.0), 0.0, "beside it");
+        let half = at(&grid, behind + Vec3::X * 4.0);
+        assert!(half > 0.0 && half < 1.0, "{half} of it shows at the edge");
+        assert_eq!(at(&grid, Vec3::NEG_Z * 2.0), 0.0, "in front of it");
+        assert_eq!(at(&grid, Vec3::NEG_Z * 5.0), 0.0, "around it: itself");
+        assert_eq!(at(&grid, Vec3::Z * 20.0), 0.0, "behind the eye");
+        assert_eq!(
+            at(&grid, Vec3::new(100.0, 0.0, -20.0)),
+            0.0,
+            "out of the picture"
+        );
+        grid.begin(&Camera::looking_at(
+            Vec3::ZERO,
+            Vec3::NEG_Z,
+            Viewport::default(),
+        ));
+        assert_eq!(at(&grid, behind), 0.0, "a new frame");
+    }
+
+    #[test]
+    fn two_halves_hide_as_one() {
+        // Two bars, one above the other, overlap around a border between two rows of cells.
+        let mut grid = grid();
+        for side in [-1.0, 1.0] {
+            let y = side * 0.9;
+            grid.draw(&Capsule {
+                ends: [Vec3::new(-3.0, y, -5.0), Vec3::new(3.0, y, -5.0)],
+                radius: 0.95,
+            });
+        }
+        let tall = bound(Vec3::new(0.5, 3.0, 0.5));
+        assert_eq!(
+            grid.occluded(&tall, Vec3::NEG_Z * 20.0, Quat::IDENTITY, 1.0),
+            1.0
+        );
+    }
+
+    #[test]
+    fn what_sticks_out_of_a_wall_is_not_hidden_by_it() {
+        let mut grid = grid();
+        for bar in -4..=4 {
+            let y = 0.2 * bar as f32;
+            grid.draw(&Capsule {
+                ends: [Vec3::new(-3.0, y, -5.0), Vec3::new(3.0, y, -5.0)],
+                radius: 0.2,
+            });
+        }
+        let pole = bound(Vec3::new(0.05, 0.05, 3.0));
+        let at = |z: f32| grid.occluded(&pole, Vec3::NEG_Z * z, Quat::IDENTITY, 1.0);
+        assert_eq!(at(8.1), 1.0, "it begins behind the wall");
+        assert_eq!(at(7.5), 0.0, "its tip may come through");
+    }
+
+    #[test]
+    fn hostile_values_hide_nothing() {
+        let cube = bound(Vec3::splat(0.5));
+        let behind = Vec3::NEG_Z * 20.0;
+        for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3e38] {
+            let mut grid = grid();
+            for capsule in [
+                ball(Vec3::NEG_Z.with_x(bad), 1.0),
+                ball(Vec3::NEG_Z * bad, 1.0),
+                ball(Vec3::NEG_Z * 5.0, if bad == 3e38 { -1.0 } else { bad }),
+                ball(Vec3::NEG_Z * 0.5, 1.0),
+                Capsule {
+                    ends: [Vec3::NEG_Z * 5.0, Vec3::Z * 5.0],
+                    radius: 0.5,
+                },
+            ] {
+                grid.draw(&capsule);
+            }
+            assert_eq!(
+                grid.occluded(&cube, behind, Quat::IDENTITY, 1.0),
+                0.0,
+                "{bad}"
+            );
+            grid.draw(&ball(Vec3::NEG_Z * 5.0, 1.0));
+            for (position, rotation, scale) in [
+                (Vec3::splat(bad), Quat::IDENTITY, 1.0),
+                (behind, Quat::from_xyzw(bad, 0.0, 0.0, 1.0), 1.0),
+                (behind, Quat::IDENTITY, bad),
+            ] {
+                let hidden = grid.occluded(&cube, position, rotation, scale);
+                assert_eq!(hidden, 0.0, "{position} {rotation} {scale}");
+            }
+            let mut odd = Camera::looking_at(Vec3::ZERO, Vec3::NEG_Z, Viewport::default());
+            odd.viewport.fov_y_radians = if bad.is_finite() { 0.0 } else { bad };
+            grid.begin(&odd);
+            grid.draw(&ball(Vec3::NEG_Z * 5.0, 1.0));
+            assert_eq!(grid.occluded(&cube, behind, Quat::IDENTITY, 1.0), 0.0);
+        }
+    }
+}
