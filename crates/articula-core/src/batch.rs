@@ -97,6 +97,21 @@ impl<'a> BatchEvaluator<'a> {
         })
     }
 
+    /// Parts that were checked before.
+    pub(crate) fn checked(
+        clips: &'a ClipSet,
+        map: &'a PaletteMap,
+        form: PaletteForm,
+        backend: Backend,
+    ) -> Self {
+        Self {
+            clips,
+            map,
+            form,
+            backend,
+        }
+    }
+
     /// Working memory for one thread.
     pub fn scratch(&self) -> Scratch {
         let tail = LANES * self.map.len(0) * self.form.rows();

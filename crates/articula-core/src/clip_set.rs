@@ -14,7 +14,7 @@ use crate::math::{Transform, same_hemisphere};
 use crate::pose::LocalPose;
 use crate::rig::Rig;
 use crate::simd::Row;
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec3, Vec4};
 
 /// Differences that files leave in channels that stand still: a channel whose numbers stay
 /// within this of their first ones is a constant, and a scale this near to one is one.
@@ -228,6 +228,36 @@ impl ClipSet {
             after: segment.first + after * slots,
             blend: at - before as f32,
             clip: clip as u32,
+        }
+    }
+
+    /// Local transform of one joint at a cursor, the plain way.
+    pub(crate) fn local(&self, at: &Cursor, place: usize) -> Transform {
+        let source = self.sources[place];
+        let constant = self.constants[place];
+        let slot = |slot: u32| {
+            let blend = if self.is_held(at.clip, slot) {
+                0.0
+            } else {
+                at.blend
+            };
+            let row = |frame: u32| {
+                let at = (frame + slot) as usize;
+                match &self.rows {
+                    Rows::Float(rows) => Vec4::from_array(rows[at]),
+                    Rows::Short(rows) => Vec4::from_array(rows[at].map(f32::from)),
+                }
+            };
+            row(at.before).lerp(row(at.after), blend)
+        };
+        let vector = |s: u32| match self.range(s as usize) {
+            None => slot(s).truncate(),
+            Some(range) => range.middle + slot(s).truncate() * range.step,
+        };
+        Transform {
+            rotation: source[0].map_or(constant.rotation, |s| Quat::from_vec4(slot(s)).normalize()),
+            translation: source[1].map_or(constant.translation, vector),
+            scale: source[2].map_or(constant.scale, vector),
         }
     }
 

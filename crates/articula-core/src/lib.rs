@@ -27,6 +27,7 @@
 //! - [`ladder`], [`level_error`]: merged levels of a crowd, and what each costs
 //! - [`clip_set`], [`palette`], [`batch`]: eight characters at once, from cursors to palettes
 //! - [`pose_cache`]: whole palettes shared by all characters, and the blend between two of them
+//! - [`crowd`]: the whole FRAME line for many characters
 //!
 //! What is deliberately absent: files, clocks, threads, logging, JSON, and any allocation in a
 //! function that runs once a frame (a test counts them).
@@ -41,6 +42,7 @@ pub mod budget;
 pub mod capsule;
 pub mod clip;
 pub mod clip_set;
+pub mod crowd;
 pub mod drift;
 pub mod fap_table;
 pub mod frustum;

@@ -1,0 +1,79 @@
+//! The level of one character: the coarsest whose error its viewer cannot see.
+
+use super::model::CrowdModel;
+use super::player::Player;
+use crate::attention::multiplier;
+
+/// A coarser level is taken only when its error is below this part of the tolerance, so that a
+/// character on the border does not change to and fro.
+const HYSTERESIS: f32 = 0.8;
+
+/// What was chosen for a visible character.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Choice {
+    pub(crate) level: usize,
+    /// Error of the level, metres of the unscaled character.
+    pub(crate) error_metres: f32,
+    /// What the tolerance leaves beyond that, metres.
+    pub(crate) slack_metres: f32,
+    pub(crate) pixels_per_metre: f32,
+}
+
+/// The coarsest level within a tolerance, from the level that is shown now. A tolerance that is
+/// no number gives full detail.
+pub(crate) fn level_within(
+    tolerance_metres: f32,
+    shown: Option<usize>,
+    coarsest: usize,
+    error_metres: impl Fn(usize) -> f32,
+) -> usize {
+    let start = shown.unwrap_or(0);
+    let mut level = start;
+    let fits = |level, part: f32| error_metres(level) <= tolerance_metres * part;
+    while level > 0 && !fits(level, 1.0) {
+        level -= 1;
+    }
+    if level == start {
+        // Who just came into view has nothing to keep.
+        let part = if shown.is_some() { HYSTERESIS } else { 1.0 };
+        while level < coarsest && fits(level + 1, part) {
+            level += 1;
+        }
+    }
+    level
+}
+
+/// Factor of the tolerance: what the clip shows now, and how important the character is.
+#[inline]
+pub(crate) fn attention(model: &CrowdModel, player: &Player, importance: f32) -> f32 {
+    let (from, to) = player.clips();
+    let at = |clip: usize, secs: f32, wrap| {
+        let marked = model.attention(clip);
+        marked.map_or(1.0, |a| a.at(f64::from(secs), wrap))
+    };
+    let mut factor = at(from, player.from.secs, player.from.wrap);
+    if player.is_fading() {
+        factor = factor.min(at(to, player.to.secs, player.to.wrap));
+    }
+    multiplier(factor, importance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn by_hand() {
+        let errors = [0.0, 0.01, 0.02, 0.04];
+        let level = |tolerance, shown| level_within(tolerance, shown, 3, |l| errors[l]);
+        assert_eq!(level(0.02, None), 2);
+        assert_eq!(level(f32::NAN, Some(2)), 0);
+        assert_eq!(level(0.0, None), 0);
+        assert_eq!(level(9.0, Some(1)), 3);
+        // On the border: kept when it is shown, not taken when a finer one is.
+        assert_eq!(level(0.02, Some(2)), 2);
+        assert_eq!(level(0.02, Some(1)), 1);
+        assert_eq!(level(0.026, Some(1)), 2);
+        assert_eq!(level(0.019, Some(2)), 1);
+    }
+}

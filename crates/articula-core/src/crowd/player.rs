@@ -1,0 +1,237 @@
+//! What one character plays: a clip, or a cross-fade of two, each with its own speed and phase.
+
+use super::events::{ClipEvent, Step, for_events};
+use crate::batch::Shown;
+use crate::clip_set::ClipSet;
+use crate::sample::Wrap;
+
+/// Fastest speed of play; faster ones count as this, slower ones than its negative likewise.
+pub const MOST_SPEED: f32 = 1000.0;
+
+/// Longest step of time; longer ones count as this, so that events of a pause do not pile up.
+pub const MOST_STEP_SECS: f32 = 60.0;
+
+/// One clip at a time and a speed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Voice {
+    /// Time within the clip, 0 to its duration.
+    pub(crate) secs: f32,
+    /// Seconds of the clip in a second of the crowd; negative runs backwards.
+    pub(crate) speed: f32,
+    /// Index of the clip.
+    pub(crate) clip: u16,
+    /// What happens at its end.
+    pub(crate) wrap: Wrap,
+}
+
+impl Voice {
+    /// A looping clip from its first frame at its own speed.
+    ///
+    /// # Panics
+    /// If there is no such clip.
+    pub fn new(clips: &ClipSet, clip: usize) -> Self {
+        assert!(clip < clips.clips(), "clip {clip} of {}", clips.clips());
+        Self {
+            secs: 0.0,
+            speed: 1.0,
+            clip: clip as u16,
+            wrap: Wrap::Loop,
+        }
+    }
+
+    /// The same at another speed, within ±[`MOST_SPEED`]; one that is no number counts as 0.
+    #[must_use]
+    pub fn at_speed(self, speed: f32) -> Self {
+        let speed = if speed.is_nan() { 0.0 } else { speed };
+        Self {
+            speed: speed.clamp(-MOST_SPEED, MOST_SPEED),
+            ..self
+        }
+    }
+
+    /// The same at a time of its clip: wrapped if it loops, clamped if it does not. A time that
+    /// is no finite number counts as 0.
+    #[must_use]
+    pub fn at_secs(self, clips: &ClipSet, secs: f32) -> Self {
+        let duration = clips.duration_secs(self.clip());
+        let secs = if secs.is_finite() { secs } else { 0.0 };
+        let secs = match self.wrap {
+            Wrap::Loop if duration > 0.0 => secs.rem_euclid(duration).min(duration),
+            _ => secs.clamp(0.0, duration),
+        };
+        Self { secs, ..self }
+    }
+
+    /// The same, holding its last frame instead of looping.
+    #[must_use]
+    pub fn once(self) -> Self {
+        Self {
+            wrap: Wrap::Clamp,
+            ..self
+        }
+    }
+
+    /// Index of the clip.
+    pub fn clip(&self) -> usize {
+        usize::from(self.clip)
+    }
+
+    /// Time within the clip.
+    pub fn secs(&self) -> f32 {
+        self.secs
+    }
+
+    /// Seconds of the clip in a second of the crowd.
+    pub fn speed(&self) -> f32 {
+        self.speed
+    }
+
+    /// What happens at the end of the clip.
+    pub fn wrap(&self) -> Wrap {
+        self.wrap
+    }
+
+    /// Goes on, telling the events that it passes; gives how often it passed the clip's end
+    /// forwards, less how often backwards.
+    pub(crate) fn advance(
+        &mut self,
+        duration: f32,
+        dt_secs: f32,
+        events: &[ClipEvent],
+        tell: &mut dyn FnMut(&ClipEvent),
+    ) -> i32 {
+        let way = self.speed * dt_secs;
+        let to = self.secs + way;
+        let (laps, landed) = if (0.0..duration).contains(&to) {
+            // By far the most frequent: the step stays within the clip.
+            (0, to)
+        } else if self.wrap == Wrap::Clamp {
+            (0, to.clamp(0.0, duration))
+        } else if duration > 0.0 {
+            let laps = (to / duration).floor();
+            // Rounding may leave the time at the end itself.
+            (laps as i32, (to - laps * duration).clamp(0.0, duration))
+        } else {
+            (0, 0.0)
+        };
+        if !events.is_empty() && way != 0.0 && (laps != 0 || landed != self.secs) {
+            let step = Step {
+                from_secs: self.secs,
+                to_secs: landed,
+                laps,
+                forwards: way > 0.0,
+                stopped: self.wrap == Wrap::Clamp && (landed == 0.0 || landed == duration),
+            };
+            for_events(events, step, tell);
+        }
+        self.secs = landed;
+        laps
+    }
+}
+
+/// What one character plays. 32 bytes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Player {
+    pub(crate) from: Voice,
+    pub(crate) to: Voice,
+    /// 0 shows `from`, 1 shows `to`.
+    pub(crate) fade: f32,
+    /// How fast `fade` grows; 0 if the caller sets it.
+    pub(crate) fade_per_sec: f32,
+}
+
+impl From<Voice> for Player {
+    fn from(voice: Voice) -> Self {
+        Self {
+            from: voice,
+            to: voice,
+            fade: 0.0,
+            fade_per_sec: 0.0,
+        }
+    }
+}
+
+impl Player {
+    /// A blend whose weight the caller sets: 0 shows `from`, 1 shows `to`; it is clamped, and no
+    /// number counts as 0.
+    pub fn blend(from: Voice, to: Voice, weight: f32) -> Self {
+        let fade = if weight.is_nan() { 0.0 } else { weight };
+        Self {
+            from,
+            to,
+            fade: fade.clamp(0.0, 1.0),
+            fade_per_sec: 0.0,
+        }
+    }
+
+    /// Starts to fade to another clip. A fade that is under way goes on from the clip that
+    /// weighs more. A time of 0 or less, or no number, switches at once.
+    pub fn fade_to(&mut self, voice: Voice, secs: f32) {
+        if self.fade >= 0.5 {
+            self.from = self.to;
+        }
+        if secs > 0.0 {
+            self.to = voice;
+            self.fade = 0.0;
+            self.fade_per_sec = 1.0 / secs;
+        } else {
+            *self = Self::from(voice);
+        }
+    }
+
+    /// The clip that it plays, or comes from.
+    pub fn voice(&self) -> &Voice {
+        &self.from
+    }
+
+    /// The clip that it goes to while it fades.
+    pub fn next(&self) -> Option<&Voice> {
+        self.is_fading().then_some(&self.to)
+    }
+
+    /// Share of the clip that it goes to, 0 to 1.
+    pub fn fade(&self) -> f32 {
+        self.fade
+    }
+
+    /// Whether two clips count, now or as soon as time goes on.
+    #[inline]
+    pub fn is_fading(&self) -> bool {
+        self.fade != 0.0 || self.fade_per_sec != 0.0
+    }
+
+    /// The two clips that count; the same twice if it does not fade.
+    #[inline]
+    pub(crate) fn clips(&self) -> (usize, usize) {
+        let to = if self.is_fading() {
+            self.to.clip
+        } else {
+            self.from.clip
+        };
+        (self.from.clip(), usize::from(to))
+    }
+
+    /// Moves the weight on; a fade that is done leaves the clip it went to.
+    pub(crate) fn advance_fade(&mut self, dt_secs: f32) {
+        if self.fade_per_sec != 0.0 {
+            self.fade += self.fade_per_sec * dt_secs;
+            if self.fade >= 1.0 {
+                *self = Self::from(self.to);
+            }
+        }
+    }
+
+    /// Where it is in its clips.
+    #[inline]
+    pub(crate) fn shown(&self, clips: &ClipSet) -> Shown {
+        let from = clips.cursor(self.from.clip(), self.from.secs);
+        if self.fade == 0.0 {
+            return from.into();
+        }
+        Shown {
+            from,
+            to: clips.cursor(self.to.clip(), self.to.secs),
+            fade: self.fade,
+        }
+    }
+}

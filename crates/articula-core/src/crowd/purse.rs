@@ -1,0 +1,110 @@
+//! The levels of a crowd as options of a budget.
+
+use super::model::CrowdModel;
+use super::player::Player;
+use crate::Mismatch;
+use crate::budget::{Budget, CostModel, FrameReport, MenuId, Offer, Policy, Request, Work};
+use crate::sphere::Sphere;
+use crate::visibility::{Seen, Visibility};
+use std::ops::Range;
+
+/// Options of the characters within a budget.
+#[derive(Debug, Clone)]
+pub(crate) struct Purse {
+    budget: Budget,
+    /// Menu of each clip, and of blends.
+    menus: Vec<MenuId>,
+    blends: MenuId,
+}
+
+impl Purse {
+    pub(crate) fn new(
+        model: &CrowdModel,
+        characters: usize,
+        policy: Policy,
+        costs: &CostModel,
+    ) -> Result<Self, Mismatch> {
+        let mut budget = Budget::new(characters, policy);
+        let count = model.clips().clips();
+        let menus = (0..count)
+            .map(|clip| budget.add_menu(&offers(model, costs, clip..clip + 1)))
+            .collect::<Result<_, _>>()?;
+        let blends = budget.add_menu(&offers(model, costs, 0..count))?;
+        Ok(Self {
+            budget,
+            menus,
+            blends,
+        })
+    }
+
+    pub(crate) fn reprice(&mut self, model: &CrowdModel, costs: &CostModel) {
+        self.budget.reprice(|_, level| cost(model, costs, level));
+    }
+
+    /// Chooses for everyone.
+    pub(crate) fn spend(
+        &mut self,
+        budget: f32,
+        players: &[Player],
+        seen: &[Seen],
+        bounds: &[Sphere],
+        importance: &dyn Fn(usize) -> f32,
+    ) -> FrameReport {
+        for (character, (seen, player)) in seen.iter().zip(players).enumerate() {
+            if seen.visibility != Visibility::Visible {
+                self.budget.hide(character);
+                continue;
+            }
+            let menu = if player.is_fading() {
+                self.blends
+            } else {
+                self.menus[player.clips().0]
+            };
+            // A bound covers so many pixels, and each is wrong by the error.
+            let side = bounds[character].radius * seen.pixels_per_metre;
+            let request = Request {
+                menu,
+                weight: importance(character) * seen.pixels_per_metre * side * side,
+                pixels_per_metre: seen.pixels_per_metre,
+            };
+            self.budget.request(character, request);
+        }
+        self.budget.solve(budget)
+    }
+
+    /// What was chosen for a character.
+    pub(crate) fn level(&self, character: usize) -> Option<usize> {
+        self.budget.choice(character)
+    }
+}
+
+/// Every level as an offer, with the greatest error over some clips.
+fn offers(model: &CrowdModel, costs: &CostModel, clips: Range<usize>) -> Vec<Offer> {
+    let error = |level: usize| {
+        let errors = clips
+            .clone()
+            .map(|clip| model.error_metres(clip, clip, level));
+        errors.fold(0.0, f32::max)
+    };
+    (0..model.levels())
+        .map(|level| Offer {
+            cost: cost(model, costs, level),
+            error_metres: error(level),
+        })
+        .collect()
+}
+
+fn cost(model: &CrowdModel, costs: &CostModel, level: usize) -> f32 {
+    costs.cost_ns(&work(model, level, 1)) as f32
+}
+
+/// What evaluating so many poses at a level is.
+pub(crate) fn work(model: &CrowdModel, level: usize, poses: u64) -> Work {
+    let kept = model.clips().ladder().kept(level);
+    Work {
+        characters: poses,
+        sampled_joints: poses * model.clips().rotations(kept).len() as u64,
+        fk_joints: poses * kept as u64,
+        matrices: poses * model.palette().len(level) as u64,
+    }
+}

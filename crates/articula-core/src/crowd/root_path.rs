@@ -1,0 +1,131 @@
+//! Where a clip carries the whole character: its way over the ground, apart from the pose.
+//!
+//! Root motion is never a joint (`spec/motion-lod.md` part 0): it advances at every level, and
+//! for hidden characters too.
+
+use crate::Mismatch;
+use glam::{Quat, Vec3};
+
+/// A place on the ground: offset and turn about +Y, seen from where the clip began.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct RootStep {
+    /// Offset, metres, in the space of the place it starts from.
+    pub offset: Vec3,
+    /// Turn about +Y.
+    pub yaw_radians: f32,
+}
+
+impl RootStep {
+    /// First this step, then the other from where it leads.
+    #[must_use]
+    pub fn then(self, next: Self) -> Self {
+        Self {
+            offset: self.offset + Quat::from_rotation_y(self.yaw_radians) * next.offset,
+            yaw_radians: self.yaw_radians + next.yaw_radians,
+        }
+    }
+
+    /// The step back.
+    #[must_use]
+    pub fn inverse(self) -> Self {
+        Self {
+            offset: Quat::from_rotation_y(-self.yaw_radians) * -self.offset,
+            yaw_radians: -self.yaw_radians,
+        }
+    }
+
+    pub(crate) fn lerp(self, other: Self, t: f32) -> Self {
+        Self {
+            offset: self.offset.lerp(other.offset, t),
+            yaw_radians: self.yaw_radians + (other.yaw_radians - self.yaw_radians) * t,
+        }
+    }
+}
+
+/// The way of one clip, at a uniform rate from its first to its last frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RootPath {
+    rate_hz: f32,
+    places: Vec<RootStep>,
+}
+
+impl RootPath {
+    /// Takes over the places at the frames of a clip; turns are not wrapped.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if there is no place, one is not finite, or the rate is not positive.
+    pub fn new(rate_hz: f32, places: Vec<RootStep>) -> Result<Self, Mismatch> {
+        if !(rate_hz.is_finite() && rate_hz > 0.0) {
+            return Err(Mismatch::new(
+                "rate_hz",
+                format!("{rate_hz} is no positive rate"),
+            ));
+        }
+        let bad = |p: &RootStep| !(p.offset.is_finite() && p.yaw_radians.is_finite());
+        if places.is_empty() || places.iter().any(bad) {
+            let what = "one place at least, each of finite numbers";
+            return Err(Mismatch::new("places", what));
+        }
+        Ok(Self { rate_hz, places })
+    }
+
+    /// The place at a time of the clip.
+    pub fn at(&self, secs: f32) -> RootStep {
+        let last = self.places.len() - 1;
+        let at = (secs * self.rate_hz).max(0.0).min(last as f32);
+        let before = (at as usize).min(last);
+        let after = (before + 1).min(last);
+        self.places[before].lerp(self.places[after], at - before as f32)
+    }
+
+    /// The way from one time to another, passing the end so many times (negative: backwards).
+    pub fn step(&self, from_secs: f32, to_secs: f32, laps: i32) -> RootStep {
+        let lap = self.places[self.places.len() - 1];
+        let lap = self.places[0].inverse().then(lap);
+        let to = self.places[0].inverse().then(self.at(to_secs));
+        let mut way = self.places[0].inverse().then(self.at(from_secs)).inverse();
+        let whole = if laps < 0 { lap.inverse() } else { lap };
+        for _ in 0..laps.unsigned_abs() {
+            way = way.then(whole);
+        }
+        way.then(to)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::FRAC_PI_2;
+
+    #[test]
+    fn a_lap_goes_on_from_where_it_led() {
+        // A metre ahead and a quarter turn to the left in a second.
+        let end = RootStep {
+            offset: Vec3::Z,
+            yaw_radians: FRAC_PI_2,
+        };
+        let path = RootPath::new(1.0, vec![RootStep::default(), end]).unwrap();
+        let twice = path.step(0.0, 0.0, 2);
+        assert!((twice.offset - Vec3::new(1.0, 0.0, 1.0)).length() < 1e-6);
+        assert!((twice.yaw_radians - 2.0 * FRAC_PI_2).abs() < 1e-6);
+        let back = path.step(0.0, 0.0, -2);
+        let nothing = twice.then(back);
+        assert!(nothing.offset.length() < 1e-6 && nothing.yaw_radians.abs() < 1e-6);
+        // Steps that follow each other add up.
+        let parts = path.step(0.2, 0.9, 0).then(path.step(0.9, 0.4, 1));
+        let whole = path.step(0.2, 0.4, 1);
+        assert!((parts.offset - whole.offset).length() < 1e-6);
+    }
+
+    #[test]
+    fn refuses_what_is_no_path() {
+        let at = |r: Result<RootPath, Mismatch>| r.unwrap_err().at;
+        assert_eq!(at(RootPath::new(0.0, vec![RootStep::default()])), "rate_hz");
+        assert_eq!(at(RootPath::new(1.0, Vec::new())), "places");
+        let bad = RootStep {
+            yaw_radians: f32::NAN,
+            ..RootStep::default()
+        };
+        assert_eq!(at(RootPath::new(1.0, vec![bad])), "places");
+    }
+}

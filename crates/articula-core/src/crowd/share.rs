@@ -1,0 +1,212 @@
+//! Shared poses: characters whose poses agree within their tolerance show one palette.
+//!
+//! Source: `spec/motion-lod.md` part 6. Each clip has one clock. The phases around it are cut
+//! into equal buckets, so few that half a bucket's way stays within the tolerance; everyone in a
+//! bucket follows its leader, whose phase is the middle. Leaders run with the clock, so a
+//! follower that plays at the clip's own speed never changes its bucket and shows no step.
+
+/// Fewest buckets of a clip: below so many distinct leaders a crowd looks copied (McDonnell et
+/// al., "Clone attack!", 2008).
+const FEWEST: u32 = 3;
+/// Most buckets, as a power of two: more are as dear as evaluating everyone.
+const MOST: u32 = 7;
+/// Entries of one clip and level: the buckets of every fineness.
+const ENTRIES: usize = 1 << (MOST + 1);
+
+/// A leader of this frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Leader {
+    pub(crate) clip: u16,
+    pub(crate) level: u8,
+    pub(crate) secs: f32,
+}
+
+/// The leaders of all clips and levels.
+#[derive(Debug, Clone)]
+pub(crate) struct Sharing {
+    levels: usize,
+    /// Time of the common clock of each clip.
+    clocks: Vec<f32>,
+    /// Frame in which a bucket got its leader, and which.
+    buckets: Vec<(u32, u32)>,
+    frame: u32,
+    leaders: Vec<Leader>,
+}
+
+/// What a character would show if it shared.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Follower {
+    pub(crate) clip: usize,
+    pub(crate) level: usize,
+    pub(crate) secs: f32,
+    /// How far its skin may be from its own pose, metres.
+    pub(crate) slack_metres: f32,
+}
+
+/// What sharing a clip costs.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ClipWay {
+    pub(crate) duration_secs: f32,
+    pub(crate) speed_metres_per_sec: f32,
+    pub(crate) seam_metres: f32,
+}
+
+impl Sharing {
+    pub(crate) fn new(clips: usize, levels: usize, characters: usize) -> Self {
+        Self {
+            levels,
+            clocks: vec![0.0; clips],
+            buckets: vec![(0, 0); clips * levels * ENTRIES],
+            frame: 0,
+            leaders: Vec::with_capacity(characters),
+        }
+    }
+
+    /// Runs the clocks on and forgets the leaders of the frame before.
+    pub(crate) fn begin(&mut self, dt_secs: f32, durations: &[f32]) {
+        self.frame = self.frame.wrapping_add(1);
+        if self.frame == 0 {
+            // Once in two years of play old stamps would look new.
+            self.buckets.fill((0, 0));
+            self.frame = 1;
+        }
+        self.leaders.clear();
+        for (clock, duration) in self.clocks.iter_mut().zip(durations) {
+            *clock += dt_secs;
+            if *clock >= *duration {
+                *clock = if *duration > 0.0 {
+                    clock.rem_euclid(*duration)
+                } else {
+                    0.0
+                };
+            }
+        }
+    }
+
+    pub(crate) fn leaders(&self) -> &[Leader] {
+        &self.leaders
+    }
+
+    /// The leader that a character follows within its slack, new or there already; `None` if it
+    /// must be evaluated by itself.
+    #[inline]
+    pub(crate) fn leader(&mut self, follower: Follower, way: ClipWay) -> Option<usize> {
+        let Follower {
+            clip,
+            level,
+            secs,
+            slack_metres,
+        } = follower;
+        let duration = way.duration_secs;
+        // Buckets so wide that half of one is within the slack.
+        let count = duration * way.speed_metres_per_sec / (2.0 * slack_metres);
+        let most = (1u32 << MOST) as f32;
+        if !(duration > 0.0 && count <= most) {
+            return None;
+        }
+        // The exponent, rounded up.
+        let exponent = (count.max(1.0).to_bits() + 0x007f_ffff) >> 23;
+        let power = exponent.saturating_sub(127).max(FEWEST);
+        let buckets = (1u32 << power) as f32;
+        let mut phase = (secs - self.clocks[clip]) / duration;
+        if phase < 0.0 {
+            phase += 1.0;
+        }
+        let bucket = (phase * buckets).clamp(0.0, buckets - 1.0).floor();
+        let mut leads = self.clocks[clip] + (bucket + 0.5) / buckets * duration;
+        if leads >= duration {
+            leads -= duration;
+        }
+        // Over the seam the way counts, and what the clip's ends differ by.
+        let apart = (leads - secs).abs();
+        let around = duration - apart;
+        if around < apart && around * way.speed_metres_per_sec + way.seam_metres > slack_metres {
+            return None;
+        }
+        let entry = (clip * self.levels + level) * ENTRIES + (1 << power) + bucket as usize;
+        let (stamp, leader) = &mut self.buckets[entry];
+        if *stamp != self.frame {
+            *stamp = self.frame;
+            *leader = self.leaders.len() as u32;
+            self.leaders.push(Leader {
+                clip: clip as u16,
+                level: level as u8,
+                secs: leads,
+            });
+        }
+        Some(*leader as usize)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const WAY: ClipWay = ClipWay {
+        duration_secs: 2.0,
+        speed_metres_per_sec: 3.0,
+        seam_metres: 0.0,
+    };
+
+    fn follower(secs: f32, slack_metres: f32) -> Follower {
+        Follower {
+            clip: 0,
+            level: 1,
+            secs,
+            slack_metres,
+        }
+    }
+
+    proptest! {
+        /// The leader is never farther off in time than the slack allows at full speed, and a
+        /// follower at the clip's own speed keeps it.
+        #[test]
+        fn leaders_are_within_the_slack_and_stay(
+            secs in 0.0f32..2.0,
+            slack in 0.001f32..5.0,
+            start in 0.0f32..2.0,
+            seam in prop_oneof![Just(0.0f32), 0.0f32..3.0],
+        ) {
+            let way = ClipWay { seam_metres: seam, ..WAY };
+            let mut sharing = Sharing::new(1, 2, 4);
+            sharing.begin(start, &[2.0]);
+            let Some(leader) = sharing.leader(follower(secs, slack), way) else {
+                // Too many leaders would be needed, or the seam lies between.
+                prop_assert!(2.0 * 3.0 / (2.0 * slack) > 127.0 || seam > 0.0);
+                return Ok(());
+            };
+            let leads = sharing.leaders()[leader].secs;
+            let apart = (leads - secs).abs();
+            let off = (apart * 3.0).min((2.0 - apart) * 3.0 + seam);
+            prop_assert!(off <= slack + 1e-4, "{off} m, {slack} allowed");
+            let ahead = (leads - secs).rem_euclid(2.0);
+            sharing.begin(0.3, &[2.0]);
+            if let Some(next) = sharing.leader(follower((secs + 0.3) % 2.0, slack), way) {
+                let now = (sharing.leaders()[next].secs - secs - 0.3).rem_euclid(2.0);
+                let turned = (now - ahead).rem_euclid(2.0);
+                let turned = turned.min(2.0 - turned);
+                // On the border of two buckets rounding may decide for the neighbour.
+                let at_border = (apart.min(2.0 - apart) - 1.0 / 8.0).abs() < 1e-4
+                    || apart.min(2.0 - apart) * 3.0 > 0.49 * slack;
+                prop_assert!(turned < 1e-4 || at_border, "turned by {turned} s");
+            }
+        }
+    }
+
+    #[test]
+    fn a_few_leaders_remain_however_far_away_and_standing_clips_share_too() {
+        let mut sharing = Sharing::new(1, 2, 100);
+        sharing.begin(0.0, &[2.0]);
+        for i in 0..100 {
+            let follower = follower(i as f32 * 0.02, 1e9);
+            assert!(sharing.leader(follower, WAY).is_some());
+        }
+        assert_eq!(sharing.leaders().len(), 8);
+        let still = ClipWay {
+            duration_secs: 0.0,
+            ..WAY
+        };
+        assert!(sharing.leader(follower(0.0, 1.0), still).is_none());
+    }
+}

@@ -1,0 +1,41 @@
+//! Where an attachment hangs: the true place of one joint, at every level and when hidden.
+//!
+//! Sockets need the joints above them at every frame, whatever the viewer sees
+//! (`spec/motion-lod.md` part 5), so they are computed by themselves from the clips: O(depth),
+//! no palette is read.
+
+use crate::batch::Shown;
+use crate::clip_set::ClipSet;
+use crate::math::{Transform, nlerp};
+use glam::Affine3A;
+
+/// Model-from-joint matrix of one joint of the rig, as the full character has it.
+///
+/// Does not allocate.
+///
+/// # Panics
+/// If there is no such joint.
+pub fn socket(clips: &ClipSet, shown: &Shown, joint: usize) -> Affine3A {
+    let ladder = clips.ladder();
+    let mut at = Some(ladder.place(joint));
+    let mut model = Affine3A::IDENTITY;
+    while let Some(place) = at {
+        model = local(clips, shown, place).to_affine() * model;
+        at = ladder.parents()[place].map(usize::from);
+    }
+    model
+}
+
+/// Local transform of the joint at a place.
+fn local(clips: &ClipSet, shown: &Shown, place: usize) -> Transform {
+    let from = clips.local(&shown.from, place);
+    if shown.fade == 0.0 {
+        return from;
+    }
+    let to = clips.local(&shown.to, place);
+    Transform {
+        translation: from.translation.lerp(to.translation, shown.fade),
+        rotation: nlerp(from.rotation, to.rotation, shown.fade),
+        scale: from.scale.lerp(to.scale, shown.fade),
+    }
+}

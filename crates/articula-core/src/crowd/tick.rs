@@ -1,0 +1,503 @@
+//! One frame of a crowd, from clocks to palettes.
+
+use super::frame::{CrowdReport, Detail, Frame, Notice, Sight};
+use super::level::{Choice, attention, level_within};
+use super::model::CrowdModel;
+use super::plan::{Batch, Draw, DrawGroup, Plan, Poser};
+use super::player::{Player, Voice};
+use super::purse::{Purse, work};
+use super::root_path::RootStep;
+use super::share::{ClipWay, Follower, Leader, Sharing};
+use super::socket::socket;
+use crate::Mismatch;
+use crate::batch::{Scratch, Shown};
+use crate::budget::{CostModel, Policy};
+use crate::palette::PaletteRows;
+use crate::sample::Wrap;
+use crate::simd::LANES;
+use crate::sphere::Sphere;
+use crate::visibility::{Bodies, Seen, Visibility, see};
+use crate::world_bounds::{Places, carry};
+use glam::Affine3A;
+use std::ops::Range;
+
+/// How long a bound is taken to hold before it is looked up anew.
+const BOUND_SECS: f32 = 0.5;
+
+/// Level of a character that is not shown.
+const HIDDEN: u8 = u8::MAX;
+
+/// The characters of one rig.
+#[derive(Debug, Clone)]
+pub struct Crowd {
+    players: Vec<Player>,
+    levels: Vec<u8>,
+    /// Model-space bound of each, and how much longer it holds.
+    bounds: Vec<Sphere>,
+    bound_secs: Vec<f32>,
+    roots: Vec<RootStep>,
+    // From here on: made anew each frame, kept so that nothing is allocated.
+    world: Vec<Sphere>,
+    seen: Vec<Seen>,
+    ones: Vec<f32>,
+    zeros: Vec<f32>,
+    sharing: Sharing,
+    leader_jobs: Vec<u32>,
+    plan: Plan,
+    purse: Option<Purse>,
+}
+
+impl Crowd {
+    /// So many characters, all playing the first clip from its beginning.
+    pub fn new(model: &CrowdModel, characters: usize) -> Self {
+        let player = Player::from(Voice::new(model.clips(), 0));
+        let levels = model.levels();
+        Self {
+            players: vec![player; characters],
+            levels: vec![HIDDEN; characters],
+            bounds: vec![Sphere::default(); characters],
+            // Spread, so that bounds are not all looked up in one frame; below 0: at once.
+            bound_secs: vec![-1.0; characters],
+            roots: vec![RootStep::default(); if model.has_paths() { characters } else { 0 }],
+            world: vec![Sphere::default(); characters],
+            seen: vec![Seen::default(); characters],
+            ones: vec![1.0; characters],
+            zeros: vec![0.0; characters],
+            sharing: Sharing::new(model.clips().clips(), levels, characters),
+            leader_jobs: Vec::with_capacity(characters),
+            plan: Plan::new(characters, levels),
+            purse: None,
+        }
+    }
+
+    /// Bytes of state that a character takes, without budget and output.
+    pub const BYTES_PER_CHARACTER: usize =
+        size_of::<Player>() + size_of::<u8>() + size_of::<Sphere>() + size_of::<f32>();
+
+    /// Number of characters.
+    pub fn len(&self) -> usize {
+        self.players.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.players.is_empty()
+    }
+
+    /// What a character plays.
+    pub fn player(&self, character: usize) -> &Player {
+        &self.players[character]
+    }
+
+    /// Has a character play something else from now on.
+    pub fn play(&mut self, character: usize, player: Player) {
+        self.players[character] = player;
+        self.bound_secs[character] = -1.0;
+    }
+
+    /// Starts a character's fade to another clip; see [`Player::fade_to`].
+    pub fn fade_to(&mut self, character: usize, voice: Voice, secs: f32) {
+        self.players[character].fade_to(voice, secs);
+        self.bound_secs[character] = -1.0;
+    }
+
+    /// Gives every level of every clip its price, so that [`Detail::Budget`] can be asked for.
+    /// Allocates.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] as [`crate::budget::Budget::add_menu`] gives it.
+    pub fn set_budget(
+        &mut self,
+        model: &CrowdModel,
+        policy: Policy,
+        costs: &CostModel,
+    ) -> Result<(), Mismatch> {
+        self.purse = Some(Purse::new(model, self.len(), policy, costs)?);
+        Ok(())
+    }
+
+    /// Takes over what a cost model has learnt. Does not allocate.
+    pub fn reprice(&mut self, model: &CrowdModel, costs: &CostModel) {
+        if let Some(purse) = &mut self.purse {
+            purse.reprice(model, costs);
+        }
+    }
+
+    /// One frame: time goes on, everyone is looked for, and the work is planned.
+    ///
+    /// O(characters); does not allocate.
+    ///
+    /// # Panics
+    /// If a slice of the frame has not one entry for each character (or none, where that is
+    /// allowed), the model is not the one that the crowd was made for, or a budget is asked for
+    /// that was not set.
+    pub fn tick(
+        &mut self,
+        model: &CrowdModel,
+        frame: &Frame<'_>,
+        tell: &mut dyn FnMut(Notice),
+    ) -> CrowdReport {
+        let dt_secs = frame.step_secs();
+        self.begin(model, dt_secs);
+        self.advance(model, dt_secs, tell);
+        self.look(frame);
+        let mut report = self.choose(model, frame, tell);
+        self.plan.sort(model.palette(), model.levels());
+        for batch in self.plan.batches() {
+            report.work += work(model, usize::from(batch.level), u64::from(batch.jobs));
+        }
+        report
+    }
+
+    /// Forgets the frame before.
+    fn begin(&mut self, model: &CrowdModel, dt_secs: f32) {
+        self.sharing.begin(dt_secs, model.durations());
+        self.leader_jobs.clear();
+        self.plan.clear();
+    }
+
+    /// Runs the clocks on, tells events, carries roots, and keeps the bounds.
+    fn advance(&mut self, model: &CrowdModel, dt_secs: f32, tell: &mut dyn FnMut(Notice)) {
+        let durations = model.durations();
+        let carries = model.has_paths();
+        for (character, player) in self.players.iter_mut().enumerate() {
+            let before = *player;
+            let shares = [1.0 - player.fade, player.fade];
+            let voices = [&mut player.from, &mut player.to];
+            let count = if before.is_fading() { 2 } else { 1 };
+            let mut laps = [0; 2];
+            for (v, voice) in voices.into_iter().enumerate().take(count) {
+                let clip = voice.clip();
+                laps[v] = voice.advance(durations[clip], dt_secs, model.events(clip), &mut |e| {
+                    tell(Notice::Event {
+                        character,
+                        clip,
+                        id: e.id,
+                        weight: shares[v],
+                    });
+                });
+            }
+            if carries {
+                self.roots[character] = root_step(model, &before, player, laps);
+            }
+            player.advance_fade(dt_secs);
+            self.bound_secs[character] -= dt_secs;
+            if self.bound_secs[character] < 0.0 {
+                self.bounds[character] = bound_of(model, player);
+                // The first time bounds are spread over the frames of their validity.
+                let part = (character % 32 + 1) as f32 / 32.0;
+                self.bound_secs[character] = BOUND_SECS * part;
+            }
+        }
+    }
+
+    /// Looks for everyone.
+    fn look(&mut self, frame: &Frame<'_>) {
+        let count = self.len();
+        let scales = or_all(frame.scales, &self.ones);
+        let wakes = or_all(frame.wake_metres, &self.zeros);
+        for slice in [frame.positions.len(), frame.rotations.len(), scales.len()] {
+            assert_eq!(slice, count, "one place for each character");
+        }
+        match frame.sight {
+            Sight::Everyone => self.seen.fill(Seen {
+                pixels_per_metre: f32::MAX,
+                visibility: Visibility::Visible,
+            }),
+            Sight::Views(views) => {
+                // Lengths were just checked, so neither can fail.
+                if let Ok(places) =
+                    Places::new(frame.positions, frame.rotations, scales, &self.bounds)
+                {
+                    carry(places, &mut self.world);
+                }
+                if let Ok(bodies) = Bodies::new(&self.world, wakes) {
+                    see(views, bodies, &mut self.seen);
+                }
+            }
+        }
+    }
+
+    /// Chooses a level for everyone who is seen, and plans the evaluation.
+    fn choose(
+        &mut self,
+        model: &CrowdModel,
+        frame: &Frame<'_>,
+        tell: &mut dyn FnMut(Notice),
+    ) -> CrowdReport {
+        let mut report = CrowdReport::default();
+        if let (Detail::Budget { cost }, Some(purse)) = (frame.detail, &mut self.purse) {
+            let weight = |c: usize| frame.importance.get(c).copied().unwrap_or(1.0);
+            report.budget =
+                Some(purse.spend(cost, &self.players, &self.seen, &self.bounds, &weight));
+        }
+        for character in 0..self.len() {
+            let seen = self.seen[character];
+            if seen.visibility != Visibility::Visible {
+                report.near += usize::from(seen.visibility == Visibility::Near);
+                self.plan.hide();
+                self.set_level(model, character, None, tell);
+                continue;
+            }
+            report.visible += 1;
+            let choice = self.choice(model, frame, character);
+            self.set_level(model, character, Some(choice.level), tell);
+            self.show(model, frame, character, choice, &mut report);
+        }
+        report
+    }
+
+    /// The level of a visible character, and what it may be wrong by.
+    fn choice(&self, model: &CrowdModel, frame: &Frame<'_>, character: usize) -> Choice {
+        let player = &self.players[character];
+        let (from, to) = player.clips();
+        let scale = frame.scales.get(character).map_or(1.0, |s| s.abs());
+        let pixels_per_metre = self.seen[character].pixels_per_metre * scale;
+        let coarsest = model.levels() - 1;
+        let shown = Some(usize::from(self.levels[character])).filter(|l| *l <= coarsest);
+        let mut tolerance_metres = 0.0;
+        let level = match frame.detail {
+            Detail::Full => 0,
+            Detail::Level(level) => level.min(coarsest),
+            Detail::Budget { .. } => {
+                let purse = self.purse.as_ref();
+                let found = purse.and_then(|p| p.level(character));
+                found.unwrap_or(coarsest)
+            }
+            Detail::Tolerance { px } => {
+                let importance = frame.importance.get(character).copied().unwrap_or(1.0);
+                tolerance_metres = px * attention(model, player, importance) / pixels_per_metre;
+                let error = |level| model.error_metres(from, to, level);
+                level_within(tolerance_metres, shown, coarsest, error)
+            }
+        };
+        let error_metres = model.error_metres(from, to, level);
+        Choice {
+            level,
+            error_metres,
+            slack_metres: tolerance_metres - error_metres,
+            pixels_per_metre,
+        }
+    }
+
+    /// Plans a pose for a character: its own, or one that it shares.
+    fn show(
+        &mut self,
+        model: &CrowdModel,
+        frame: &Frame<'_>,
+        character: usize,
+        choice: Choice,
+        report: &mut CrowdReport,
+    ) {
+        let player = &self.players[character];
+        let fading = player.fade != 0.0;
+        if frame.share && choice.slack_metres > 0.0 && !fading && player.from.wrap == Wrap::Loop {
+            let clip = player.from.clip();
+            let errors = &model.errors().clips[clip];
+            let follower = Follower {
+                clip,
+                level: choice.level,
+                secs: player.from.secs,
+                slack_metres: choice.slack_metres,
+            };
+            let way = ClipWay {
+                duration_secs: model.durations()[clip],
+                speed_metres_per_sec: errors.speed_metres_per_sec,
+                seam_metres: errors.seam_metres,
+            };
+            if let Some(leader) = self.sharing.leader(follower, way) {
+                report.followers += 1;
+                let whole = choice.error_metres + choice.slack_metres;
+                report.bound_px = report.bound_px.max(whole * choice.pixels_per_metre);
+                if leader == self.leader_jobs.len() {
+                    report.leaders += 1;
+                    let job = self.plan.add(choice.level, false, Poser::Leader(leader));
+                    self.leader_jobs.push(job);
+                }
+                self.plan.show(choice.level, self.leader_jobs[leader]);
+                return;
+            }
+        }
+        report.own += 1;
+        let bound_px = choice.error_metres * choice.pixels_per_metre;
+        report.bound_px = report.bound_px.max(bound_px);
+        report.blended += usize::from(fading);
+        let job = self
+            .plan
+            .add(choice.level, fading, Poser::Character(character));
+        self.plan.show(choice.level, job);
+    }
+
+    /// Notes a level, and tells if it is another.
+    #[inline]
+    fn set_level(
+        &mut self,
+        model: &CrowdModel,
+        character: usize,
+        level: Option<usize>,
+        tell: &mut dyn FnMut(Notice),
+    ) {
+        let now = level.map_or(HIDDEN, |l| l as u8);
+        let before = std::mem::replace(&mut self.levels[character], now);
+        if before == now {
+            return;
+        }
+        let from = Some(usize::from(before)).filter(|_| before != HIDDEN);
+        let (a, b) = self.players[character].clips();
+        let error = |level: Option<usize>| level.map_or(0.0, |l| model.error_metres(a, b, l));
+        let jump_px = match (from, level) {
+            (Some(_), Some(_)) => {
+                (error(from) + error(level)) * self.seen[character].pixels_per_metre
+            }
+            _ => 0.0,
+        };
+        tell(Notice::Level {
+            character,
+            from,
+            to: level,
+            jump_px,
+        });
+    }
+
+    /// The level at which a character is shown.
+    pub fn level(&self, character: usize) -> Option<usize> {
+        Some(usize::from(self.levels[character])).filter(|l| *l != usize::from(HIDDEN))
+    }
+
+    /// What the views see of a character.
+    pub fn seen(&self, character: usize) -> Seen {
+        self.seen[character]
+    }
+
+    /// Way over the ground that a character's clips carried it in the last tick, in the space of
+    /// its root; nothing if no clip has a path. Hidden characters are carried too.
+    pub fn root_step(&self, character: usize) -> RootStep {
+        self.roots.get(character).copied().unwrap_or_default()
+    }
+
+    /// The true place of a joint in model space, at whatever level the character is shown, also
+    /// if it is hidden. O(depth); does not allocate.
+    ///
+    /// # Panics
+    /// If there is no such character or joint.
+    pub fn socket(&self, model: &CrowdModel, character: usize, joint: usize) -> Affine3A {
+        let shown = self.players[character].shown(model.clips());
+        socket(model.clips(), &shown, joint)
+    }
+
+    /// The batches of this frame.
+    pub fn batches(&self) -> &[Batch] {
+        self.plan.batches()
+    }
+
+    /// Who is shown, by level.
+    pub fn groups(&self) -> &[DrawGroup] {
+        self.plan.groups()
+    }
+
+    /// Who is shown, in the order of the groups.
+    pub fn draws(&self) -> &[Draw] {
+        self.plan.draws()
+    }
+
+    /// Matrices that are written in this frame by all batches.
+    pub fn matrices(&self) -> usize {
+        self.plan.matrices()
+    }
+
+    /// Matrices that a range of batches writes: they follow each other from
+    /// the first batch's on.
+    ///
+    /// # Panics
+    /// If the range ends beyond the batches.
+    pub fn matrices_of(&self, batches: Range<usize>) -> Range<usize> {
+        assert!(batches.end <= self.batches().len(), "no such batches");
+        self.plan.first_matrix(batches.start)..self.plan.first_matrix(batches.end)
+    }
+
+    /// Batches from `first` on that write about a share of `parts` of all matrices: the ranges
+    /// that threads take, one after the other. Empty when none are left.
+    pub fn share_of_batches(&self, first: usize, parts: usize) -> Range<usize> {
+        let count = self.batches().len();
+        let aim = self.plan.first_matrix(first) + self.matrices().div_ceil(parts.max(1));
+        let mut end = (first + 1).min(count);
+        while end < count && self.plan.first_matrix(end) < aim {
+            end += 1;
+        }
+        first.min(count)..end
+    }
+
+    /// Writes the palettes of a range of batches. Ranges are independent of each other: whoever
+    /// evaluates them, in whatever order, the bytes are the same.
+    ///
+    /// O(joints of the batches); does not allocate.
+    ///
+    /// # Panics
+    /// If `out` has not the rows of [`Crowd::matrices_of`] this range, in the form of the model,
+    /// or `scratch` is not of the model's evaluator.
+    pub fn evaluate(
+        &self,
+        model: &CrowdModel,
+        batches: Range<usize>,
+        mut out: PaletteRows<'_>,
+        scratch: &mut Scratch,
+    ) {
+        let evaluator = model.evaluator();
+        let rows = model.form().rows();
+        let first = self.matrices_of(batches.clone());
+        assert_eq!(out.len(), first.len() * rows, "room for each palette");
+        let first = first.start;
+        for at in batches {
+            let batch = self.plan.batches()[at];
+            let mut shown = [Shown::from(model.clips().cursor(0, 0.0)); LANES];
+            for (shown, poser) in shown.iter_mut().zip(self.plan.posers(&batch)) {
+                *shown = self.posed(model, poser);
+            }
+            let matrices = self.matrices_of(at..at + 1);
+            let part = (matrices.start - first) * rows..(matrices.end - first) * rows;
+            let shown = &shown[..usize::from(batch.jobs)];
+            evaluator.evaluate(usize::from(batch.level), shown, out.part(part), scratch);
+        }
+    }
+
+    #[inline]
+    fn posed(&self, model: &CrowdModel, poser: Poser) -> Shown {
+        match poser {
+            Poser::Character(c) => self.players[c].shown(model.clips()),
+            Poser::Leader(l) => {
+                let Leader { clip, secs, .. } = self.sharing.leaders()[l];
+                model.clips().cursor(usize::from(clip), secs).into()
+            }
+        }
+    }
+}
+
+fn or_all<'a>(given: &'a [f32], all: &'a [f32]) -> &'a [f32] {
+    if given.is_empty() { all } else { given }
+}
+
+/// Way of a character whose clips went on.
+fn root_step(model: &CrowdModel, before: &Player, after: &Player, laps: [i32; 2]) -> RootStep {
+    let step = |from: &Voice, to: &Voice, laps| {
+        let path = model.path(from.clip());
+        path.map_or(RootStep::default(), |p| p.step(from.secs, to.secs, laps))
+    };
+    let own = step(&before.from, &after.from, laps[0]);
+    if before.fade == 0.0 {
+        return own;
+    }
+    own.lerp(step(&before.to, &after.to, laps[1]), before.fade)
+}
+
+/// Holds a character for a while.
+fn bound_of(model: &CrowdModel, player: &Player) -> Sphere {
+    let (from, to) = player.clips();
+    if player.is_fading() {
+        return model.bounds().blended(from, to);
+    }
+    let Voice {
+        secs, speed, wrap, ..
+    } = player.from;
+    let bounds = &model.bounds().clips[from];
+    bounds.over(f64::from(secs), BOUND_SECS, speed, wrap).sphere
+}
