@@ -10,7 +10,9 @@
 )]
 
 mod data;
+mod measure;
 mod open;
+mod peers;
 mod tables;
 
 use anyhow::Result;
@@ -41,6 +43,8 @@ enum Table {
     MotionLod,
     /// Gain over distance, threshold and beta (the thesis' table 6.8).
     ThesisGrid,
+    /// What a crowd costs: ours beside the floor and what others do (spec, runtime).
+    Crowd,
     /// Every file of the data: what is in it, and what each writer makes of it.
     Doors,
     /// Motions of every kind on characters of every kind, and how good they are.
@@ -63,9 +67,11 @@ fn main() -> Result<()> {
     match arguments.table {
         Table::MotionLod => tables::motion_lod::write(&run),
         Table::ThesisGrid => tables::thesis_grid::write(&run),
+        Table::Crowd => tables::crowd::write(&run),
         Table::Doors => tables::doors::write(&run),
         Table::Retargets(pictures) => tables::retargets::write(&run, &pictures),
         Table::All => {
+            tables::crowd::write(&run)?;
             tables::doors::write(&run)?;
             tables::retargets::write(&run, &Pictures::default())?;
             tables::motion_lod::write(&run)?;

@@ -1,5 +1,6 @@
 //! One file for each published table.
 
+pub(crate) mod crowd;
 pub(crate) mod doors;
 pub(crate) mod motion_lod;
 pub(crate) mod retargets;

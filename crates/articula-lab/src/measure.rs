@@ -1,0 +1,122 @@
+//! Times contestants against each other in one run.
+//!
+//! Processor time of the thread, not time on the wall: other programs then cost little. The
+//! contestants take turns, each round in another order, and of all rounds the median and the least
+//! are kept; figures of one run are compared with each other, and with nothing else.
+
+use std::hint::black_box;
+
+/// Shows all characters at times of the clip, in seconds.
+pub(crate) type Frame<'a> = Box<dyn FnMut(&[f32]) + 'a>;
+
+/// An evaluator that is timed on the same frames as others.
+pub(crate) struct Contestant<'a> {
+    pub(crate) name: String,
+    pub(crate) frame: Frame<'a>,
+}
+
+/// What a contestant took, in nanoseconds for each character and frame.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Deserialize)]
+pub(crate) struct Timing {
+    pub(crate) median_ns: f64,
+    pub(crate) least_ns: f64,
+}
+
+/// Times every contestant over all `frames`, `rounds` times; one round more comes first and is
+/// not counted. In the order of the contestants.
+pub(crate) fn race(
+    contestants: &mut [Contestant<'_>],
+    frames: &[Vec<f32>],
+    rounds: usize,
+) -> Vec<Timing> {
+    let count = contestants.len();
+    let shown: usize = frames.iter().map(Vec::len).sum();
+    let mut taken = vec![Vec::with_capacity(rounds); count];
+    for round in 0..=rounds {
+        for turn in 0..count {
+            let who = (turn + round) % count;
+            let frame = &mut contestants[who].frame;
+            let start = thread_ns();
+            for secs in frames {
+                frame(black_box(secs));
+            }
+            let ns = (thread_ns() - start) as f64 / shown.max(1) as f64;
+            if round > 0 {
+                taken[who].push(ns);
+            }
+        }
+    }
+    taken.iter_mut().map(|ns| timing(ns)).collect()
+}
+
+/// Median and least of some times; 0 without any.
+fn timing(ns: &mut [f64]) -> Timing {
+    ns.sort_by(f64::total_cmp);
+    let at = |i: usize| ns.get(i).copied().unwrap_or(0.0);
+    let middle = ns.len() / 2;
+    let below = if ns.len().is_multiple_of(2) {
+        middle.saturating_sub(1)
+    } else {
+        middle
+    };
+    Timing {
+        median_ns: 0.5 * (at(below) + at(middle)),
+        least_ns: at(0),
+    }
+}
+
+/// Processor time that this thread has had, in nanoseconds.
+#[cfg(unix)]
+pub(crate) fn thread_ns() -> u64 {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    // Neither part of a thread's own time is ever negative.
+    time.tv_sec.unsigned_abs() * 1_000_000_000 + time.tv_nsec.unsigned_abs()
+}
+
+/// Time on the wall: elsewhere there is no processor time of a thread that is as fine.
+#[cfg(not(unix))]
+pub(crate) fn thread_ns() -> u64 {
+    use std::sync::OnceLock;
+    use std::time::Instant;
+    static START: OnceLock<Instant> = OnceLock::new();
+    START.get_or_init(Instant::now).elapsed().as_nanos() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn median_and_least_by_hand() {
+        let of = |ns: &mut [f64]| {
+            let t = timing(ns);
+            (t.median_ns, t.least_ns)
+        };
+        assert_eq!(of(&mut [3.0, 1.0, 2.0]), (2.0, 1.0));
+        assert_eq!(of(&mut [4.0, 1.0, 3.0, 2.0]), (2.5, 1.0));
+        assert_eq!(of(&mut [7.0]), (7.0, 7.0));
+        assert_eq!(of(&mut []), (0.0, 0.0));
+    }
+
+    #[test]
+    fn everyone_sees_every_frame_in_every_round() {
+        let frames = [vec![0.0, 1.0], vec![2.0, 3.0]];
+        let mut seen = [0.0f32; 2];
+        let [first, second] = &mut seen;
+        let contestant = |sum: &'static str| sum.to_owned();
+        let mut contestants = [
+            Contestant {
+                name: contestant("first"),
+                frame: Box::new(|secs| *first += secs.iter().sum::<f32>()),
+            },
+            Contestant {
+                name: contestant("second"),
+                frame: Box::new(|secs| *second += secs.iter().sum::<f32>()),
+            },
+        ];
+        let timings = race(&mut contestants, &frames, 3);
+        assert_eq!(timings.len(), 2);
+        drop(contestants);
+        assert_eq!(seen, [24.0, 24.0], "three rounds and the first");
+    }
+}

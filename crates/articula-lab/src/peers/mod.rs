@@ -1,0 +1,156 @@
+//! The evaluators that ours is compared with, each small, plain and honest.
+//!
+//! - [`floor`]: what the machine can do when nothing is asked for but poses
+//! - [`structs`]: arrays of structs, as people write it by hand
+//! - [`three`]: three.js in node
+//! - [`ranks`]: the usual way to thin out a crowd, by rank of distance
+//! - [`quoted`]: figures of others that are only repeated
+
+pub(crate) mod floor;
+pub(crate) mod quoted;
+pub(crate) mod ranks;
+pub(crate) mod structs;
+pub(crate) mod three;
+
+#[cfg(test)]
+mod tests {
+    use super::floor::{Floor, Kernel, LANES, Matrix, Sampled, breadth_first};
+    use super::structs::Structs;
+    use articula_build::character::{Asset, character};
+    use articula_build::clip::ClipOptions;
+    use articula_build::human::{HumanOptions, human};
+    use articula_core::clip::{Clip, Tracks};
+    use articula_core::hierarchy::local_to_model;
+    use articula_core::pose::ModelPose;
+    use articula_core::sample::{Wrap, sample};
+    use glam::Mat4;
+    use std::sync::LazyLock;
+
+    /// Twenty joints below each other with some twenty roundings of 6e-8 each, two metres from the
+    /// origin: what two orders of the same sums may differ by.
+    const ROUNDING: f32 = 5e-5;
+
+    fn asset() -> &'static Asset {
+        static ASSET: LazyLock<Asset> = LazyLock::new(|| {
+            let source = human(&HumanOptions { triangles: 2_000 }).unwrap();
+            character(&source, None, &ClipOptions::default()).unwrap()
+        });
+        &ASSET
+    }
+
+    /// Greatest difference of a matrix element from the scalar path's, over all joints.
+    fn gap(asset: &Asset, clip: &Clip, secs: f32, found: impl Fn(usize) -> Mat4) -> f32 {
+        let rig = &asset.rig;
+        let mut local = rig.rest_pose().clone();
+        let mut model = ModelPose::new(rig.len());
+        sample(clip, f64::from(secs), Wrap::Clamp, &rig.all(), &mut local);
+        local_to_model(rig, &local, &mut model);
+        let gaps = (0..rig.len()).flat_map(|j| {
+            let gap = Mat4::from(model.matrices[j]) - found(j);
+            gap.to_cols_array().map(f32::abs)
+        });
+        gaps.fold(0.0, f32::max)
+    }
+
+    fn from_rows(m: &Matrix) -> Mat4 {
+        let row = |r: usize| glam::Vec4::new(m[4 * r], m[4 * r + 1], m[4 * r + 2], m[4 * r + 3]);
+        Mat4::from_cols(row(0), row(1), row(2), glam::Vec4::W).transpose()
+    }
+
+    /// Place of each joint in what the floor writes.
+    fn places(asset: &Asset) -> Vec<usize> {
+        let order = breadth_first(&asset.rig);
+        let at = |joint| order.iter().position(|j| *j == joint).unwrap();
+        (0..asset.rig.len()).map(at).collect()
+    }
+
+    fn kernels() -> [(Sampled, Kernel); 3] {
+        [
+            (Sampled::Moving, Kernel::Arrays),
+            (Sampled::Moving, Kernel::best()),
+            (Sampled::AllRotations, Kernel::best()),
+        ]
+    }
+
+    #[test]
+    fn the_floor_shows_what_the_scalar_path_shows() {
+        let asset = asset();
+        let every = asset.clips.iter().flat_map(|c| kernels().map(|k| (c, k)));
+        for (clip, (sampled, kernel)) in every {
+            let mut floor = Floor::with(&asset.rig, clip, sampled, kernel).unwrap();
+            let joints = floor.joints();
+            // Eleven characters: a whole batch and three of the next.
+            let secs: Vec<f32> = (0..11)
+                .map(|i| clip.duration_secs() * i as f32 / 10.0)
+                .collect();
+            let mut out = vec![[f32::NAN; 12]; secs.len() * joints];
+            floor.store(&secs, &mut out);
+            let places = places(asset);
+            for (secs, matrices) in secs.iter().zip(out.chunks(joints)) {
+                let found = |j: usize| from_rows(&matrices[places[j]]);
+                let gap = gap(asset, clip, *secs, found);
+                assert!(
+                    gap < ROUNDING,
+                    "{kernel:?}, {} at {secs} s: {gap}",
+                    clip.name
+                );
+            }
+            let mut batch = 0;
+            floor.tiles(&secs, |tile| {
+                for (lane, matrices) in out
+                    .chunks(joints)
+                    .skip(batch * LANES)
+                    .take(LANES)
+                    .enumerate()
+                {
+                    for (joint, tile) in matrices.iter().zip(tile) {
+                        assert_eq!(*joint, tile.0.map(|row| row[lane]));
+                    }
+                }
+                batch += 1;
+            });
+            assert_eq!(batch, 2);
+        }
+    }
+
+    #[test]
+    fn structs_show_the_keys_of_the_clip() {
+        let asset = asset();
+        for clip in &asset.clips {
+            let structs = Structs::new(&asset.rig, clip).unwrap();
+            let mut character = structs.character();
+            for frame in [0, 1, clip.frames() / 2, clip.frames() - 1] {
+                let secs = frame as f32 / clip.rate_hz();
+                structs.evaluate(secs, &mut character);
+                let gap = gap(asset, clip, secs, |j| character.model[j]);
+                assert!(gap < ROUNDING, "{} at {secs} s: {gap}", clip.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_clip_of_one_pose_stands_still_and_scales_are_refused() {
+        let asset = asset();
+        let joints = asset.rig.len();
+        let still = Clip::new("still", 30.0, 1, joints, Tracks::default()).unwrap();
+        let mut floor = Floor::new(&asset.rig, &still, Sampled::Moving).unwrap();
+        assert_eq!(floor.clip_bytes(), 0, "nothing moves");
+        let mut out = vec![[0.0; 12]; joints];
+        floor.store(&[0.0], &mut out);
+        let places = places(asset);
+        assert!(gap(asset, &still, 0.0, |j| from_rows(&out[places[j]])) < ROUNDING);
+        let tracks = Tracks {
+            scales: vec![articula_core::clip::Track {
+                target: 0,
+                step: false,
+                values: vec![glam::Vec3::splat(2.0)],
+            }],
+            ..Tracks::default()
+        };
+        let scaled = Clip::new("scaled", 30.0, 1, joints, tracks).unwrap();
+        assert!(
+            Floor::new(&asset.rig, &scaled, Sampled::Moving).is_err(),
+            "a root's scale"
+        );
+    }
+}

@@ -1,0 +1,42 @@
+//! Figures of others that are only repeated: measured elsewhere, on another machine, never run here.
+//!
+//! Source: `spec/runtime.md` part 1: one 2-core x86-64 machine, one thread, the same character and
+//! clip. Compare them with the row of the floor there (168, 182 and 349 ns), not with ours here.
+
+/// A peer's nanoseconds for each character and frame.
+pub(crate) struct Quoted {
+    pub(crate) who: &'static str,
+    /// What its time covers.
+    pub(crate) work: &'static str,
+    /// Number of characters, and the time or the range of times.
+    pub(crate) times: &'static [(usize, Range)],
+}
+
+/// Least and greatest; equal where one figure was given.
+pub(crate) type Range = (f64, f64);
+
+/// The floor on the machine of the quoted figures, 3x4 output stored.
+pub(crate) const FLOOR_THERE: [(usize, f64); 3] = [(100, 168.0), (1000, 182.0), (4000, 349.0)];
+
+/// All of them.
+pub(crate) const QUOTED: &[Quoted] = &[
+    Quoted {
+        who: "ozz-animation 0.16 (C++)",
+        work: "local to model fused with sampling",
+        times: &[
+            (100, (818.0, 818.0)),
+            (1000, (820.0, 1582.0)),
+            (4000, (2169.0, 2169.0)),
+        ],
+    },
+    Quoted {
+        who: "ACL (C++)",
+        work: "decompression to local poses only",
+        times: &[(100, (479.0, 479.0)), (1000, (596.0, 596.0))],
+    },
+    Quoted {
+        who: "bevy 0.19",
+        work: "animation systems and transforms",
+        times: &[(100, (23e3, 31e3)), (1000, (27e3, 43e3))],
+    },
+];

@@ -1,0 +1,157 @@
+//! What a crowd costs, side by side in one run: ours, the floor, and what others do.
+//!
+//! Source: `spec/runtime.md` parts 1 and 4, thesis 6.3.1. One file for each section of the page;
+//! every section adds to one [`Report`]. All times are processor time of one thread.
+
+mod access;
+mod evaluation;
+mod joints;
+mod ours;
+mod ranks;
+mod skinning;
+
+use super::Run;
+use crate::data;
+use crate::measure::Timing;
+use anyhow::{Context, Result};
+use articula_build::character::Asset;
+use articula_build::scene::plaza;
+use articula_core::Backend;
+use articula_core::clip::Clip;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+const FILE: &str = "glb/pab_arnaud.glb";
+const CLIP: &str = "walk";
+const SEED: u64 = 1;
+
+/// What every section measures on.
+struct Bench {
+    asset: Asset,
+    /// Index of the clip.
+    clip: usize,
+    /// The file, for peers that open it themselves.
+    file: PathBuf,
+    small: bool,
+}
+
+impl Bench {
+    fn clip(&self) -> &Clip {
+        &self.asset.clips[self.clip]
+    }
+
+    /// Rounds of a race.
+    fn rounds(&self) -> usize {
+        if self.small { 2 } else { 21 }
+    }
+
+    /// Numbers of characters, each with its frames in a turn.
+    fn counts(&self) -> Vec<(usize, usize)> {
+        if self.small {
+            vec![(100, 2)]
+        } else {
+            vec![(100, 160), (1000, 16), (4000, 4)]
+        }
+    }
+
+    /// The middle one of the numbers of characters, for sections that vary something else.
+    fn usual(&self) -> (usize, usize) {
+        if self.small { (100, 2) } else { (1000, 16) }
+    }
+
+    /// Where in the clip each of a crowd starts, 0 to 1.
+    fn phases(&self, count: usize) -> Vec<f32> {
+        let members = plaza(count, 1, SEED).members;
+        members.iter().map(|m| m.play.phase).collect()
+    }
+}
+
+/// The page, its numbers and its pictures, as the sections fill them.
+#[derive(Default)]
+struct Report {
+    page: String,
+    csv: String,
+    plots: Vec<(&'static str, String)>,
+}
+
+/// One measured row of the CSV.
+struct Line<'a> {
+    section: &'a str,
+    who: &'a str,
+    count: usize,
+    /// What the section varies.
+    variant: &'a str,
+    timing: Timing,
+    /// Time of the floor that it is compared with.
+    floor_ns: f64,
+}
+
+impl Report {
+    fn heading(&mut self, title: &str, text: &str) {
+        self.page.push_str(&format!("\n## {title}\n\n{text}\n\n"));
+    }
+
+    fn row(&mut self, cells: &[String]) {
+        self.page.push_str(&format!("| {} |\n", cells.join(" | ")));
+    }
+
+    fn head(&mut self, cells: &[&str]) {
+        let cells: Vec<String> = cells.iter().map(|c| (*c).to_owned()).collect();
+        self.row(&cells);
+        self.row(&vec!["---".to_owned(); cells.len()]);
+    }
+
+    fn line(&mut self, line: &Line<'_>) {
+        let Timing {
+            median_ns,
+            least_ns,
+        } = line.timing;
+        let ratio = median_ns / line.floor_ns;
+        self.csv.push_str(&format!(
+            "{},{},{},{},{median_ns:.1},{least_ns:.1},{ratio:.3}\n",
+            line.section,
+            line.who.replace(',', ";"),
+            line.count,
+            line.variant
+        ));
+    }
+}
+
+/// Runs all sections and writes the page.
+pub(crate) fn write(run: &Run) -> Result<()> {
+    let asset = data::asset(&run.data, FILE)?;
+    let clip = asset.clips.iter().position(|c| c.name == CLIP);
+    let bench = Bench {
+        clip: clip.with_context(|| format!("{FILE} has no clip called {CLIP}"))?,
+        asset,
+        file: run.data.join(FILE),
+        small: run.small,
+    };
+    let mut report = Report {
+        csv: "section,who,characters,variant,median_ns,least_ns,ratio_to_floor\n".to_owned(),
+        ..Report::default()
+    };
+    write!(
+        report.page,
+        "# What a crowd costs\n\n{HEAD} {} joints, {} frames at {} Hz; batches of ours run on {}.\n",
+        bench.asset.rig.len(),
+        bench.clip().frames(),
+        bench.clip().rate_hz(),
+        Backend::best().name(),
+    )?;
+    evaluation::add(&bench, &mut report)?;
+    access::add(&bench, &mut report)?;
+    joints::add(&bench, &mut report)?;
+    skinning::add(&bench, &mut report)?;
+    ranks::add(&bench, &mut report)?;
+    for (name, svg) in &report.plots {
+        run.save_text(name, "svg", svg)?;
+    }
+    run.save("crowd", &report.page, &report.csv)
+}
+
+const HEAD: &str = "Made by `cargo run --release -p articula-lab -- crowd`. Nanoseconds of processor time of one thread
+for each character and frame: the median over rounds in which all take turns, in brackets the
+least. Times of one run may be compared, times of two runs may not. *Quoted* figures come from another
+machine and are set against the floor of that machine. `pab_arnaud.glb`, clip `walk`, distinct
+phases, 1/60 s from frame to frame;";

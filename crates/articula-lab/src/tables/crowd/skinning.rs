@@ -1,0 +1,132 @@
+//! Skinning on the processor: for each vertex by influence count, and beside the pose it follows.
+
+use super::access::Access;
+use super::{Bench, Line, Report};
+use crate::measure::{Contestant, Timing, race};
+use anyhow::Result;
+use articula_core::hierarchy::local_to_model;
+use articula_core::mesh::Mesh;
+use articula_core::pose::ModelPose;
+use articula_core::sample::{Wrap, sample};
+use articula_core::skin::{SkinnedMesh, palette, skin};
+use glam::Affine3A;
+use std::hint::black_box;
+
+/// Influences that each vertex keeps.
+const INFLUENCES: [usize; 3] = [1, 2, 4];
+
+/// Characters: skinning costs sixty poses.
+const COUNT: usize = 40;
+
+/// Adds the section.
+pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {
+    let meshes = INFLUENCES.map(|most| strongest(&bench.asset.mesh, most));
+    let mut contestants = vec![follower(bench, &meshes[2], false)];
+    contestants.extend(meshes.iter().map(|mesh| follower(bench, mesh, true)));
+    let times = Access::Forward.frames(bench, COUNT, 2);
+    let timings = race(&mut contestants, &times, bench.rounds());
+    let vertices = bench.asset.mesh.len();
+    report.heading(
+        "Pose alone, and pose with skin",
+        &format!(
+            "The plain path, {vertices} vertices, positions and normals; vertices keep their strongest \
+             influences. Microseconds for each character and frame."
+        ),
+    );
+    report.head(&["what", "µs", "ns for each vertex"]);
+    let pose = timings[0];
+    for (who, timing) in timings.iter().enumerate() {
+        let name = match who.checked_sub(1) {
+            None => "pose and palette alone".to_owned(),
+            Some(i) => format!("with skin, influences up to {}", INFLUENCES[i]),
+        };
+        let vertex = (timing.median_ns - pose.median_ns) / vertices as f64;
+        let cell = |t: &Timing| format!("{:.1} ({:.1})", 1e-3 * t.median_ns, 1e-3 * t.least_ns);
+        let vertex = if who == 0 {
+            "–".to_owned()
+        } else {
+            format!("{vertex:.2}")
+        };
+        report.row(&[name.clone(), cell(timing), vertex]);
+        report.line(&Line {
+            section: "skinning",
+            who: "ours, plain path",
+            count: COUNT,
+            variant: &name.replace(',', ";"),
+            timing: *timing,
+            floor_ns: pose.median_ns,
+        });
+    }
+    Ok(())
+}
+
+/// Poses every character, and skins it if it is told to.
+fn follower<'a>(bench: &'a Bench, mesh: &'a Mesh, skins: bool) -> Contestant<'a> {
+    let (rig, clip) = (&bench.asset.rig, bench.clip());
+    let all = rig.all();
+    let mut local = rig.rest_pose().clone();
+    let mut model = ModelPose::new(rig.len());
+    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
+    let mut out = SkinnedMesh::new(mesh);
+    let frame = move |secs: &[f32]| {
+        for secs in secs {
+            sample(clip, f64::from(*secs), Wrap::Clamp, &all, &mut local);
+            local_to_model(rig, &local, &mut model);
+            palette(mesh, &model, &mut matrices);
+            if skins {
+                skin(mesh, &matrices, &mesh.morph_weights, &mut out);
+            }
+            black_box((&mut matrices, &mut out));
+        }
+    };
+    Contestant {
+        name: "ours, plain path".to_owned(),
+        frame: Box::new(frame),
+    }
+}
+
+/// The mesh with at most so many influences a vertex, the strongest ones, which sum to 1 again.
+fn strongest(mesh: &Mesh, most: usize) -> Mesh {
+    let mut reduced = Mesh {
+        influences: most,
+        binding_indices: Vec::with_capacity(mesh.len() * most),
+        weights: Vec::with_capacity(mesh.len() * most),
+        ..mesh.clone()
+    };
+    for vertex in 0..mesh.len() {
+        let at = vertex * mesh.influences..(vertex + 1) * mesh.influences;
+        let mut pairs: Vec<(f32, u16)> = mesh.weights[at.clone()]
+            .iter()
+            .copied()
+            .zip(mesh.binding_indices[at].iter().copied())
+            .collect();
+        pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
+        pairs.resize(most, (0.0, 0));
+        let sum: f32 = pairs.iter().map(|p| p.0).sum();
+        let whole = if sum > 0.0 { sum } else { 1.0 };
+        reduced.weights.extend(pairs.iter().map(|p| p.0 / whole));
+        reduced.binding_indices.extend(pairs.iter().map(|p| p.1));
+    }
+    reduced
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_strongest_influences_stay_and_sum_to_one() {
+        let mesh = Mesh {
+            positions: vec![glam::Vec3::ZERO; 2],
+            influences: 3,
+            binding_indices: vec![7, 8, 9, 1, 2, 3],
+            weights: vec![0.2, 0.5, 0.3, 1.0, 0.0, 0.0],
+            ..Mesh::default()
+        };
+        let two = strongest(&mesh, 2);
+        assert_eq!(two.binding_indices, [8, 9, 1, 2]);
+        assert_eq!(two.weights, [0.625, 0.375, 1.0, 0.0]);
+        let four = strongest(&mesh, 4);
+        assert_eq!(four.weights[..4], [0.5, 0.3, 0.2, 0.0]);
+    }
+}
