@@ -40,13 +40,31 @@ fn options() -> LevelOptions {
 }
 
 fn posed(asset: &Asset, mesh: &Mesh, pose: &LocalPose) -> SkinnedMesh {
-    let mut model = ModelPose::new(asset.rig.len());
-    local_to_model(&asset.rig, pose, &mut model);
+    let model = model(asset, pose);
     let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
     palette(mesh, &model, &mut matrices);
     let mut out = SkinnedMesh::new(mesh);
     skin(mesh, &matrices, &mesh.morph_weights, &mut out);
     out
+}
+
+fn at_frame(asset: &Asset, frame: usize) -> LocalPose {
+    let mut pose = asset.rig.rest_pose().clone();
+    let secs = frame as f64 / f64::from(RATE);
+    sample(
+        &asset.clips[0],
+        secs,
+        Wrap::Clamp,
+        &asset.rig.all(),
+        &mut pose,
+    );
+    pose
+}
+
+fn model(asset: &Asset, pose: &LocalPose) -> ModelPose {
+    let mut model = ModelPose::new(asset.rig.len());
+    local_to_model(&asset.rig, pose, &mut model);
+    model
 }
 
 fn farthest(a: &SkinnedMesh, b: &SkinnedMesh) -> f32 {
@@ -108,9 +126,7 @@ proptest! {
         let levels = merged_levels(&asset, &options()).unwrap();
         let mesh = levels.skins.mesh(0, &asset.mesh);
         prop_assert_eq!(&mesh.positions, &asset.mesh.positions);
-        let mut pose = asset.rig.rest_pose().clone();
-        let secs = frame as f64 / f64::from(RATE);
-        sample(&asset.clips[0], secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
+        let pose = at_frame(&asset, frame);
         let apart = farthest(&posed(&asset, &asset.mesh, &pose), &posed(&asset, &mesh, &pose));
         prop_assert_eq!(apart, 0.0);
         levels.errors.check(1, levels.ladder.levels()).unwrap();
@@ -126,15 +142,59 @@ proptest! {
         for level in 0..ladder.levels() {
             let mesh = skins.mesh(level, &asset.mesh);
             for frame in 0..FRAMES {
-                let mut pose = asset.rig.rest_pose().clone();
-                let secs = frame as f64 / f64::from(RATE);
-                sample(&asset.clips[0], secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
+                let pose = at_frame(&asset, frame);
                 let truth = posed(&asset, &asset.mesh, &pose);
                 worst = worst.max(farthest(&truth, &posed(&asset, &mesh, &pose)));
             }
             let found = errors.clips[0].worst_metres[level];
             prop_assert!((found - worst).abs() < 1e-5, "level {level}: {found} for {worst}");
             prop_assert!(errors.clips[0].levels_metres[level] <= found);
+        }
+    }
+
+    #[test]
+    fn far_levels_follow_the_clip_and_keep_the_mean_pose(rows in rows()) {
+        let asset = asset(&rows);
+        let opts = LevelOptions {
+            far_from_metres: 0.0,
+            ..options()
+        };
+        let levels = merged_levels(&asset, &opts).unwrap();
+        let Some(far) = &levels.far else {
+            return Ok(());
+        };
+        let all = levels.ladder.levels() + far.ladder.levels();
+        levels.errors.check(1, all).unwrap();
+        let far_asset = Asset {
+            rig: far.rig.clone(),
+            mesh: Mesh::default(),
+            clips: far.clips.clone(),
+        };
+        let mut worst = vec![0.0f32; far.ladder.levels()];
+        for frame in 0..FRAMES {
+            let [full, near] = [&asset, &far_asset].map(|a| at_frame(a, frame));
+            let [model, far_model] = [(&asset, &full), (&far_asset, &near)].map(|(a, p)| model(a, p));
+            for (place, joint) in far.joints.iter().enumerate() {
+                let (t, s) = (model.matrices[usize::from(*joint)], far_model.matrices[place]);
+                prop_assert!(t.abs_diff_eq(s, ROUNDING_METRES), "{t} {s}");
+            }
+            let truth = posed(&asset, &asset.mesh, &full);
+            for (level, worst) in worst.iter_mut().enumerate() {
+                let shown = posed(&far_asset, &far.skins.mesh(level, &asset.mesh), &near);
+                *worst = worst.max(farthest(&truth, &shown));
+            }
+        }
+        for (level, worst) in worst.iter().enumerate() {
+            let found = levels.errors.clips[0].worst_metres[levels.ladder.levels() + level];
+            prop_assert!(found + ROUNDING_METRES >= *worst, "{found} for {worst}");
+        }
+        check_palette(&far.ladder, &far.skins);
+        let truth = posed(&asset, &asset.mesh, &mean_pose(&asset));
+        let at = |j: usize| far.ladder.mean()[far.ladder.place(j)];
+        let far_mean: LocalPose = (0..far.rig.len()).map(at).collect();
+        for level in 0..far.ladder.levels() {
+            let shown = posed(&far_asset, &far.skins.mesh(level, &asset.mesh), &far_mean);
+            prop_assert!(farthest(&truth, &shown) < ROUNDING_METRES);
         }
     }
 }

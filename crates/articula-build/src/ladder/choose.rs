@@ -9,34 +9,58 @@ use super::order::Order;
 /// A level drops at least this part of the joints of the level before.
 const LEAST_STEP: f32 = 0.12;
 
-/// Numbers of joints that the levels keep, all joints first: the fewest that stay within each of a
-/// row of doubling tolerances, never fewer than `floor`.
-pub(super) fn levels(order: &Order, floor: usize, opts: &LevelOptions) -> Vec<u16> {
-    let all = order.joints.len();
-    let floor = floor.max(opts.fewest_joints).clamp(1, all);
-    let mut kept = vec![all];
+/// Numbers of joints that near and far levels keep.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct Kept {
+    /// All joints first.
+    pub(super) near: Vec<u16>,
+    /// Empty if there are no far levels.
+    pub(super) far: Vec<u16>,
+}
+
+/// One order of the joints and the fewest of them that a level may keep.
+pub(super) struct Choice<'a> {
+    pub(super) order: &'a Order,
+    pub(super) floor: usize,
+}
+
+/// The fewest joints that stay within each of a row of doubling tolerances: of the near order up
+/// to `far_from_metres`, of the far one, if there is one, beyond.
+pub(super) fn levels(near: &Choice<'_>, far: Option<&Choice<'_>>, opts: &LevelOptions) -> Kept {
+    let all = near.order.joints.len();
+    let mut kept = vec![(all, false)];
     let mut tolerance = opts.first_metres.max(1e-6);
     // Beyond a kilometre nothing is left to drop.
-    while tolerance < 1e3 && kept[kept.len() - 1] > floor {
-        let within = |n: &usize| order.errors_metres[*n] <= tolerance;
+    while tolerance < 1e3 {
+        let far = far.filter(|_| tolerance >= opts.far_from_metres);
+        let choice = far.unwrap_or(near);
+        let floor = choice.floor.max(opts.fewest_joints).clamp(1, all);
+        let within = |n: &usize| choice.order.errors_metres[*n] <= tolerance;
         let fewest = (floor..=all).find(within).unwrap_or(all);
-        let last = kept[kept.len() - 1];
+        let (last, _) = kept[kept.len() - 1];
         let least = ((last as f32 * LEAST_STEP).ceil() as usize).max(1);
         if fewest + least <= last {
-            kept.push(fewest);
+            kept.push((fewest, far.is_some()));
         }
         tolerance *= 2.0;
     }
     // Too many: the level whose neighbours lie closest together is missed least.
     while kept.len() > opts.most_levels.max(1) {
-        let ratio = |i: usize| kept[i + 1] as f32 / kept[i - 1] as f32;
+        let ratio = |i: usize| kept[i + 1].0 as f32 / kept[i - 1].0 as f32;
         let inner = 1..kept.len() - 1;
         match inner.max_by(|a, b| ratio(*a).total_cmp(&ratio(*b)).then(b.cmp(a))) {
             Some(at) => kept.remove(at),
             None => kept.remove(kept.len() - 1),
         };
     }
-    kept.iter().map(|n| *n as u16).collect()
+    let of = |is_far: bool| {
+        let kept = kept.iter().filter(|k| k.1 == is_far);
+        kept.map(|k| k.0 as u16).collect()
+    };
+    Kept {
+        near: of(false),
+        far: of(true),
+    }
 }
 
 #[cfg(test)]
@@ -48,6 +72,29 @@ mod tests {
             joints: (0..errors.len() as u16 - 1).collect(),
             errors_metres: errors.to_vec(),
         }
+    }
+
+    fn levels(order: &Order, floor: usize, opts: &LevelOptions) -> Vec<u16> {
+        super::levels(&Choice { order, floor }, None, opts).near
+    }
+
+    #[test]
+    fn far_levels_take_over_from_a_tolerance_on() {
+        let mm = |errors: [f32; 7]| order(&errors.map(|e| e / 1000.0));
+        let (near, far) = (
+            mm([99.0, 90.0, 80.0, 60.0, 30.0, 0.9, 0.0]),
+            mm([99.0, 40.0, 7.0, 3.0, 2.0, 1.0, 0.0]),
+        );
+        let opts = LevelOptions {
+            first_metres: 1e-3,
+            far_from_metres: 4e-3,
+            fewest_joints: 1,
+            ..LevelOptions::default()
+        };
+        let choice = |order| Choice { order, floor: 1 };
+        // Near 1 mm: 5. Far 4 mm: 3, 8 mm: 2, 64 mm: 1.
+        let kept = super::levels(&choice(&near), Some(&choice(&far)), &opts);
+        assert_eq!((kept.near, kept.far), (vec![6, 5], vec![3, 2, 1]));
     }
 
     #[test]

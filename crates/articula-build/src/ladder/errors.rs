@@ -4,7 +4,8 @@
 
 use super::measure::{Poser, measure, watched_skin};
 use super::moments::{model_of, pose_of, share_frames, spread_frames};
-use super::skins::{LevelSkins, skins_of};
+use super::prefixes::Prefixes;
+use super::skins::{LevelSkin, LevelSkins, placed_skins};
 use super::watch::{Watched, skin_of};
 use super::{LevelOptions, check, check_ladder};
 use crate::character::Asset;
@@ -13,9 +14,8 @@ use articula_core::Mismatch;
 use articula_core::clip::Clip;
 use articula_core::ladder::Ladder;
 use articula_core::level_error::{ClipErrors, LevelErrors};
-use articula_core::mesh::Mesh;
+use articula_core::mesh::{Binding, Mesh};
 use glam::Vec3;
-use std::borrow::Cow;
 
 /// Frames of all clips that errors are measured at; shorter clips are seen frame by frame.
 const MOST_FRAMES: usize = 3000;
@@ -37,24 +37,36 @@ pub fn level_errors(
     check(asset)?;
     check_ladder(asset, ladder)?;
     let full = skin_of(asset);
-    let skins = if asset.mesh.is_empty() {
-        Cow::Owned(skins_of(asset, &full, ladder, opts)?)
-    } else {
-        Cow::Borrowed(skins)
-    };
-    let fits = |s: &super::LevelSkin| s.positions.len() == full.len();
+    if asset.mesh.is_empty() {
+        let prefixes = Prefixes::of(&asset.rig, ladder);
+        let skins = placed_skins(asset, &full, &prefixes, opts)?;
+        return table(asset, &full, &[(&skins.levels[1..], &skins.bindings)], opts);
+    }
+    let fits = |s: &LevelSkin| s.positions.len() == full.len();
     if skins.levels.len() != ladder.levels() || !skins.levels.iter().all(fits) {
         let what = "the skins are of another character";
         return Err(Mismatch::new("skins", what));
     }
-    let watched = Watched::draw(&full, asset.rig.len(), opts.vertices, opts.seed);
     // Level 0 is the full character: nothing to measure.
-    let coarser = skins.levels.iter().skip(1);
-    let reduced: Vec<Mesh> = coarser
-        .map(|s| watched_skin(s, &skins.bindings, &watched))
+    table(asset, &full, &[(&skins.levels[1..], &skins.bindings)], opts)
+}
+
+/// Measures the full mesh against skins from fine to coarse, each with bindings of the full rig.
+pub(super) fn table(
+    asset: &Asset,
+    full: &Mesh,
+    coarser: &[(&[LevelSkin], &[Binding])],
+    opts: &LevelOptions,
+) -> Result<LevelErrors, Mismatch> {
+    let watched = Watched::draw(full, asset.rig.len(), opts.vertices, opts.seed);
+    let skins = coarser
+        .iter()
+        .flat_map(|(skins, bindings)| skins.iter().map(|s| (s, *bindings)));
+    let reduced: Vec<Mesh> = skins
+        .map(|(s, bindings)| watched_skin(s, bindings, &watched))
         .collect();
-    let tallies = measure(asset, &full, &watched, &reduced, MOST_FRAMES);
-    let mut poser = Poser::new(&full, drawn(&watched));
+    let tallies = measure(asset, full, &watched, &reduced, MOST_FRAMES);
+    let mut poser = Poser::new(full, drawn(&watched));
     let counts = share_frames(&asset.clips, MOST_FRAMES);
     let clips = asset.clips.iter().zip(tallies).zip(counts);
     let clips = clips.map(|((clip, tallies), count)| ClipErrors {
@@ -66,8 +78,19 @@ pub fn level_errors(
     let errors = LevelErrors {
         clips: clips.collect(),
     };
-    errors.check(asset.clips.len(), ladder.levels())?;
+    errors.check(asset.clips.len(), reduced.len() + 1)?;
     Ok(errors)
+}
+
+/// Adds an error of each clip to the levels from `first` on.
+pub(super) fn add(errors: &mut LevelErrors, first: usize, metres: &[f32]) {
+    for (clip, extra) in errors.clips.iter_mut().zip(metres) {
+        let percentiles = &mut clip.levels_metres[first..];
+        let all = percentiles
+            .iter_mut()
+            .chain(&mut clip.worst_metres[first..]);
+        all.for_each(|e| *e += extra);
+    }
 }
 
 /// The vertices of the plain sample.

@@ -15,18 +15,21 @@
 
 mod choose;
 mod errors;
+mod far;
 mod fold;
 mod mean_pose;
 mod measure;
 mod moments;
 mod order;
 mod plan;
+mod prefixes;
 mod skins;
 #[cfg(test)]
 mod test_figures;
 mod watch;
 
 pub use errors::level_errors;
+pub use far::FarLevels;
 pub use mean_pose::mean_pose;
 pub use skins::{LevelSkin, LevelSkins, level_skins};
 
@@ -35,7 +38,11 @@ use articula_core::Mismatch;
 use articula_core::ladder::{Ladder, MAX_LEVELS};
 use articula_core::level_error::LevelErrors;
 use articula_core::loa::{Expression, JointSet};
+use articula_core::mesh::Binding;
 use articula_core::pose::LocalPose;
+use choose::Choice;
+use order::Folds;
+use prefixes::Prefixes;
 
 /// How the levels of a character are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,6 +57,9 @@ pub struct LevelOptions {
     /// Error that the first coarser level may have, metres; each further one may have twice
     /// as much.
     pub first_metres: f32,
+    /// Error from which on levels may drop ancestors of what they keep, metres: such far levels
+    /// have a rig of their own. Infinite for none.
+    pub far_from_metres: f32,
     /// Watched vertices.
     pub vertices: usize,
     /// Frames, over all clips, that the order is judged on.
@@ -59,13 +69,15 @@ pub struct LevelOptions {
 }
 
 impl Default for LevelOptions {
-    /// At most 8 levels from 0.5 mm on, the coarsest of 8 joints; 700 vertices, 256 frames.
+    /// At most 8 levels from 0.5 mm on, the coarsest of 8 joints, no far ones; 700 vertices, 256
+    /// frames.
     fn default() -> Self {
         Self {
             protected: JointSet::EMPTY,
             most_levels: 8,
             fewest_joints: 8,
             first_metres: 0.5e-3,
+            far_from_metres: f32::INFINITY,
             vertices: 700,
             frames: 256,
             seed: 1,
@@ -80,7 +92,9 @@ pub struct MergedLevels {
     pub ladder: Ladder,
     /// Skins of the levels and their palette.
     pub skins: LevelSkins,
-    /// What each level costs in each clip.
+    /// Levels beyond those of the ladder, on a rig of their own.
+    pub far: Option<FarLevels>,
+    /// What each level costs in each clip: those of the ladder first, then the far ones.
     pub errors: LevelErrors,
 }
 
@@ -90,8 +104,71 @@ pub struct MergedLevels {
 /// A [`Mismatch`] if a clip or the mesh is of another rig.
 pub fn merged_levels(asset: &Asset, opts: &LevelOptions) -> Result<MergedLevels, Mismatch> {
     check(asset)?;
-    let ladder = joint_ladder(asset, &mean_pose(asset), opts)?;
-    levels_of(asset, ladder, opts)
+    let mean = mean_pose(asset);
+    if opts.far_from_metres == f32::INFINITY {
+        return levels_of(asset, joint_ladder(asset, &mean, opts)?, opts);
+    }
+    let near = order::order(asset, &mean, Folds::Leaves, opts);
+    let far_opts = LevelOptions {
+        protected: far_protected(asset, &opts.protected),
+        ..*opts
+    };
+    let far = order::order(asset, &mean, Folds::Any, &far_opts);
+    let skin = watch::skin_of(asset);
+    let near_choice = Choice {
+        order: &near,
+        floor: order::never_merged(asset, &skin, &opts.protected).len(),
+    };
+    let far_choice = Choice {
+        order: &far,
+        floor: order::skinned_roots(asset, &skin)
+            .union(&far_opts.protected)
+            .len(),
+    };
+    let kept = choose::levels(&near_choice, Some(&far_choice), &capped(opts));
+    if kept.far.is_empty() {
+        return levels_of(
+            asset,
+            Ladder::new(&asset.rig, near.joints, kept.near, &mean)?,
+            opts,
+        );
+    }
+    let Some(far) = far::far_levels(asset, &far.joints, &kept.far, &mean, opts)? else {
+        return levels_of(asset, joint_ladder(asset, &mean, opts)?, opts);
+    };
+    let ladder = Ladder::new(&asset.rig, near.joints, kept.near, &mean)?;
+    let placed = skins::placed_skins(asset, &skin, &Prefixes::of(&asset.rig, &ladder), opts)?;
+    let levels: [(&[LevelSkin], &[Binding]); 2] = [
+        (&placed.levels[1..], &placed.bindings),
+        (&far.placed.levels, &far.placed.bindings),
+    ];
+    let mut errors = errors::table(asset, &skin, &levels, opts)?;
+    errors::add(&mut errors, ladder.levels(), &far.chords_metres);
+    let skins = if asset.mesh.is_empty() {
+        LevelSkins::none(&ladder)?
+    } else {
+        placed.on(&ladder, |binding, _| binding)?
+    };
+    Ok(MergedLevels {
+        ladder,
+        skins,
+        far: Some(far.levels),
+        errors,
+    })
+}
+
+/// What far levels never drop: what is asked for, and the root that carries the figure's way.
+fn far_protected(asset: &Asset, protected: &JointSet) -> JointSet {
+    let mut all = protected.intersection(&asset.rig.all());
+    all.insert(asset.rig.root());
+    all
+}
+
+fn capped(opts: &LevelOptions) -> LevelOptions {
+    LevelOptions {
+        most_levels: opts.most_levels.min(MAX_LEVELS),
+        ..*opts
+    }
 }
 
 /// Skins and errors of a ladder that is already there, such as one of named levels.
@@ -108,6 +185,7 @@ pub fn levels_of(
     Ok(MergedLevels {
         ladder,
         skins,
+        far: None,
         errors,
     })
 }
@@ -122,13 +200,13 @@ pub fn joint_ladder(
     opts: &LevelOptions,
 ) -> Result<Ladder, Mismatch> {
     check(asset)?;
-    let order = order::order(asset, mean, opts);
+    let order = order::order(asset, mean, Folds::Leaves, opts);
     let never = order::never_merged(asset, &watch::skin_of(asset), &opts.protected);
-    let opts = LevelOptions {
-        most_levels: opts.most_levels.min(MAX_LEVELS),
-        ..*opts
+    let choice = Choice {
+        order: &order,
+        floor: never.len(),
     };
-    let kept = choose::levels(&order, never.len(), &opts);
+    let kept = choose::levels(&choice, None, &capped(opts)).near;
     Ladder::new(&asset.rig, order.joints, kept, mean)
 }
 
@@ -162,7 +240,7 @@ fn check(asset: &Asset) -> Result<(), Mismatch> {
         let what = format!("{} joints, the rig has {joints}", asset.clips[c].joints());
         return Err(Mismatch::new(format!("clips[{c}]"), what));
     }
-    let outside = |b: &articula_core::mesh::Binding| usize::from(b.joint) >= joints;
+    let outside = |b: &Binding| usize::from(b.joint) >= joints;
     if let Some(b) = asset.mesh.bindings.iter().position(outside) {
         let what = format!("joint {} of {joints}", asset.mesh.bindings[b].joint);
         return Err(Mismatch::new(format!("mesh.bindings[{b}].joint"), what));

@@ -33,8 +33,12 @@ pub(super) fn share_frames(clips: &[Clip], total: usize) -> Vec<usize> {
 
 /// The local pose of a frame: rest where the clip drives nothing.
 pub(super) fn pose_of(asset: &Asset, clip: &Clip, frame: usize) -> LocalPose {
+    pose_at(asset, clip, frame as f64 / f64::from(clip.rate_hz()))
+}
+
+/// The same at a time.
+pub(super) fn pose_at(asset: &Asset, clip: &Clip, secs: f64) -> LocalPose {
     let mut pose = asset.rig.rest_pose().clone();
-    let secs = frame as f64 / f64::from(clip.rate_hz());
     sample(clip, secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
     pose
 }

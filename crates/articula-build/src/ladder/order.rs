@@ -2,8 +2,8 @@
 //!
 //! Source: `spec/motion-lod.md` part 8, `spec/runtime.md` 4.1. A fold puts the skin of a joint
 //! onto its parent, where the joint stands in the mean pose; the kept joints keep their true
-//! transforms. Only leaves among the kept joints are folded, so that each level holds the
-//! ancestors of what it holds. Work is bounded: a candidate is judged on the watched vertices
+//! transforms. For near levels only leaves among the kept joints are folded, so that each holds
+//! the ancestors of what it holds. Work is bounded: a candidate is judged on the watched vertices
 //! that it moves, and anew only after a fold that touched one of them.
 
 use super::LevelOptions;
@@ -30,9 +30,18 @@ pub(super) struct Order {
     pub(super) errors_metres: Vec<f32>,
 }
 
-/// Drops one joint after the other.
-pub(super) fn order(asset: &Asset, mean: &LocalPose, opts: &LevelOptions) -> Order {
-    let mut fold = Fold::new(asset, mean, opts);
+/// Which joints may be folded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Folds {
+    /// Leaves among the kept joints: a level holds the ancestors of what it holds.
+    Leaves,
+    /// Any: what hangs below keeps its true transform, under the next ancestor.
+    Any,
+}
+
+/// Drops one joint after the other; what is protected goes last.
+pub(super) fn order(asset: &Asset, mean: &LocalPose, folds: Folds, opts: &LevelOptions) -> Order {
+    let mut fold = Fold::new(asset, mean, folds, opts);
     let count = asset.rig.len();
     let mut errors_metres = vec![0.0; count + 1];
     let mut joints = vec![0; count];
@@ -60,19 +69,23 @@ pub(super) fn order(asset: &Asset, mean: &LocalPose, opts: &LevelOptions) -> Ord
 /// The joints that no level may merge: what is asked for, the roots that carry skin, and their
 /// ancestors.
 pub(super) fn never_merged(asset: &Asset, mesh: &Mesh, protected: &JointSet) -> JointSet {
-    let rig = &asset.rig;
+    let asked = protected.intersection(&asset.rig.all());
+    let all = asked.union(&skinned_roots(asset, mesh));
+    articula_core::loa::selection::with_ancestors(&asset.rig, &all)
+}
+
+/// The roots that have skin on them or below.
+pub(super) fn skinned_roots(asset: &Asset, mesh: &Mesh) -> JointSet {
     let used = (0..mesh.len()).flat_map(|v| mesh.influences_of(v));
+    let mut carriers = JointSet::EMPTY;
+    used.for_each(|(joint, _)| carriers.insert(joint));
     let root_of = |mut joint: usize| {
-        while let Some(parent) = rig.parent(joint) {
+        while let Some(parent) = asset.rig.parent(joint) {
             joint = parent;
         }
         joint
     };
-    let mut carriers = JointSet::EMPTY;
-    used.for_each(|(joint, _)| carriers.insert(joint));
-    let roots: JointSet = carriers.iter().map(root_of).collect();
-    let asked = protected.intersection(&rig.all());
-    articula_core::loa::selection::with_ancestors(rig, &asked.union(&roots))
+    carriers.iter().map(root_of).collect()
 }
 
 /// Skin of one watched vertex on one joint: the summed weight, and the weighted position in the
@@ -85,8 +98,10 @@ struct Hang {
 }
 
 /// The state of the greedy search.
-struct Fold<'a> {
-    asset: &'a Asset,
+struct Fold {
+    folds: Folds,
+    /// Nearest kept ancestor of each joint, and where the mean pose puts the joint in it.
+    above: Vec<Option<usize>>,
     mean: Vec<Affine3A>,
     models: Vec<ModelPose>,
     watched: Watched,
@@ -101,8 +116,8 @@ struct Fold<'a> {
     costs: Vec<Option<f64>>,
 }
 
-impl<'a> Fold<'a> {
-    fn new(asset: &'a Asset, mean: &LocalPose, opts: &LevelOptions) -> Self {
+impl Fold {
+    fn new(asset: &Asset, mean: &LocalPose, folds: Folds, opts: &LevelOptions) -> Self {
         let rig = &asset.rig;
         let mesh = skin_of(asset);
         let watched = Watched::draw(&mesh, rig.len(), opts.vertices, opts.seed);
@@ -122,7 +137,8 @@ impl<'a> Fold<'a> {
             }
         }
         Self {
-            asset,
+            folds,
+            above: (0..rig.len()).map(|j| rig.parent(j)).collect(),
             mean: (0..rig.len())
                 .map(|j| mean.get(j))
                 .map(Transform::to_affine)
@@ -138,20 +154,18 @@ impl<'a> Fold<'a> {
         }
     }
 
-    /// The kept leaf that costs least; what is protected, and roots with skin, come last.
+    /// The kept joint that costs least; what is protected, and roots with skin, come last.
     fn cheapest(&mut self, protected: &JointSet) -> usize {
-        let leaves: Vec<usize> = self
-            .kept
-            .iter()
-            .filter(|j| self.children[*j] == 0)
-            .collect();
-        for &leaf in &leaves {
-            if self.costs[leaf].is_none() {
-                self.costs[leaf] = Some(self.cost(leaf));
+        let may = |j: &usize| self.folds == Folds::Any || self.children[*j] == 0;
+        let candidates: Vec<usize> = self.kept.iter().filter(may).collect();
+        for &joint in &candidates {
+            if self.costs[joint].is_none() {
+                self.costs[joint] = Some(self.cost(joint));
             }
         }
         let rank = |joint: usize| {
-            let is_anchor = self.asset.rig.parent(joint).is_none() && !self.hangs[joint].is_empty();
+            let is_tree = !self.hangs[joint].is_empty() || self.children[joint] > 1;
+            let is_anchor = self.above[joint].is_none() && is_tree;
             let cost = self.costs[joint].unwrap_or(0.0);
             (is_anchor, protected.contains(joint), cost)
         };
@@ -162,8 +176,8 @@ impl<'a> Fold<'a> {
             // Of equal ones the deeper goes first, then the later.
             order.then((self.depths[b], b).cmp(&(self.depths[a], a)))
         };
-        let first = leaves.into_iter().min_by(|a, b| better(*a, *b));
-        // A tree that is not empty has a leaf.
+        let first = candidates.into_iter().min_by(|a, b| better(*a, *b));
+        // What is not empty has a leaf.
         first.unwrap_or(0)
     }
 
@@ -182,7 +196,7 @@ impl<'a> Fold<'a> {
     }
 
     fn change(&self, joint: usize, model: &ModelPose) -> Change {
-        let folded = match self.asset.rig.parent(joint) {
+        let folded = match self.above[joint] {
             Some(parent) => model.matrices[parent] * self.mean[joint],
             None => self.mean[joint],
         };
@@ -202,7 +216,7 @@ impl<'a> Fold<'a> {
                 self.errors[f][hang.vertex as usize] += change.moved(hang);
             }
         }
-        if let Some(parent) = self.asset.rig.parent(joint) {
+        if let Some(parent) = self.above[joint] {
             self.children[parent] -= 1;
             let local = self.mean[joint];
             let folded = moved.iter().map(|h| Hang {
@@ -211,6 +225,16 @@ impl<'a> Fold<'a> {
             });
             self.hangs[parent] = joined(&self.hangs[parent], folded.collect());
             self.costs[parent] = None;
+        }
+        let hung = |j: &usize| self.above[*j] == Some(joint);
+        let below: Vec<usize> = self.kept.iter().filter(hung).collect();
+        for j in below {
+            self.above[j] = self.above[joint];
+            self.mean[j] = self.mean[joint] * self.mean[j];
+            self.costs[j] = None;
+            if let Some(parent) = self.above[joint] {
+                self.children[parent] += 1;
+            }
         }
         for (cost, hangs) in self.costs.iter_mut().zip(&self.hangs) {
             if cost.is_some() && hangs.iter().any(|h| touched[h.vertex as usize]) {
@@ -314,11 +338,15 @@ mod tests {
     use glam::Quat;
 
     fn order_of(asset: &Asset, protected: JointSet) -> Order {
+        folded(asset, protected, Folds::Leaves)
+    }
+
+    fn folded(asset: &Asset, protected: JointSet, folds: Folds) -> Order {
         let opts = LevelOptions {
             protected,
             ..LevelOptions::default()
         };
-        order(asset, &mean_pose(asset), &opts)
+        order(asset, &mean_pose(asset), folds, &opts)
     }
 
     fn swing(joints: usize, joint: usize, radians: f32) -> articula_core::clip::Clip {

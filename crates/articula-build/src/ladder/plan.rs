@@ -4,8 +4,8 @@
 //! that this mesh has for the target joint. Where it has none, one is made from the rest pose.
 
 use super::moments::model_of;
+use super::prefixes::Prefixes;
 use crate::character::Asset;
-use articula_core::ladder::Ladder;
 use articula_core::mesh::{Binding, Mesh};
 use articula_core::pose::ModelPose;
 use glam::{Affine3A, DAffine3};
@@ -18,18 +18,17 @@ const SAME_BINDING: f32 = 1e-3;
 /// pose.
 pub(super) struct Plan<'a> {
     pub(super) mesh: &'a Mesh,
-    ladder: &'a Ladder,
+    pub(super) prefixes: &'a Prefixes<'a>,
     rest: ModelPose,
     /// Source mesh of each vertex.
     groups: Vec<u32>,
     by_joint: BTreeMap<(u32, u16), u16>,
     bindings: Vec<Binding>,
-    mean_joints: Vec<DAffine3>,
     mean: Vec<DAffine3>,
 }
 
 impl<'a> Plan<'a> {
-    pub(super) fn new(asset: &Asset, mesh: &'a Mesh, ladder: &'a Ladder) -> Self {
+    pub(super) fn new(asset: &Asset, mesh: &'a Mesh, prefixes: &'a Prefixes<'a>) -> Self {
         let mut groups = vec![0; mesh.len()];
         for part in &mesh.parts {
             groups[part.vertices.clone()].fill(part.mesh as u32);
@@ -46,17 +45,15 @@ impl<'a> Plan<'a> {
                 }
             }
         }
-        let mean_joints = mean_model(ladder);
         let bindings = mesh.bindings.clone();
-        let mean = bindings.iter().map(|b| placed(&mean_joints, b)).collect();
+        let mean = bindings.iter().map(|b| placed(&prefixes.mean, b)).collect();
         Self {
             mesh,
-            ladder,
+            prefixes,
             rest: model_of(asset, asset.rig.rest_pose()),
             groups,
             by_joint,
             bindings,
-            mean_joints,
             mean,
         }
     }
@@ -86,9 +83,7 @@ impl<'a> Plan<'a> {
     pub(super) fn target(&mut self, level: usize, vertex: usize, binding: u16) -> u16 {
         let from = self.bindings[usize::from(binding)];
         let joint = usize::from(from.joint);
-        // A merged root has nobody to move with; the first joint stands in.
-        let place = self.ladder.target(joint, level).unwrap_or(0);
-        let target = self.ladder.joints()[place];
+        let target = self.prefixes.target(joint, level);
         if usize::from(target) == joint {
             return binding;
         }
@@ -135,7 +130,7 @@ impl<'a> Plan<'a> {
         if let Some(at) = self.bindings.iter().position(fits) {
             return at as u16;
         }
-        self.mean.push(placed(&self.mean_joints, &made));
+        self.mean.push(placed(&self.prefixes.mean, &made));
         self.bindings.push(made);
         (self.bindings.len() - 1) as u16
     }
@@ -146,24 +141,6 @@ fn close(a: &Affine3A, b: &Affine3A) -> bool {
     let size = a.iter().fold(0.0f32, |s, x| s.max(x.abs()));
     let apart = a.iter().zip(&b).map(|(x, y)| (x - y).abs());
     apart.fold(0.0, f32::max) <= SAME_BINDING * size
-}
-
-/// Model-from-joint matrices of the mean pose, by joint.
-fn mean_model(ladder: &Ladder) -> Vec<DAffine3> {
-    let mut by_place: Vec<DAffine3> = Vec::with_capacity(ladder.len());
-    for (place, parent) in ladder.parents().iter().enumerate() {
-        let t = ladder.mean()[place];
-        let local = DAffine3::from_scale_rotation_translation(
-            t.scale.as_dvec3(),
-            t.rotation.as_dquat().normalize(),
-            t.translation.as_dvec3(),
-        );
-        let above = parent.map_or(DAffine3::IDENTITY, |p| by_place[usize::from(p)]);
-        by_place.push(above * local);
-    }
-    (0..ladder.len())
-        .map(|j| by_place[ladder.place(j)])
-        .collect()
 }
 
 fn placed(joints: &[DAffine3], binding: &Binding) -> DAffine3 {

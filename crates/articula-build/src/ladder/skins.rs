@@ -3,6 +3,7 @@
 use super::fold::{Correction, fold};
 use super::measure::{Tally, measure, watched_skin};
 use super::plan::Plan;
+use super::prefixes::Prefixes;
 use super::watch::Watched;
 use super::{LevelOptions, check, check_ladder};
 use crate::character::Asset;
@@ -55,6 +56,15 @@ pub struct LevelSkins {
 }
 
 impl LevelSkins {
+    /// Those of a character without mesh.
+    pub(super) fn none(ladder: &Ladder) -> Result<Self, Mismatch> {
+        Ok(Self {
+            bindings: Vec::new(),
+            palette: PaletteMap::skin(ladder, &[])?,
+            levels: vec![LevelSkin::default(); ladder.levels()],
+        })
+    }
+
     /// The mesh of a level, such as for drawing it; `full` is the mesh they were made from.
     ///
     /// # Panics
@@ -96,39 +106,63 @@ pub fn level_skins(
     check(asset)?;
     check_ladder(asset, ladder)?;
     if asset.mesh.is_empty() {
-        return Ok(LevelSkins {
-            bindings: Vec::new(),
-            palette: PaletteMap::skin(ladder, &[])?,
-            levels: vec![LevelSkin::default(); ladder.levels()],
-        });
+        return LevelSkins::none(ladder);
     }
-    skins_of(asset, &asset.mesh, ladder, opts)
+    let placed = placed_skins(asset, &asset.mesh, &Prefixes::of(&asset.rig, ladder), opts)?;
+    placed.on(ladder, |binding, _| binding)
 }
 
-/// The same for a mesh that stands for the character's.
-pub(super) fn skins_of(
+/// Skins of levels whose bindings stand by place and name joints of the full rig.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PlacedSkins {
+    pub(super) bindings: Vec<Binding>,
+    places: Vec<u16>,
+    pub(super) levels: Vec<LevelSkin>,
+}
+
+impl PlacedSkins {
+    /// The skins for a ladder, bindings named as it names joints.
+    pub(super) fn on(
+        self,
+        ladder: &Ladder,
+        named: impl Fn(Binding, u16) -> Binding,
+    ) -> Result<LevelSkins, Mismatch> {
+        let matrices = self.bindings.iter().map(|b| b.inverse_bind);
+        let placed: Vec<(u16, Affine3A)> = self.places.iter().copied().zip(matrices).collect();
+        let all = self.bindings.iter().zip(&self.places);
+        Ok(LevelSkins {
+            palette: PaletteMap::skin(ladder, &placed)?,
+            bindings: all.map(|(b, place)| named(*b, *place)).collect(),
+            levels: self.levels,
+        })
+    }
+}
+
+/// The skins of a mesh, the character's own or one that stands for it.
+pub(super) fn placed_skins(
     asset: &Asset,
     mesh: &Mesh,
-    ladder: &Ladder,
+    prefixes: &Prefixes<'_>,
     opts: &LevelOptions,
-) -> Result<LevelSkins, Mismatch> {
-    let mut plan = Plan::new(asset, mesh, ladder);
-    let candidates = candidates(&mut plan, ladder);
+) -> Result<PlacedSkins, Mismatch> {
+    let mut plan = Plan::new(asset, mesh, prefixes);
+    let candidates = candidates(&mut plan);
     if plan.bindings().len() > usize::from(u16::MAX) {
         let what = "more than 65535 bindings with those of merged joints";
         return Err(Mismatch::new("mesh.bindings", what));
     }
     let levels = choose(asset, mesh, &plan, candidates, opts);
-    assemble(&plan, ladder, levels)
+    Ok(assemble(&plan, levels))
 }
 
 /// Every level with each number of influences that is worth a try, fewest first; the last one
 /// has all.
-fn candidates(plan: &mut Plan<'_>, ladder: &Ladder) -> Vec<Vec<LevelSkin>> {
+fn candidates(plan: &mut Plan<'_>) -> Vec<Vec<LevelSkin>> {
     let all = plan.mesh.influences;
-    let mut out = vec![vec![skin_at(plan, 0, usize::MAX)]];
-    for level in 1..ladder.levels() {
-        let tries = INFLUENCES.iter().copied().filter(|n| *n < all);
+    let mut out = Vec::new();
+    for level in 0..plan.prefixes.levels() {
+        let whole = plan.prefixes.is_whole(level);
+        let tries = INFLUENCES.iter().copied().filter(|n| *n < all && !whole);
         let mut skins: Vec<LevelSkin> = tries.map(|n| skin_at(plan, level, n)).collect();
         skins.push(skin_at(plan, level, usize::MAX));
         out.push(skins);
@@ -216,13 +250,12 @@ fn skin_at(plan: &mut Plan<'_>, level: usize, most: usize) -> LevelSkin {
     skin
 }
 
-/// Puts the bindings in use into the order of the ladder.
-fn assemble(
-    plan: &Plan<'_>,
-    ladder: &Ladder,
-    mut levels: Vec<LevelSkin>,
-) -> Result<LevelSkins, Mismatch> {
-    let place = |b: &u16| ladder.place(usize::from(plan.bindings()[usize::from(*b)].joint));
+/// Puts the bindings in use into the order of the places.
+fn assemble(plan: &Plan<'_>, mut levels: Vec<LevelSkin>) -> PlacedSkins {
+    let place = |b: &u16| {
+        let joint = plan.bindings()[usize::from(*b)].joint;
+        plan.prefixes.place(usize::from(joint))
+    };
     let mut used: Vec<u16> = levels
         .iter()
         .flat_map(|l| l.binding_indices.iter().copied())
@@ -234,26 +267,17 @@ fn assemble(
     for (i, binding) in used.iter().enumerate() {
         at[usize::from(*binding)] = i as u16;
     }
-    let placed: Vec<(u16, Affine3A)> = used
-        .iter()
-        .map(|b| {
-            (
-                place(b) as u16,
-                plan.bindings()[usize::from(*b)].inverse_bind,
-            )
-        })
-        .collect();
-    let palette = PaletteMap::skin(ladder, &placed)?;
     for (level, skin) in levels.iter_mut().enumerate() {
         for index in &mut skin.binding_indices {
             *index = at[usize::from(*index)];
         }
-        skin.palette = palette.len(level);
+        let kept = plan.prefixes.kept(level);
+        skin.palette = used.partition_point(|b| place(b) < kept);
     }
     let bindings = used.iter().map(|b| plan.bindings()[usize::from(*b)]);
-    Ok(LevelSkins {
+    PlacedSkins {
         bindings: bindings.collect(),
-        palette,
+        places: used.iter().map(|b| place(b) as u16).collect(),
         levels,
-    })
+    }
 }

@@ -1,0 +1,386 @@
+//! Far levels: a rig of its own for the few joints that coarse levels keep.
+//!
+//! Source: `spec/motion-lod.md` part 8, `spec/runtime.md` 4.1 ("the fold that adds least vertex
+//! error"). Where ancestors need not stay, a hand or a head outlasts the joints between it and
+//! the hips: at 16 joints the error is a fifth. The kept joints then form a tree of their own,
+//! each under its nearest ancestor that outlasts it, and their clips are what the full rig does
+//! between the two. At the frames of a clip nothing is lost; between them a joint that is farther
+//! from its parent runs on a chord, centimetres off in a fast blow. Such clips get more frames,
+//! what is left counts as error, and near levels keep the rig's own tree.
+
+use super::LevelOptions;
+use super::moments::pose_at;
+use super::prefixes::Prefixes;
+use super::skins::{LevelSkins, PlacedSkins, placed_skins};
+use crate::character::Asset;
+use articula_core::Mismatch;
+use articula_core::articulation::Articulation;
+use articula_core::clip::{Clip, Track, Tracks};
+use articula_core::hierarchy::local_to_model;
+use articula_core::ladder::Ladder;
+use articula_core::math::{Transform, angle_between, same_hemisphere};
+use articula_core::pose::{LocalPose, ModelPose};
+use articula_core::rig::Rig;
+use articula_core::sample::{Wrap, sample};
+use articula_core::source::{Joint, Skeleton};
+use glam::{Affine3A, Quat, Vec3};
+
+/// Differences that are rounding, not motion: metres, radians, parts of a scale.
+const STILL: f32 = 1e-5;
+const STILL_SCALE: f32 = 1e-4;
+
+/// How far a joint may run from its true way between frames before a clip gets more of them,
+/// metres, and the most frames for one of the source's.
+const MOST_CHORD_METRES: f32 = 2e-3;
+const MOST_FRAMES_FOR_ONE: usize = 4;
+
+/// Part of its size by which a product of transforms may differ from one without shear.
+const MOST_SHEAR: f32 = 1e-2;
+
+/// The coarse levels of a character on a rig of their own.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FarLevels {
+    /// The joints that the finest far level keeps, in the order of the ladder.
+    pub rig: Rig,
+    /// Joint of the full rig for each.
+    pub joints: Vec<u16>,
+    /// The clips of the character for this rig, of the same length; fast ones have two or four
+    /// frames for one.
+    pub clips: Vec<Clip>,
+    /// Its levels: the first is the finest far one.
+    pub ladder: Ladder,
+    /// Skins of its levels; bindings name joints of this rig.
+    pub skins: LevelSkins,
+}
+
+/// What is known of far levels before their errors are measured.
+pub(super) struct Drafted {
+    pub(super) levels: FarLevels,
+    /// The same skins by joints of the full rig.
+    pub(super) placed: PlacedSkins,
+    /// Greatest distance of a joint from its true way between frames, of each clip.
+    pub(super) chords_metres: Vec<f32>,
+}
+
+/// Builds the far rig of an order whose levels keep `kept` joints; `None` if a chain of scaled
+/// joints shears, which no joint can show.
+pub(super) fn far_levels(
+    asset: &Asset,
+    order: &[u16],
+    kept: &[u16],
+    mean: &LocalPose,
+    opts: &LevelOptions,
+) -> Result<Option<Drafted>, Mismatch> {
+    let prefixes = Prefixes::new(&asset.rig, order, kept, mean);
+    let joints = order[..usize::from(kept[0])].to_vec();
+    let chains: Vec<Chain> = joints
+        .iter()
+        .map(|j| Chain::of(asset, &prefixes, *j))
+        .collect();
+    let composed =
+        |pose: &LocalPose| -> Option<LocalPose> { chains.iter().map(|c| c.local(pose)).collect() };
+    let (Some(rest), Some(far_mean)) = (composed(asset.rig.rest_pose()), composed(mean)) else {
+        return Ok(None);
+    };
+    let rig = rig_of(asset, &prefixes, &joints, &rest)?;
+    let mut clips = Vec::with_capacity(asset.clips.len());
+    let mut chords_metres = Vec::with_capacity(asset.clips.len());
+    for clip in &asset.clips {
+        let Some((far, chord)) = clip_for(asset, clip, &rig, &chains)? else {
+            return Ok(None);
+        };
+        clips.push(far);
+        chords_metres.push(chord);
+    }
+    let places = (0..joints.len() as u16).collect();
+    let ladder = Ladder::new(&rig, places, kept.to_vec(), &far_mean)?;
+    let placed = placed_skins(asset, &super::watch::skin_of(asset), &prefixes, opts)?;
+    let skins = if asset.mesh.is_empty() {
+        LevelSkins::none(&ladder)?
+    } else {
+        placed
+            .clone()
+            .on(&ladder, |binding, place| articula_core::mesh::Binding {
+                joint: place,
+                ..binding
+            })?
+    };
+    let levels = FarLevels {
+        rig,
+        joints,
+        clips,
+        ladder,
+        skins,
+    };
+    Ok(Some(Drafted {
+        levels,
+        placed,
+        chords_metres,
+    }))
+}
+
+/// The joints of the full rig from below the far parent down to a joint.
+struct Chain {
+    links: Vec<usize>,
+}
+
+impl Chain {
+    fn of(asset: &Asset, prefixes: &Prefixes<'_>, joint: u16) -> Self {
+        let top = prefixes.far_parent(usize::from(joint));
+        let mut links = vec![usize::from(joint)];
+        let mut at = asset.rig.parent(usize::from(joint));
+        while let Some(j) = at.filter(|j| Some(*j) != top) {
+            links.push(j);
+            at = asset.rig.parent(j);
+        }
+        links.reverse();
+        Self { links }
+    }
+
+    /// The product of its local transforms; `None` if it shears.
+    fn local(&self, pose: &LocalPose) -> Option<Transform> {
+        if let [joint] = self.links[..] {
+            return Some(pose.get(joint));
+        }
+        let product = self
+            .links
+            .iter()
+            .fold(Affine3A::IDENTITY, |m, j| m * pose.get(*j).to_affine());
+        let (mut scale, rotation, translation) = product.to_scale_rotation_translation();
+        if (scale - Vec3::ONE).abs().max_element() < STILL_SCALE {
+            scale = Vec3::ONE;
+        }
+        let split = Transform {
+            translation,
+            rotation: rotation.normalize(),
+            scale,
+        };
+        let apart = (split.to_affine().matrix3 - product.matrix3).to_cols_array();
+        let apart = apart.iter().fold(0.0f32, |a, x| a.max(x.abs()));
+        (split.is_finite() && apart <= MOST_SHEAR * scale.abs().max_element()).then_some(split)
+    }
+}
+
+/// Local transforms of the far joints in a pose of the full rig.
+fn composed(chains: &[Chain], pose: &LocalPose) -> Option<LocalPose> {
+    chains.iter().map(|c| c.local(pose)).collect()
+}
+
+/// A clip for the far rig with as many frames as its fast joints ask for, and what is left of
+/// their distance from the true way; `None` if a chain shears.
+fn clip_for(
+    asset: &Asset,
+    clip: &Clip,
+    rig: &Rig,
+    chains: &[Chain],
+) -> Result<Option<(Clip, f32)>, Mismatch> {
+    let mut each = 1;
+    loop {
+        let rate = f64::from(clip.rate_hz()) * each as f64;
+        let frames = (clip.frames() - 1) * each + 1;
+        let pose = |at: f64| composed(chains, &pose_at(asset, clip, at / rate));
+        let poses = (0..frames).map(|f| pose(f as f64));
+        let Some(poses) = poses.collect::<Option<Vec<LocalPose>>>() else {
+            return Ok(None);
+        };
+        let far = clip_of(clip, each, chains, rig.rest_pose(), &poses)?;
+        let mut chord = 0.0f32;
+        let (mut truth, mut shown) = (ModelPose::new(rig.len()), ModelPose::new(rig.len()));
+        for f in 1..frames {
+            let at = f as f64 - 0.5;
+            let Some(pose) = pose(at) else {
+                return Ok(None);
+            };
+            local_to_model(rig, &pose, &mut truth);
+            let mut pose = rig.rest_pose().clone();
+            sample(&far, at / rate, Wrap::Clamp, &rig.all(), &mut pose);
+            local_to_model(rig, &pose, &mut shown);
+            let apart = (0..rig.len()).map(|j| truth.position(j).distance(shown.position(j)));
+            chord = apart.fold(chord, f32::max);
+        }
+        if chord <= MOST_CHORD_METRES || each >= MOST_FRAMES_FOR_ONE {
+            return Ok(Some((far, chord)));
+        }
+        each *= 2;
+    }
+}
+
+fn rig_of(
+    asset: &Asset,
+    prefixes: &Prefixes<'_>,
+    joints: &[u16],
+    rest: &LocalPose,
+) -> Result<Rig, Mismatch> {
+    let joint = |(place, &joint): (usize, &u16)| {
+        let joint = usize::from(joint);
+        Joint {
+            name: asset.rig.name(joint).to_owned(),
+            parent: prefixes.far_parent(joint).map(|p| prefixes.place(p)),
+            rest: rest.get(place),
+            in_skin: asset.rig.skin_joints().contains(joint),
+        }
+    };
+    let skeleton = Skeleton {
+        joints: joints.iter().enumerate().map(joint).collect(),
+    };
+    let articulation = asset.rig.articulation();
+    let entry = |j: &u16| articulation.joints[usize::from(*j)].clone();
+    let articulation = Articulation {
+        profile: articulation.profile.clone(),
+        joints: joints.iter().map(entry).collect(),
+    };
+    Rig::new(&skeleton, articulation)
+}
+
+fn clip_of(
+    clip: &Clip,
+    each: usize,
+    chains: &[Chain],
+    rest: &LocalPose,
+    poses: &[LocalPose],
+) -> Result<Clip, Mismatch> {
+    let mut tracks = Tracks {
+        morphs: clip.morphs().iter().map(|t| more_frames(t, each)).collect(),
+        ..Tracks::default()
+    };
+    for (place, chain) in chains.iter().enumerate() {
+        let target = place as u16;
+        let steps = |held: &dyn Fn(usize) -> bool| chain.links.iter().any(|j| held(*j));
+        let vectors = |all: &dyn Fn(&LocalPose) -> Vec3, within: f32, step: bool| {
+            let values: Vec<Vec3> = poses.iter().map(all).collect();
+            track(target, step, all(rest), values, |a, b| {
+                (*a - *b).abs().max_element() <= within
+            })
+        };
+        let step = steps(&|j| holds(clip.translations(), j));
+        let translation = vectors(&|p| p.translations[place], STILL, step);
+        tracks.translations.extend(translation);
+        let step = steps(&|j| holds(clip.scales(), j));
+        let scale = vectors(&|p| p.scales[place], STILL_SCALE, step);
+        tracks.scales.extend(scale);
+        let mut rotations: Vec<Quat> = Vec::with_capacity(poses.len());
+        for pose in poses {
+            let q = pose.rotations[place];
+            rotations.push(rotations.last().map_or(q, |last| same_hemisphere(*last, q)));
+        }
+        let step = steps(&|j| holds(clip.rotations(), j));
+        tracks.rotations.extend(track(
+            target,
+            step,
+            rest.rotations[place],
+            rotations,
+            |a, b| angle_between(*a, *b) <= STILL,
+        ));
+    }
+    Clip::new(
+        &clip.name,
+        clip.rate_hz() * each as f32,
+        poses.len(),
+        chains.len(),
+        tracks,
+    )
+}
+
+fn holds<T>(tracks: &[Track<T>], joint: usize) -> bool {
+    tracks
+        .iter()
+        .any(|t| usize::from(t.target) == joint && t.step)
+}
+
+/// A track of all values, of one if they stand still, or none if they rest.
+fn track<T: Copy>(
+    target: u16,
+    step: bool,
+    rest: T,
+    mut values: Vec<T>,
+    same: impl Fn(&T, &T) -> bool,
+) -> Option<Track<T>> {
+    let first = values[0];
+    if values.iter().all(|v| same(v, &first)) {
+        if same(&first, &rest) {
+            return None;
+        }
+        values.truncate(1);
+    }
+    Some(Track {
+        target,
+        step,
+        values,
+    })
+}
+
+/// A track of morph weights at more frames.
+fn more_frames(track: &Track<f32>, each: usize) -> Track<f32> {
+    if each == 1 || track.values.len() == 1 {
+        return track.clone();
+    }
+    let last = track.values.len() - 1;
+    let value = |i: usize| {
+        let (at, part) = (i / each, (i % each) as f32 / each as f32);
+        let (a, b) = (track.values[at], track.values[(at + 1).min(last)]);
+        if track.step { a } else { a + (b - a) * part }
+    };
+    Track {
+        values: (0..=last * each).map(value).collect(),
+        ..*track
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mean_pose::mean_pose;
+    use super::super::test_figures::{arm, moving};
+    use super::*;
+
+    /// An arm of three joints whose shoulder swings fast; the hand outlasts the elbow.
+    fn drafted(turn: f32) -> Drafted {
+        let mut asset = arm(3);
+        let frames: Vec<Quat> = (0..5)
+            .map(|i| Quat::from_rotation_z(turn * i as f32))
+            .collect();
+        asset.clips = vec![moving(3, 1, &frames)];
+        let opts = LevelOptions::default();
+        let found = far_levels(&asset, &[0, 2, 1], &[2, 1], &mean_pose(&asset), &opts);
+        found.unwrap().unwrap()
+    }
+
+    #[test]
+    fn a_hand_hangs_on_what_outlasts_its_elbow() {
+        let Drafted {
+            levels,
+            chords_metres,
+            ..
+        } = drafted(0.05);
+        assert_eq!(levels.joints, [0, 2]);
+        assert_eq!(levels.rig.parent(1), Some(0));
+        // Two bones of a metre, the second turned with the first: 1 up, then along the turn.
+        let clip = &levels.clips[0];
+        let track = &clip.translations()[0];
+        let hand = track.values[2];
+        let angle = 0.1f32;
+        assert!((hand - Vec3::new(-angle.sin(), 1.0 + angle.cos(), 0.0)).length() < 1e-6);
+        // A bone of a metre turned by 0.05 rad: its end's chord misses the arc by 0.31 mm.
+        assert!((chords_metres[0] - (1.0 - 0.025f32.cos())).abs() < 1e-5);
+        assert_eq!((clip.frames(), clip.rate_hz()), (5, 30.0));
+    }
+
+    #[test]
+    fn a_fast_limb_gets_more_frames() {
+        // 0.3 rad a frame miss by 11 mm, 0.15 by 2.8 mm, 0.075 by 0.7 mm.
+        let drafted = drafted(0.3);
+        let clip = &drafted.levels.clips[0];
+        assert_eq!((clip.frames(), clip.rate_hz()), (17, 120.0));
+        assert!((drafted.chords_metres[0] - (1.0 - 0.0375f32.cos())).abs() < 1e-4);
+    }
+
+    #[test]
+    fn morphs_get_as_many_frames() {
+        let track = |step| Track {
+            target: 3,
+            step,
+            values: vec![0.0, 1.0],
+        };
+        assert_eq!(more_frames(&track(false), 2).values, [0.0, 0.5, 1.0]);
+        assert_eq!(more_frames(&track(true), 2).values, [0.0, 0.0, 1.0]);
+    }
+}

@@ -1,0 +1,95 @@
+//! Which joint the skin of a merged joint goes to, for both kinds of levels.
+//!
+//! A near level holds the ancestors of what it holds, a far one need not. Either way a level
+//! keeps the first places of one order, and a merged joint moves with its nearest kept ancestor.
+
+use articula_core::ladder::Ladder;
+use articula_core::pose::LocalPose;
+use articula_core::rig::Rig;
+use glam::DAffine3;
+
+/// Levels as prefixes of an order of a rig's joints, and the mean pose.
+#[derive(Debug, Clone)]
+pub(super) struct Prefixes<'a> {
+    rig: &'a Rig,
+    joints: Vec<u16>,
+    places: Vec<usize>,
+    kept: Vec<usize>,
+    /// Model-from-joint matrices of the mean pose.
+    pub(super) mean: Vec<DAffine3>,
+}
+
+impl<'a> Prefixes<'a> {
+    pub(super) fn new(rig: &'a Rig, joints: &[u16], kept: &[u16], mean: &LocalPose) -> Self {
+        let mut places = vec![0; rig.len()];
+        for (place, joint) in joints.iter().enumerate() {
+            places[usize::from(*joint)] = place;
+        }
+        let mut models: Vec<DAffine3> = Vec::with_capacity(rig.len());
+        for joint in 0..rig.len() {
+            let t = mean.get(joint);
+            let local = DAffine3::from_scale_rotation_translation(
+                t.scale.as_dvec3(),
+                t.rotation.as_dquat().normalize(),
+                t.translation.as_dvec3(),
+            );
+            let above = rig.parent(joint).map_or(DAffine3::IDENTITY, |p| models[p]);
+            models.push(above * local);
+        }
+        Self {
+            rig,
+            joints: joints.to_vec(),
+            places,
+            kept: kept.iter().map(|n| usize::from(*n)).collect(),
+            mean: models,
+        }
+    }
+
+    pub(super) fn of(rig: &'a Rig, ladder: &Ladder) -> Self {
+        let kept: Vec<u16> = (0..ladder.levels())
+            .map(|l| ladder.kept(l) as u16)
+            .collect();
+        let at = |j: usize| ladder.mean()[ladder.place(j)];
+        let mean: LocalPose = (0..rig.len()).map(at).collect();
+        Self::new(rig, ladder.joints(), &kept, &mean)
+    }
+
+    pub(super) fn levels(&self) -> usize {
+        self.kept.len()
+    }
+
+    pub(super) fn kept(&self, level: usize) -> usize {
+        self.kept[level]
+    }
+
+    /// Whether a level keeps every joint.
+    pub(super) fn is_whole(&self, level: usize) -> bool {
+        self.kept[level] == self.rig.len()
+    }
+
+    pub(super) fn place(&self, joint: usize) -> usize {
+        self.places[joint]
+    }
+
+    /// The joint that a joint moves with at a level. One without a kept ancestor has nobody to
+    /// move with: the first joint of the order stands in.
+    pub(super) fn target(&self, joint: usize, level: usize) -> u16 {
+        let mut at = Some(joint);
+        while let Some(j) = at {
+            if self.places[j] < self.kept[level] {
+                return j as u16;
+            }
+            at = self.rig.parent(j);
+        }
+        self.joints[0]
+    }
+
+    /// The nearest ancestor that outlasts a joint.
+    pub(super) fn far_parent(&self, joint: usize) -> Option<usize> {
+        let mut at = self.rig.parent(joint);
+        while let Some(j) = at.filter(|j| self.places[*j] > self.places[joint]) {
+            at = self.rig.parent(j);
+        }
+        at
+    }
+}
