@@ -1,0 +1,96 @@
+//! What does one character cost in a batch of eight, by palette form, storage and backend?
+#![allow(clippy::unwrap_used, reason = "a bench may stop at the first surprise")]
+
+mod human;
+
+use articula_core::batch::{BatchEvaluator, Shown};
+use articula_core::clip_set::{ClipSet, Storage};
+use articula_core::ladder::Ladder;
+use articula_core::palette::{PaletteForm, PaletteMap, PaletteRows};
+use articula_core::{Backend, LANES};
+use divan::{Bencher, black_box};
+
+/// Characters of each turn.
+const COUNT: usize = 96;
+
+fn main() {
+    divan::main();
+}
+
+/// Model matrices of all joints on the fastest backend, in every form.
+#[divan::bench(args = PaletteForm::ALL)]
+fn form(bencher: Bencher<'_, '_>, form: PaletteForm) {
+    walk(bencher, form, Storage::Float, Backend::best(), 0.0);
+}
+
+/// The same as 3x4 matrices, on every backend of this machine.
+#[divan::bench(args = Backend::ALL.into_iter().filter(|b| b.is_available()))]
+fn backend(bencher: Bencher<'_, '_>, backend: Backend) {
+    walk(bencher, PaletteForm::Matrix, Storage::Float, backend, 0.0);
+}
+
+/// The same from 16-bit integers.
+#[divan::bench]
+fn short_storage(bencher: Bencher<'_, '_>) {
+    walk(
+        bencher,
+        PaletteForm::Matrix,
+        Storage::Short,
+        Backend::best(),
+        0.0,
+    );
+}
+
+/// The same while everyone fades to another clip.
+#[divan::bench]
+fn cross_fade(bencher: Bencher<'_, '_>) {
+    walk(
+        bencher,
+        PaletteForm::Matrix,
+        Storage::Float,
+        Backend::best(),
+        0.5,
+    );
+}
+
+fn walk(
+    bencher: Bencher<'_, '_>,
+    form: PaletteForm,
+    storage: Storage,
+    backend: Backend,
+    fade: f32,
+) {
+    let asset = human::asset();
+    let (walk, times) = human::walk(COUNT);
+    let clip = asset
+        .clips
+        .iter()
+        .position(|c| c.name == walk.name)
+        .unwrap();
+    let ladder = Ladder::whole(&asset.rig).unwrap();
+    let map = PaletteMap::joints(&ladder);
+    let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, storage).unwrap();
+    let evaluator = BatchEvaluator::new(&clips, &map, form, backend).unwrap();
+    let mut scratch = evaluator.scratch();
+    let shown: Vec<Shown> = times
+        .into_iter()
+        .map(|secs| Shown {
+            from: clips.cursor(clip, secs),
+            to: clips.cursor(0, secs),
+            fade,
+        })
+        .collect();
+    let rows = LANES * evaluator.rows(0);
+    let mut floats = vec![[0.0; 4]; if form.is_half() { 0 } else { rows }];
+    let mut halves = vec![[0; 4]; if form.is_half() { rows } else { 0 }];
+    bencher.counter(COUNT).bench_local(|| {
+        for batch in black_box(&shown).chunks(LANES) {
+            let out = if form.is_half() {
+                PaletteRows::Half(&mut halves)
+            } else {
+                PaletteRows::Float(&mut floats)
+            };
+            evaluator.evaluate(0, batch, out, &mut scratch);
+        }
+    });
+}

@@ -1,0 +1,25 @@
+//! What every bench works on: the reference human, so that none needs a file.
+
+use articula_build::character::{Asset, character};
+use articula_build::clip::ClipOptions;
+use articula_build::human::{HumanOptions, human};
+use articula_core::clip::Clip;
+use std::sync::LazyLock;
+
+/// The reference human at 12,000 triangles, with its clips.
+pub(crate) fn asset() -> &'static Asset {
+    static ASSET: LazyLock<Asset> = LazyLock::new(|| {
+        let source = human(&HumanOptions::default()).expect("12,000 triangles are allowed");
+        character(&source, None, &ClipOptions::default()).expect("the human is a character")
+    });
+    &ASSET
+}
+
+/// The walk, and distinct times within it, without any order.
+pub(crate) fn walk(count: usize) -> (&'static Clip, Vec<f32>) {
+    let clip = asset().clips.iter().find(|c| c.name == "walk");
+    let clip = clip.expect("the human walks");
+    let phase = |i: usize| (i as f32 * 0.618_034).fract();
+    let times = (0..count).map(|i| phase(i) * clip.duration_secs());
+    (clip, times.collect())
+}

@@ -1,0 +1,27 @@
+//! What does it cost to read a clip at a time, joint by joint?
+
+mod human;
+
+use articula_core::loa::JointSet;
+use articula_core::sample::{Wrap, sample};
+use divan::{Bencher, black_box};
+
+fn main() {
+    divan::main();
+}
+
+/// The walk, with as many joints active as a level of articulation may keep.
+#[divan::bench(args = [8, 24, 48, 89])]
+fn walk(bencher: Bencher<'_, '_>, joints: usize) {
+    let rig = &human::asset().rig;
+    let (clip, times) = human::walk(64);
+    let order = rig.level_order().iter();
+    let active: JointSet = order.take(joints).map(|j| usize::from(*j)).collect();
+    let mut pose = rig.rest_pose().clone();
+    bencher.counter(times.len()).bench_local(|| {
+        for secs in &times {
+            let secs = f64::from(*secs);
+            sample(clip, secs, Wrap::Loop, black_box(&active), &mut pose);
+        }
+    });
+}
