@@ -12,6 +12,7 @@ mod calibrate;
 mod camera_path;
 mod method;
 mod points;
+mod pose_keys;
 mod stage;
 
 pub use calibrate::{calibrate, parameters, sweep};
@@ -19,5 +20,6 @@ pub use camera_path::{CameraKey, PathFrame, PathRun, camera_at, play_camera_path
 pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use points::Points;
 pub(crate) use points::draw_vertices;
+pub use pose_keys::{pose_key_frames, uniform_key_frames};
 pub(crate) use stage::percentile;
 pub use stage::{ErrorMetres, ErrorPx, Row, Setup, Stage, Trial, play};

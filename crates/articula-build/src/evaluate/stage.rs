@@ -160,6 +160,19 @@ impl<'a> Stage<'a> {
         })
     }
 
+    /// True places of the watched skin at all frames, the root's way over the ground taken out.
+    pub(super) fn places_around_root(&self) -> Vec<Vec<Vec3>> {
+        let mut model = ModelPose::new(self.asset.rig.len());
+        let frames = self.truth.iter().zip(&self.true_points);
+        frames
+            .map(|(pose, places)| {
+                local_to_model(&self.asset.rig, pose, &mut model);
+                let way = model.position(0) * Vec3::new(1.0, 0.0, 1.0);
+                places.iter().map(|p| *p - way).collect()
+            })
+            .collect()
+    }
+
     pub(super) fn points(&self) -> &Points {
         &self.points
     }

@@ -1,0 +1,71 @@
+//! How many whole-pose keys a clip needs for a limit in pixels: counts of evaluations saved.
+//!
+//! Source: the last paragraph of `spec/motion-lod.md` part 11, by the protocol of 11.1: the clip's
+//! own frames, the root's horizontal motion removed, weak perspective; at every frame between two
+//! keys the 95th percentile over the watched vertices, as the worst azimuth sees it, stays within
+//! the limit. Spans are greedy: each goes as far as all frames in it are within the limit.
+//!
+//! These are counts for comparison. The keys that a crowd plays are those of
+//! [`crate::motion_error::pose_keys`]: in metres, for the farthest vertex, and also tested
+//! between the clip's own frames.
+
+use super::stage::{Stage, percentile};
+use glam::Vec3;
+
+/// Frames at which the pose is evaluated, the first and the last among them; all others are the
+/// straight line between their neighbours. `limit_metres` is the limit as projected.
+pub fn pose_key_frames(stage: &Stage<'_>, limit_metres: f32) -> Vec<usize> {
+    let seen = Seen::new(stage);
+    let last = seen.places.len() - 1;
+    let mut keys = vec![0];
+    while let Some(from) = keys.last().copied().filter(|k| *k < last) {
+        let fits = |to: &usize| seen.is_straight(from, *to, limit_metres);
+        let reached = (from + 2..=last).take_while(fits).last();
+        keys.push(reached.unwrap_or(from + 1));
+    }
+    keys
+}
+
+/// The same with a key at every n-th frame and at the last one, for the greatest n whose spans
+/// are all within the limit.
+pub fn uniform_key_frames(stage: &Stage<'_>, limit_metres: f32) -> Vec<usize> {
+    let seen = Seen::new(stage);
+    let last = seen.places.len() - 1;
+    let keys = |n: usize| -> Vec<usize> { (0..last).step_by(n).chain([last]).collect() };
+    let fits = |n: &usize| {
+        let keys = keys(*n);
+        let mut spans = keys.windows(2);
+        spans.all(|s| seen.is_straight(s[0], s[1], limit_metres))
+    };
+    let best = (2..=last.max(1)).rev().find(fits);
+    keys(best.unwrap_or(1))
+}
+
+/// Places of the watched skin under a camera that follows the root over the ground.
+struct Seen {
+    views: Vec<Vec3>,
+    places: Vec<Vec<Vec3>>,
+}
+
+impl Seen {
+    fn new(stage: &Stage<'_>) -> Self {
+        Self {
+            views: stage.view_directions().collect(),
+            places: stage.places_around_root(),
+        }
+    }
+
+    /// Whether every frame of a span is within a limit, as every camera sees it.
+    fn is_straight(&self, from: usize, to: usize, limit_metres: f32) -> bool {
+        (from + 1..to).all(|f| {
+            let u = (f - from) as f32 / (to - from) as f32;
+            self.views.iter().all(|view| {
+                let ends = self.places[from].iter().zip(&self.places[to]);
+                let shown = ends.map(|(a, b)| a.lerp(*b, u));
+                let off = shown.zip(&self.places[f]).map(|(s, p)| s - *p);
+                let mut seen: Vec<f32> = off.map(|d| (d - *view * d.dot(*view)).length()).collect();
+                percentile(&mut seen, 0.95) <= limit_metres
+            })
+        })
+    }
+}
