@@ -1,0 +1,98 @@
+//! What does it cost to share a budget among a crowd: anew, when some changed, when nobody did?
+#![allow(clippy::unwrap_used, reason = "a bench may stop at the first surprise")]
+
+use articula_core::budget::{Budget, Offer, Policy, Request};
+use divan::Bencher;
+
+const COUNT: usize = 10_000;
+/// Units for each character, in the mean; everything in full would take 182.
+const UNITS: f32 = 100.0;
+
+fn main() {
+    divan::main();
+}
+
+/// Numbers from 0 to 1.
+struct Random(u32);
+
+impl Random {
+    fn next(&mut self) -> f32 {
+        self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (self.0 >> 8) as f32 / (1 << 24) as f32
+    }
+}
+
+/// Eight levels for each of twenty clips, characters from 5 to 245 m away.
+fn crowd() -> (Budget, Vec<Request>, Random) {
+    let mut random = Random(7);
+    let mut budget = Budget::new(COUNT, Policy::default());
+    let mut menu = || {
+        let off = 0.15 + 0.3 * random.next();
+        let offer = |joints: f32| Offer {
+            cost: 0.7 + 2.7 * joints,
+            error_metres: off * (-0.09 * joints).exp(),
+        };
+        let joints = [4.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 67.0];
+        budget.add_menu(&joints.map(offer)).unwrap()
+    };
+    let menus: Vec<_> = (0..20).map(|_| menu()).collect();
+    let requests = (0..COUNT).map(|c| {
+        let pixels_per_metre = scale(&mut random);
+        Request {
+            menu: menus[c % menus.len()],
+            weight: pixels_per_metre.powi(3),
+            pixels_per_metre,
+        }
+    });
+    let requests: Vec<Request> = requests.collect();
+    ask(&mut budget, &requests);
+    budget.solve(UNITS * COUNT as f32);
+    (budget, requests, random)
+}
+
+/// Of someone somewhere in 1080 rows of pixels.
+fn scale(random: &mut Random) -> f32 {
+    1304.0 / (5.0 + 240.0 * random.next())
+}
+
+fn ask(budget: &mut Budget, requests: &[Request]) {
+    for (character, request) in requests.iter().enumerate() {
+        budget.request(character, *request);
+    }
+}
+
+/// Everyone is placed anew.
+#[divan::bench]
+fn anew(bencher: Bencher<'_, '_>) {
+    let (mut budget, ..) = crowd();
+    bencher.bench_local(|| {
+        budget.set_policy(Policy::default());
+        budget.solve(UNITS * COUNT as f32)
+    });
+}
+
+/// Requests of everyone, two in a hundred of them new, and the repair.
+#[divan::bench]
+fn some_changed(bencher: Bencher<'_, '_>) {
+    let (mut budget, mut requests, mut random) = crowd();
+    bencher.bench_local(|| {
+        for _ in 0..COUNT / 50 {
+            let character = (random.next() * COUNT as f32) as usize;
+            let pixels_per_metre = scale(&mut random);
+            requests[character].pixels_per_metre = pixels_per_metre;
+            requests[character].weight = pixels_per_metre.powi(3);
+        }
+        ask(&mut budget, &requests);
+        budget.solve(UNITS * COUNT as f32)
+    });
+}
+
+/// Requests of everyone, all as before.
+#[divan::bench]
+fn nobody_changed(bencher: Bencher<'_, '_>) {
+    let (mut budget, requests, _) = crowd();
+    bencher.bench_local(|| {
+        ask(&mut budget, &requests);
+        budget.solve(UNITS * COUNT as f32)
+    });
+}
