@@ -9,6 +9,7 @@
 //! - [`ladder`]: merged levels of a crowd: joint order, skins and errors of every level
 //! - [`motion_bounds`]: what holds a character in each second of each clip
 //! - [`motion_error`]: levers, error matrices, key tables for every metric
+//! - [`occluders`]: what of a body hides others through a clip
 //! - [`reduce`]: a motion saved at a level of articulation
 //! - [`retarget`]: a motion of one skeleton put onto another
 //! - [`evaluate`]: a clip played under a method, its gain and its error in pixels
@@ -26,6 +27,7 @@ pub mod influences;
 pub mod ladder;
 pub mod motion_bounds;
 pub mod motion_error;
+pub mod occluders;
 pub mod reduce;
 pub mod retarget;
 pub mod scene;

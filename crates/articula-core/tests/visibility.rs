@@ -1,9 +1,16 @@
 //! One look at a whole crowd, against looking at each body by itself, and while cameras move.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
+use articula_core::attention::{Attention, Interval, multiplier};
+use articula_core::capsule::Capsule;
+use articula_core::motion_bounds::{Bound, ClipBounds};
+use articula_core::motion_error::tolerance_metres;
+use articula_core::occlusion::Occlusion;
+use articula_core::sample::Wrap;
 use articula_core::sphere::Sphere;
 use articula_core::view::{Camera, Viewport};
 use articula_core::visibility::{Bodies, Closing, Seen, View, Visibility, secs_until_grown, see};
+use articula_core::world_bounds::{Places, carry};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 
@@ -133,4 +140,57 @@ proptest! {
             );
         }
     }
+}
+
+/// Everything that this part of a frame asks, in one frame.
+#[test]
+fn a_look_does_not_allocate() {
+    let second = Bound {
+        sphere: BALL,
+        least: Vec3::NEG_ONE,
+        greatest: Vec3::ONE,
+    };
+    let clip = ClipBounds::new(1.5, vec![second; 2], BALL).unwrap();
+    let step = Interval {
+        start_secs: 0.2,
+        end_secs: 0.6,
+        factor: 0.25,
+    };
+    let attention = Attention::new(1.5, &[step]).unwrap();
+    let camera = Camera::looking_at(Vec3::Z * 30.0, Vec3::ZERO, Viewport::default());
+    let mut grid = Occlusion::new(160, 90).unwrap();
+    let (count, scale) = (130, 1.0);
+    let positions: Vec<Vec3> = (0..count).map(|i| Vec3::X * i as f32).collect();
+    let rotations = vec![Quat::IDENTITY; count];
+    let scales = vec![scale; count];
+    let mut bounds = vec![BALL; count];
+    let mut world = vec![BALL; count];
+    let wakes = vec![0.1; count];
+    let mut occluded = vec![0.0; count];
+    let mut seen = vec![Seen::default(); count];
+    let mut tolerance = 0.0;
+    let counted = allocation_counter::measure(|| {
+        for bound in &mut bounds {
+            *bound = clip.over(1.2, 0.5, 1.0, Wrap::Loop).sphere;
+        }
+        let places = Places::new(&positions, &rotations, &scales, &bounds).unwrap();
+        carry(places, &mut world);
+        grid.begin(&camera);
+        let trunk = Capsule {
+            ends: [Vec3::NEG_Y, Vec3::Y],
+            radius: 0.1,
+        };
+        grid.draw(&trunk.carried(positions[0], rotations[0], scale));
+        for (b, occluded) in occluded.iter_mut().enumerate() {
+            *occluded = grid.occluded(&second, positions[b], rotations[b], scale);
+        }
+        let views = [View::of(&camera).with_occluded(&occluded)];
+        see(&views, Bodies::new(&world, &wakes).unwrap(), &mut seen);
+        let secs = secs_until_grown(&views, world[0], seen[0], 0.25, Closing::default());
+        let m = multiplier(attention.at(f64::from(secs.min(1.0)), Wrap::Loop), 2.0);
+        tolerance = tolerance_metres(1.0, m, seen[0].pixels_per_metre);
+    });
+    assert_eq!(counted.count_total, 0);
+    assert_eq!(seen[0].visibility, Visibility::Visible);
+    assert!(tolerance > 0.0);
 }

@@ -7,7 +7,7 @@
 //! Without a mesh the joints stand for the skin, each with the floor of the levers around it.
 //! Morph weights move as the clip moves them; a face that is driven from elsewhere needs a margin.
 
-mod reach;
+pub(crate) mod reach;
 
 use crate::character::Asset;
 use articula_core::Mismatch;
@@ -108,17 +108,21 @@ fn measure(asset: &Asset, reach: &Reach, clip: &Clip, margin: f32) -> Result<Cli
 }
 
 /// One time at which the skin is posed.
-struct Look {
-    secs: f64,
+pub(crate) struct Look {
+    pub(crate) secs: f64,
     /// Seconds of the clip that it belongs to.
     seconds: RangeInclusive<usize>,
     /// How far the skin may be from here at any time that the look stands for.
     slack: f32,
+    /// The frame before it, and the part of the way to the next one that it stands for on either
+    /// side.
+    pub(crate) frame: usize,
+    pub(crate) part: f32,
 }
 
 /// Looks in the middle of equal parts of every stretch between two frames, and at the last frame.
 /// A value that steps keeps within a stretch, so a part is as its middle but for what moves.
-fn looks(asset: &Asset, reach: &Reach, clip: &Clip) -> Vec<Look> {
+pub(crate) fn looks(asset: &Asset, reach: &Reach, clip: &Clip) -> Vec<Look> {
     let last_second = ClipBounds::count(clip.duration_secs()) - 1;
     let rate = f64::from(clip.rate_hz());
     let mut looks = Vec::new();
@@ -134,6 +138,8 @@ fn looks(asset: &Asset, reach: &Reach, clip: &Clip) -> Vec<Look> {
                 secs: (frame as f64 + (part as f64 + 0.5) / parts as f64) / rate,
                 seconds: first.min(last_second)..=last.min(last_second),
                 slack: half_way / parts as f32,
+                frame,
+                part: 0.5 / parts as f32,
             });
         }
     }
@@ -141,6 +147,8 @@ fn looks(asset: &Asset, reach: &Reach, clip: &Clip) -> Vec<Look> {
         secs: f64::from(clip.duration_secs()),
         seconds: last_second..=last_second,
         slack: 0.0,
+        frame: clip.frames() - 1,
+        part: 0.0,
     });
     looks
 }
@@ -179,10 +187,10 @@ impl Corners {
 }
 
 /// A character to be posed; without a mesh its joints are its skin.
-struct Body<'a> {
+pub(crate) struct Body<'a> {
     asset: &'a Asset,
     local: LocalPose,
-    model: ModelPose,
+    pub(crate) model: ModelPose,
     matrices: Vec<Affine3A>,
     morph_weights: Vec<f32>,
     skinned: SkinnedMesh,
@@ -191,7 +199,7 @@ struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    fn new(asset: &'a Asset) -> Self {
+    pub(crate) fn new(asset: &'a Asset) -> Self {
         let (rig, mesh) = (&asset.rig, &asset.mesh);
         let mut skinned = SkinnedMesh::new(mesh);
         let is_bare = mesh.is_empty();
@@ -209,7 +217,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    fn pose(&mut self, clip: &Clip, secs: f64) -> &[Vec3] {
+    pub(crate) fn pose(&mut self, clip: &Clip, secs: f64) -> &[Vec3] {
         let (rig, mesh) = (&self.asset.rig, &self.asset.mesh);
         sample(clip, secs, Wrap::Clamp, &rig.all(), &mut self.local);
         sample_morphs(clip, secs, Wrap::Clamp, &mut self.morph_weights);

@@ -11,7 +11,7 @@ use articula_core::rig::Rig;
 use glam::Vec3;
 
 /// Lengths of one character, over all its clips.
-pub(super) struct Reach {
+pub(crate) struct Reach {
     /// Farthest skin at or below each joint, from the joint, in the joint's own unscaled space;
     /// `None` where it carries no skin.
     local: Vec<Option<f32>>,
@@ -24,7 +24,7 @@ pub(super) struct Reach {
 }
 
 impl Reach {
-    pub(super) fn new(asset: &Asset) -> Self {
+    pub(crate) fn new(asset: &Asset) -> Self {
         let rig = &asset.rig;
         let lengths = greatest(
             rig,
@@ -83,8 +83,18 @@ impl Reach {
 
     /// The longest way that any skin can go from one frame to the next; metres.
     pub(super) fn way(&self, asset: &Asset, clip: &Clip, frame: usize) -> f32 {
+        let ways = self.ways(asset, clip, frame);
+        let carried = ways.iter().zip(&self.local).filter(|(_, l)| l.is_some());
+        carried.map(|(way, _)| *way).fold(0.0, f32::max)
+    }
+
+    /// The same for the skin that each joint itself moves. Of the last frame there is none.
+    pub(crate) fn ways(&self, asset: &Asset, clip: &Clip, frame: usize) -> Vec<f32> {
         let rig = &asset.rig;
         let mut ways = vec![0.0f32; rig.len()];
+        if frame + 1 >= clip.frames() {
+            return ways;
+        }
         let above = |joint: usize| rig.parent(joint).map_or(1.0, |p| self.scales[p]);
         for (joint, [a, b]) in moved(clip.rotations(), frame) {
             // A normalised blend is fastest in its middle: as if it turned by 4 tan(angle / 4).
@@ -98,17 +108,15 @@ impl Reach {
             let change = (b - a).abs().max_element();
             ways[joint] += above(joint) * change * self.local[joint].unwrap_or(0.0);
         }
-        let mut longest = 0.0f32;
         for joint in 0..rig.len() {
             ways[joint] += rig.parent(joint).map_or(0.0, |p| ways[p]);
-            if self.local[joint].is_some() {
-                longest = longest.max(ways[joint]);
-            }
         }
         let morphs = moved(clip.morphs(), frame);
         let morph = morphs
-            .map(|(slot, [a, b])| (b - a).abs() * self.morphs.get(slot).copied().unwrap_or(0.0));
-        longest + morph.sum::<f32>()
+            .map(|(slot, [a, b])| (b - a).abs() * self.morphs.get(slot).copied().unwrap_or(0.0))
+            .sum::<f32>();
+        ways.iter_mut().for_each(|way| *way += morph);
+        ways
     }
 }
 

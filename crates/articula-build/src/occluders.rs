@@ -1,0 +1,338 @@
+//! Capsules inside a body that stay inside it through a clip: what it hides for certain.
+//!
+//! For [`articula_core::occlusion`]. Where the skin leaves most room around the joints of the mean
+//! pose, balls are put; the segment between any two of them takes the greatest radius that the
+//! skin leaves free at every time, and the best few are kept: the trunk, the head, a thigh of
+//! someone who stands. What swings through the clip has none.
+//!
+//! A place is inside where the skin winds around it a whole number of times (the generalised
+//! winding number of Jacobson, Kavan and Sorkine-Hornung 2013, by the solid angles of
+//! Van Oosterom and Strackee 1983), so a skin with holes has no inside, and hides nothing. It is
+//! asked once; from then on no skin can have passed a place that it never came near.
+//!
+//! The skin must be opaque; that is for the caller to know.
+
+use crate::character::Asset;
+use crate::motion_bounds::reach::Reach;
+use crate::motion_bounds::{Body, Look, looks};
+use articula_core::capsule::Capsule;
+use articula_core::clip::{Clip, Track};
+use glam::Vec3;
+
+/// A thinner capsule is not worth drawing; metres.
+const LEAST_RADIUS_METRES: f32 = 0.03;
+
+/// Places along a segment at which the skin's distance is measured.
+const PLACES: usize = 17;
+
+/// Looks that choose which segments are measured through the whole clip, and how many are.
+const FIRST_LOOKS: usize = 8;
+const MEASURED: usize = 12;
+
+/// What starts with less room is a finger or an ear.
+const LEAST_START_METRES: f32 = 0.01;
+
+/// Steps in which a ball looks for more room: from a few centimetres to a few millimetres.
+const STEPS_METRES: [f32; 4] = [0.04, 0.02, 0.01, 0.005];
+
+/// Balls nearer to each other than this are one.
+const SAME_METRES: f32 = 0.03;
+
+/// How far the winding number may be from a whole one: holes that see a hundredth of the sphere.
+const HOLES: f32 = 0.01;
+
+/// At most `most` capsules in model space that lie inside the body at every time of the clip, the
+/// largest first. None where the skin is not closed or jumps.
+pub fn occluders(asset: &Asset, clip: &Clip, most: usize) -> Vec<Capsule> {
+    if asset.mesh.triangles.is_empty() || jumps(clip) {
+        return Vec::new();
+    }
+    let reach = Reach::new(asset);
+    let looks = looks(asset, &reach, clip);
+    let mut body = Body::new(asset);
+    let mut skin_at = |look: &Look| Skin::new(asset, clip, look, &reach, &mut body);
+    let apart = looks.len().div_ceil(FIRST_LOOKS);
+    let first: Vec<Skin> = looks.iter().step_by(apart).map(&mut skin_at).collect();
+    let mut segments = segments(&balls(asset, clip, &looks, &first));
+    for skin in &first {
+        skin.narrow(&mut segments);
+    }
+    let mut segments = largest(segments, MEASURED);
+    for look in &looks {
+        skin_at(look).narrow(&mut segments);
+    }
+    largest(segments, most)
+        .iter()
+        .map(Segment::capsule)
+        .collect()
+}
+
+/// The largest segments, but those of which half lies inside a larger one.
+fn largest(mut segments: Vec<Segment>, most: usize) -> Vec<Segment> {
+    segments.sort_by(|a, b| b.area().total_cmp(&a.area()));
+    let mut chosen: Vec<Segment> = Vec::new();
+    for segment in segments {
+        let covered = |place: &Vec3| chosen.iter().any(|c| c.capsule().contains(*place));
+        let new = segment.places().iter().filter(|p| !covered(p)).count();
+        if chosen.len() < most && 2 * new > PLACES {
+            chosen.push(segment);
+        }
+    }
+    chosen
+}
+
+/// Whether anything holds its value until the next frame, so that skin may pass a place between
+/// two times.
+fn jumps(clip: &Clip) -> bool {
+    fn any<T>(tracks: &[Track<T>]) -> bool {
+        tracks.iter().any(|t| t.step && t.values.len() > 1)
+    }
+    any(clip.rotations()) || any(clip.translations()) || any(clip.scales()) || any(clip.morphs())
+}
+
+/// A line inside the body and how far the skin is from it.
+struct Segment {
+    ends: [Vec3; 2],
+    free: f32,
+}
+
+impl Segment {
+    fn places(&self) -> [Vec3; PLACES] {
+        let [a, b] = self.ends;
+        std::array::from_fn(|i| a.lerp(b, i as f32 / (PLACES - 1) as f32))
+    }
+
+    /// What lies within the radius of the segment lies within the free distance of a place.
+    fn radius(&self) -> f32 {
+        let half_step = 0.5 * self.ends[0].distance(self.ends[1]) / (PLACES - 1) as f32;
+        (self.free * self.free - half_step * half_step)
+            .max(0.0)
+            .sqrt()
+    }
+
+    fn capsule(&self) -> Capsule {
+        Capsule {
+            ends: self.ends,
+            radius: self.radius(),
+        }
+    }
+
+    /// As it looks from the side.
+    fn area(&self) -> f32 {
+        let r = self.radius();
+        2.0 * r * self.ends[0].distance(self.ends[1]) + std::f32::consts::PI * r * r
+    }
+}
+
+/// Where the skin leaves most room at the first looks: from the mean places of the joints, and half
+/// way between them, as far as there is more.
+fn balls(asset: &Asset, clip: &Clip, looks: &[Look], skins: &[Skin]) -> Vec<Vec3> {
+    let rig = &asset.rig;
+    let mut body = Body::new(asset);
+    let mut means = vec![Vec3::ZERO; rig.len()];
+    for look in looks {
+        body.pose(clip, look.secs);
+        for (joint, mean) in means.iter_mut().enumerate() {
+            *mean += body.model.position(joint) / looks.len() as f32;
+        }
+    }
+    let halves = (0..rig.len()).filter_map(|j| Some(0.5 * (means[rig.parent(j)?] + means[j])));
+    let mut starts: Vec<Vec3> = halves.collect();
+    starts.extend(&means);
+    let room = |place: Vec3| {
+        let skins = skins.iter();
+        skins.fold(f32::INFINITY, |free, skin| skin.free(place, free))
+    };
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z];
+    let directions = axes.into_iter().chain(axes.map(|axis| -axis));
+    let mut balls: Vec<Vec3> = Vec::new();
+    for start in starts {
+        let (mut place, mut free) = (start, room(start));
+        if free < LEAST_START_METRES || !skins[0].is_inside(start) {
+            continue;
+        }
+        for step in STEPS_METRES {
+            // A step no longer than the room passes through no skin.
+            let around = |place: Vec3, free: f32| {
+                let tries = directions.clone().map(|d| place + d * step.min(free));
+                let rooms = tries.map(|p| (p, room(p)));
+                rooms
+                    .max_by(|a, b| a.1.total_cmp(&b.1))
+                    .filter(|b| b.1 > free)
+            };
+            while let Some((p, more)) = around(place, free) {
+                (place, free) = (p, more);
+            }
+        }
+        let is_new = balls.iter().all(|b| b.distance(place) > SAME_METRES);
+        if is_new && free >= LEAST_RADIUS_METRES {
+            balls.push(place);
+        }
+    }
+    balls
+}
+
+/// All segments from one ball to another, or to itself. Where no skin is near, all of a segment
+/// is inside if its ends are; what passes through skin is found by the distance.
+fn segments(balls: &[Vec3]) -> Vec<Segment> {
+    let mut segments = Vec::new();
+    for (i, from) in balls.iter().enumerate() {
+        segments.extend(balls[i..].iter().map(|to| Segment {
+            ends: [*from, *to],
+            free: f32::INFINITY,
+        }));
+    }
+    segments
+}
+
+/// A triangle of the skin, and how far it may go around the time of a look.
+struct Face {
+    corners: [Vec3; 3],
+    slack: f32,
+    /// The ball around it, slack and all.
+    centre: Vec3,
+    radius: f32,
+}
+
+/// The skin at one look.
+struct Skin {
+    faces: Vec<Face>,
+}
+
+impl Skin {
+    fn new(asset: &Asset, clip: &Clip, look: &Look, reach: &Reach, body: &mut Body<'_>) -> Self {
+        let mesh = &asset.mesh;
+        let ways = reach.ways(asset, clip, look.frame);
+        let slack = |v: u32| {
+            let joints = mesh.influences_of(v as usize).map(|(joint, _)| ways[joint]);
+            joints.fold(0.0, f32::max) * look.part
+        };
+        let positions = body.pose(clip, look.secs);
+        let face = |triangle: &[u32; 3]| {
+            let corners = triangle.map(|v| positions[v as usize]);
+            let centre = corners.iter().sum::<Vec3>() / 3.0;
+            let slack = triangle.map(slack).into_iter().fold(0.0, f32::max);
+            let out = corners.map(|c| c.distance(centre));
+            Face {
+                corners,
+                slack,
+                centre,
+                radius: out.into_iter().fold(0.0, f32::max) + slack,
+            }
+        };
+        Self {
+            faces: mesh.triangles.iter().map(face).collect(),
+        }
+    }
+
+    /// A bound on the distance of the skin from a place, around the time of the look; or
+    /// `at_most`, if that is less.
+    fn free(&self, place: Vec3, at_most: f32) -> f32 {
+        let mut free = at_most;
+        for face in &self.faces {
+            let beyond = free + face.radius;
+            if beyond < 0.0 || place.distance_squared(face.centre) < beyond * beyond {
+                let nearest = nearest_in_triangle(place, face.corners);
+                free = free.min(place.distance(nearest) - face.slack);
+            }
+        }
+        free
+    }
+
+    /// Narrows segments to what is free now; those that are too thin go.
+    fn narrow(&self, segments: &mut Vec<Segment>) {
+        segments.retain_mut(|segment| {
+            for place in segment.places() {
+                segment.free = self.free(place, segment.free);
+                if segment.free < LEAST_RADIUS_METRES {
+                    return false;
+                }
+            }
+            segment.radius() >= LEAST_RADIUS_METRES
+        });
+    }
+
+    fn is_inside(&self, place: Vec3) -> bool {
+        let angle = |face: &Face| {
+            let [a, b, c] = face.corners.map(|corner| (corner - place).as_dvec3());
+            let (la, lb, lc) = (a.length(), b.length(), c.length());
+            let volume = a.dot(b.cross(c));
+            let rest = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+            2.0 * volume.atan2(rest)
+        };
+        let whole = 4.0 * std::f64::consts::PI;
+        let winds = (self.faces.iter().map(angle).sum::<f64>() / whole).abs();
+        winds > 0.5 && (winds - winds.round()).abs() <= f64::from(HOLES)
+    }
+}
+
+/// The point of a triangle nearest to a place: a corner, a point of an edge, or the foot on its
+/// face (Ericson, Real-Time Collision Detection, 2005, 5.1.5).
+fn nearest_in_triangle(place: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
+    let (ab, ac) = (b - a, c - a);
+    let from = |corner: Vec3| (ab.dot(place - corner), ac.dot(place - corner));
+    let ((a1, a2), (b1, b2), (c1, c2)) = (from(a), from(b), from(c));
+    if a1 <= 0.0 && a2 <= 0.0 {
+        return a;
+    }
+    if b1 >= 0.0 && b2 <= b1 {
+        return b;
+    }
+    if c2 >= 0.0 && c1 <= c2 {
+        return c;
+    }
+    let (of_a, of_b, of_c) = (b1 * c2 - c1 * b2, c1 * a2 - a1 * c2, a1 * b2 - b1 * a2);
+    if of_c <= 0.0 && a1 >= 0.0 && b1 <= 0.0 {
+        return a + ab * (a1 / (a1 - b1));
+    }
+    if of_b <= 0.0 && a2 >= 0.0 && c2 <= 0.0 {
+        return a + ac * (a2 / (a2 - c2));
+    }
+    let (to_c, to_b) = (b2 - b1, c1 - c2);
+    if of_a <= 0.0 && to_c >= 0.0 && to_b >= 0.0 {
+        return b + (c - b) * (to_c / (to_c + to_b));
+    }
+    let sum = of_a + of_b + of_c;
+    a + ab * (of_b / sum) + ac * (of_c / sum)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-1.0f32..1.0).prop_map(Vec3::from)
+    }
+
+    proptest! {
+        #[test]
+        fn nothing_of_a_triangle_is_nearer(
+            corners in prop::array::uniform3(point()),
+            place in point(),
+            weights in (0.0f32..=1.0, 0.0f32..=1.0),
+        ) {
+            let nearest = nearest_in_triangle(place, corners);
+            let [a, b, c] = corners;
+            let (u, v) = weights;
+            let other = a.lerp(b, u).lerp(c, v);
+            prop_assert!(nearest.distance(place) <= other.distance(place) + 1e-5);
+            // It lies in the triangle: what is between its corners sums up to no more.
+            let area = |a: Vec3, b: Vec3, c: Vec3| (b - a).cross(c - a).length();
+            let parts = area(nearest, b, c) + area(a, nearest, c) + area(a, b, nearest);
+            prop_assert!(parts <= area(a, b, c) + 1e-4);
+        }
+    }
+
+    #[test]
+    fn a_segment_by_hand() {
+        // 0.8 m in sixteen steps of 0.05 m; 65 mm are free: 60 mm beside a step's middle.
+        let segment = Segment {
+            ends: [Vec3::ZERO, Vec3::Y * 0.8],
+            free: 0.065,
+        };
+        assert_eq!(segment.places()[16], Vec3::Y * 0.8);
+        assert!((segment.radius() - 0.06).abs() < 1e-6);
+        assert!((segment.area() - (0.096 + 0.003_6 * std::f32::consts::PI)).abs() < 1e-6);
+    }
+}
