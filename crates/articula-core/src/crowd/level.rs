@@ -21,6 +21,7 @@ pub(crate) struct Choice {
 
 /// The coarsest level within a tolerance, from the level that is shown now. A tolerance that is
 /// no number gives full detail.
+#[inline]
 pub(crate) fn level_within(
     tolerance_metres: f32,
     shown: Option<usize>,

@@ -38,8 +38,12 @@ pub struct CrowdModel {
     errors: LevelErrors,
     bounds: MotionBounds,
     durations: Vec<f32>,
+    /// Errors of all clips in one array, `levels` for each clip.
+    level_errors: Vec<f32>,
     events: Vec<Vec<ClipEvent>>,
     paths: Vec<Option<RootPath>>,
+    /// Whether no clip has events or a path.
+    plain: bool,
     attention: Vec<Option<Attention>>,
 }
 
@@ -73,9 +77,15 @@ impl CrowdModel {
             ));
         }
         Ok(Self {
+            level_errors: errors
+                .clips
+                .iter()
+                .flat_map(|c| c.levels_metres.clone())
+                .collect(),
             durations: (0..count).map(|c| clips.duration_secs(c)).collect(),
             events: vec![Vec::new(); count],
             paths: vec![None; count],
+            plain: true,
             attention: vec![None; count],
             clips,
             palette,
@@ -94,6 +104,7 @@ impl CrowdModel {
         let at = self.clip("events", clip)?;
         self.events[at] = sorted(events, self.durations[at])
             .map_err(|e| Mismatch::new(format!("events[{clip}]{}", e.at), e.what))?;
+        self.plain &= self.events[at].is_empty();
         Ok(self)
     }
 
@@ -104,6 +115,7 @@ impl CrowdModel {
     pub fn with_root_path(mut self, clip: usize, path: RootPath) -> Result<Self, Mismatch> {
         let at = self.clip("paths", clip)?;
         self.paths[at] = Some(path);
+        self.plain = false;
         Ok(self)
     }
 
@@ -161,10 +173,25 @@ impl CrowdModel {
     }
 
     /// Error of a level in metres while one clip plays, or while two are blended: the greater.
+    ///
+    /// # Panics
+    /// If there is no such clip or level.
     #[inline]
     pub fn error_metres(&self, from: usize, to: usize, level: usize) -> f32 {
-        let of = |clip: usize| self.errors.clips[clip].levels_metres[level];
-        of(from).max(of(to))
+        self.errors_of(from)[level].max(self.errors_of(to)[level])
+    }
+
+    /// Errors of the levels of a clip.
+    #[inline]
+    pub(crate) fn errors_of(&self, clip: usize) -> &[f32] {
+        let levels = self.levels();
+        &self.level_errors[clip * levels..][..levels]
+    }
+
+    /// Whether nothing of a clip but its pose is to be told.
+    #[inline]
+    pub(crate) fn is_plain(&self) -> bool {
+        self.plain
     }
 
     pub(crate) fn durations(&self) -> &[f32] {

@@ -4,8 +4,8 @@ use crate::palette::PaletteMap;
 use crate::simd::LANES;
 use std::ops::Range;
 
-/// No job: the character is not shown.
-const NONE: u32 = u32::MAX;
+/// Kinds of jobs at a level: one clip, and two that are blended.
+const KINDS: usize = 2;
 
 /// One character that is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,10 +31,11 @@ pub struct DrawGroup {
 /// Up to eight poses that are evaluated together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Batch {
-    pub(crate) first_job: u32,
-    pub(crate) first_matrix: u32,
-    pub(crate) jobs: u8,
-    pub(crate) level: u8,
+    first_job: u32,
+    first_matrix: u32,
+    jobs: u8,
+    /// Level and kind.
+    key: u8,
 }
 
 /// Who a job evaluates: a character, or a leader of many.
@@ -46,16 +47,17 @@ pub(crate) enum Poser {
 
 const LEADER: u32 = 1 << 31;
 
-/// The plan of one frame.
+/// The plan of one frame. Jobs and followers are listed by level as they come, so nothing has to
+/// be sorted.
 #[derive(Debug, Clone)]
 pub(crate) struct Plan {
-    /// Level and kind of each job: `2 * level`, one more for a cross-fade.
-    keys: Vec<u8>,
+    characters: usize,
+    /// Who poses, `characters` entries for each level and kind.
     posers: Vec<u32>,
-    /// Level and job of each character.
-    shown: Vec<(u8, u32)>,
-    sorted: Vec<u32>,
-    matrix_of: Vec<u32>,
+    jobs: Vec<u32>,
+    /// Who follows which job of its level, `characters` entries for each level.
+    followers: Vec<(u32, u32)>,
+    following: Vec<u32>,
     batches: Vec<Batch>,
     draws: Vec<Draw>,
     groups: Vec<DrawGroup>,
@@ -65,12 +67,12 @@ pub(crate) struct Plan {
 impl Plan {
     pub(crate) fn new(characters: usize, levels: usize) -> Self {
         Self {
-            keys: Vec::with_capacity(characters),
-            posers: Vec::with_capacity(characters),
-            shown: Vec::with_capacity(characters),
-            sorted: Vec::with_capacity(characters),
-            matrix_of: Vec::with_capacity(characters),
-            batches: Vec::with_capacity(characters / LANES + 2 * levels),
+            characters,
+            posers: vec![0; characters * levels * KINDS],
+            jobs: vec![0; levels * KINDS],
+            followers: vec![(0, 0); characters * levels],
+            following: vec![0; levels],
+            batches: Vec::with_capacity(characters / LANES + levels * KINDS),
             draws: Vec::with_capacity(characters),
             groups: Vec::with_capacity(levels),
             matrices: 0,
@@ -79,108 +81,70 @@ impl Plan {
 
     /// Forgets the frame before.
     pub(crate) fn clear(&mut self) {
-        self.keys.clear();
-        self.posers.clear();
-        self.shown.clear();
+        self.jobs.fill(0);
+        self.following.fill(0);
     }
 
-    /// The next character is not shown.
-    #[inline]
-    pub(crate) fn hide(&mut self) {
-        self.shown.push((0, NONE));
-    }
-
-    /// The next character shows what a job gives.
-    #[inline]
-    pub(crate) fn show(&mut self, level: usize, job: u32) {
-        self.shown.push((level as u8, job));
-    }
-
-    /// Adds a job; gives its number.
+    /// Adds a job; gives its number among those of its level and kind.
     #[inline]
     pub(crate) fn add(&mut self, level: usize, fading: bool, poser: Poser) -> u32 {
-        self.keys.push(level as u8 * 2 + u8::from(fading));
-        self.posers.push(match poser {
+        let key = level * KINDS + usize::from(fading);
+        let at = self.jobs[key];
+        self.jobs[key] += 1;
+        self.posers[key * self.characters + at as usize] = match poser {
             Poser::Character(c) => c as u32,
             Poser::Leader(l) => l as u32 | LEADER,
-        });
-        self.keys.len() as u32 - 1
+        };
+        at
     }
 
-    /// Sorts jobs into batches of one level and kind, and characters into groups of one level.
-    pub(crate) fn sort(&mut self, palette: &PaletteMap, levels: usize) {
-        let mut counts = [0u32; 2 * crate::ladder::MAX_LEVELS];
-        for key in &self.keys {
-            counts[usize::from(*key)] += 1;
-        }
-        let mut next_job = counts;
-        let (mut first_job, mut first_matrix) = (0, 0);
-        let mut matrix_from = [0u32; 2 * crate::ladder::MAX_LEVELS];
+    /// A character shows what a job of one clip at its level gives.
+    #[inline]
+    pub(crate) fn follow(&mut self, level: usize, character: usize, job: u32) {
+        let at = self.following[level] as usize;
+        self.following[level] += 1;
+        self.followers[level * self.characters + at] = (character as u32, job);
+    }
+
+    /// Cuts the jobs into batches of one level and kind, and says who shows what.
+    pub(crate) fn finish(&mut self, palette: &PaletteMap) {
         self.batches.clear();
-        for key in 0..2 * levels {
-            let count = counts[key];
-            let matrices = palette.len(key / 2) as u32;
-            next_job[key] = first_job;
-            matrix_from[key] = first_matrix;
-            for done in (0..count).step_by(LANES) {
-                self.batches.push(Batch {
-                    first_job: first_job + done,
-                    first_matrix: first_matrix + done * matrices,
-                    jobs: (count - done).min(LANES as u32) as u8,
-                    level: (key / 2) as u8,
+        self.draws.clear();
+        self.groups.clear();
+        let mut first_matrix = 0;
+        for level in 0..self.following.len() {
+            let matrices = palette.len(level);
+            let first_draw = self.draws.len();
+            let of_one_clip = first_matrix;
+            for key in level * KINDS..(level + 1) * KINDS {
+                let posers = &self.posers[key * self.characters..][..self.jobs[key] as usize];
+                cut(&mut self.batches, posers.len(), key, first_matrix, matrices);
+                for poser in posers {
+                    if poser & LEADER == 0 {
+                        self.draws.push(Draw {
+                            character: *poser,
+                            first_matrix: first_matrix as u32,
+                        });
+                    }
+                    first_matrix += matrices;
+                }
+            }
+            let count = self.following[level] as usize;
+            for (character, job) in &self.followers[level * self.characters..][..count] {
+                self.draws.push(Draw {
+                    character: *character,
+                    first_matrix: (of_one_clip + *job as usize * matrices) as u32,
                 });
             }
-            first_job += count;
-            first_matrix += count * matrices;
-        }
-        self.matrices = first_matrix as usize;
-        let start = next_job;
-        self.sorted.resize(self.keys.len(), 0);
-        self.matrix_of.resize(self.keys.len(), 0);
-        for (job, key) in self.keys.iter().enumerate() {
-            let key = usize::from(*key);
-            let at = next_job[key];
-            next_job[key] += 1;
-            self.sorted[at as usize] = self.posers[job];
-            let matrices = palette.len(key / 2) as u32;
-            self.matrix_of[job] = matrix_from[key] + (at - start[key]) * matrices;
-        }
-        self.group(palette, levels);
-    }
-
-    fn group(&mut self, palette: &PaletteMap, levels: usize) {
-        let mut next = [0usize; crate::ladder::MAX_LEVELS];
-        for (level, job) in &self.shown {
-            next[usize::from(*level)] += usize::from(*job != NONE);
-        }
-        self.groups.clear();
-        let mut first = 0;
-        for (level, next) in next.iter_mut().enumerate().take(levels) {
-            let count = std::mem::replace(next, first);
-            if count > 0 {
+            if self.draws.len() > first_draw {
                 self.groups.push(DrawGroup {
                     level,
-                    draws: first..first + count,
-                    matrices: palette.len(level),
+                    draws: first_draw..self.draws.len(),
+                    matrices,
                 });
             }
-            first += count;
         }
-        let nobody = Draw {
-            character: 0,
-            first_matrix: 0,
-        };
-        self.draws.resize(first, nobody);
-        for (character, (level, job)) in self.shown.iter().enumerate() {
-            if *job != NONE {
-                let at = &mut next[usize::from(*level)];
-                self.draws[*at] = Draw {
-                    character: character as u32,
-                    first_matrix: self.matrix_of[*job as usize],
-                };
-                *at += 1;
-            }
-        }
+        self.matrices = first_matrix;
     }
 
     pub(crate) fn batches(&self) -> &[Batch] {
@@ -207,11 +171,35 @@ impl Plan {
 
     /// Who the jobs of a batch evaluate.
     pub(crate) fn posers(&self, batch: &Batch) -> impl Iterator<Item = Poser> + '_ {
-        let first = batch.first_job as usize;
-        let posers = &self.sorted[first..first + usize::from(batch.jobs)];
+        let first = usize::from(batch.key) * self.characters + batch.first_job as usize;
+        let posers = &self.posers[first..first + usize::from(batch.jobs)];
         posers.iter().map(|&p| match p & LEADER {
             0 => Poser::Character(p as usize),
             _ => Poser::Leader((p & !LEADER) as usize),
         })
+    }
+}
+
+/// Batches of jobs of one level and kind.
+fn cut(batches: &mut Vec<Batch>, jobs: usize, key: usize, first_matrix: usize, matrices: usize) {
+    for first in (0..jobs).step_by(LANES) {
+        batches.push(Batch {
+            first_job: first as u32,
+            first_matrix: (first_matrix + first * matrices) as u32,
+            jobs: (jobs - first).min(LANES) as u8,
+            key: key as u8,
+        });
+    }
+}
+
+impl Batch {
+    /// Level of its poses.
+    pub fn level(&self) -> usize {
+        usize::from(self.key) / KINDS
+    }
+
+    /// Number of its poses, 1 to 8.
+    pub fn poses(&self) -> usize {
+        usize::from(self.jobs)
     }
 }

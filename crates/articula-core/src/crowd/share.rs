@@ -9,7 +9,7 @@
 /// al., "Clone attack!", 2008).
 const FEWEST: u32 = 3;
 /// Most buckets, as a power of two: more are as dear as evaluating everyone.
-const MOST: u32 = 7;
+const MOST: u32 = 9;
 /// Entries of one clip and level: the buckets of every fineness.
 const ENTRIES: usize = 1 << (MOST + 1);
 
@@ -173,7 +173,7 @@ mod tests {
             sharing.begin(start, &[2.0]);
             let Some(leader) = sharing.leader(follower(secs, slack), way) else {
                 // Too many leaders would be needed, or the seam lies between.
-                prop_assert!(2.0 * 3.0 / (2.0 * slack) > 127.0 || seam > 0.0);
+                prop_assert!(2.0 * 3.0 / (2.0 * slack) > 511.0 || seam > 0.0);
                 return Ok(());
             };
             let leads = sharing.leaders()[leader].secs;

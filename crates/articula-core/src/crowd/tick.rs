@@ -22,7 +22,7 @@ use glam::Affine3A;
 use std::ops::Range;
 
 /// How long a bound is taken to hold before it is looked up anew.
-const BOUND_SECS: f32 = 0.5;
+const BOUND_SECS: f32 = 1.0;
 
 /// Level of a character that is not shown.
 const HIDDEN: u8 = u8::MAX;
@@ -142,9 +142,9 @@ impl Crowd {
         self.advance(model, dt_secs, tell);
         self.look(frame);
         let mut report = self.choose(model, frame, tell);
-        self.plan.sort(model.palette(), model.levels());
+        self.plan.finish(model.palette());
         for batch in self.plan.batches() {
-            report.work += work(model, usize::from(batch.level), u64::from(batch.jobs));
+            report.work += work(model, batch.level(), batch.poses() as u64);
         }
         report
     }
@@ -159,34 +159,26 @@ impl Crowd {
     /// Runs the clocks on, tells events, carries roots, and keeps the bounds.
     fn advance(&mut self, model: &CrowdModel, dt_secs: f32, tell: &mut dyn FnMut(Notice)) {
         let durations = model.durations();
-        let carries = model.has_paths();
+        let plain = model.is_plain();
         for (character, player) in self.players.iter_mut().enumerate() {
-            let before = *player;
-            let shares = [1.0 - player.fade, player.fade];
-            let voices = [&mut player.from, &mut player.to];
-            let count = if before.is_fading() { 2 } else { 1 };
-            let mut laps = [0; 2];
-            for (v, voice) in voices.into_iter().enumerate().take(count) {
-                let clip = voice.clip();
-                laps[v] = voice.advance(durations[clip], dt_secs, model.events(clip), &mut |e| {
-                    tell(Notice::Event {
-                        character,
-                        clip,
-                        id: e.id,
-                        weight: shares[v],
-                    });
-                });
+            let secs = player.from.secs + player.from.speed * dt_secs;
+            let within = (0.0..durations[player.from.clip()]).contains(&secs);
+            if plain && within && !player.is_fading() {
+                // By far the most frequent: time goes on within one clip, and that is all.
+                player.from.secs = secs;
+            } else {
+                let way = advance_one(model, character, player, dt_secs, tell);
+                if let Some(root) = self.roots.get_mut(character) {
+                    *root = way;
+                }
             }
-            if carries {
-                self.roots[character] = root_step(model, &before, player, laps);
-            }
-            player.advance_fade(dt_secs);
-            self.bound_secs[character] -= dt_secs;
-            if self.bound_secs[character] < 0.0 {
-                self.bounds[character] = bound_of(model, player);
-                // The first time bounds are spread over the frames of their validity.
-                let part = (character % 32 + 1) as f32 / 32.0;
-                self.bound_secs[character] = BOUND_SECS * part;
+            let left = &mut self.bound_secs[character];
+            *left -= dt_secs;
+            if *left < 0.0 {
+                let (bound, secs) = bound_of(model, player);
+                self.bounds[character] = bound;
+                // Spread over the frames in which they hold.
+                *left = secs * ((character % 32 + 1) as f32 / 32.0);
             }
         }
     }
@@ -235,7 +227,6 @@ impl Crowd {
             let seen = self.seen[character];
             if seen.visibility != Visibility::Visible {
                 report.near += usize::from(seen.visibility == Visibility::Near);
-                self.plan.hide();
                 self.set_level(model, character, None, tell);
                 continue;
             }
@@ -267,7 +258,8 @@ impl Crowd {
             Detail::Tolerance { px } => {
                 let importance = frame.importance.get(character).copied().unwrap_or(1.0);
                 tolerance_metres = px * attention(model, player, importance) / pixels_per_metre;
-                let error = |level| model.error_metres(from, to, level);
+                let (a, b) = (model.errors_of(from), model.errors_of(to));
+                let error = |level: usize| a[level].max(b[level]);
                 level_within(tolerance_metres, shown, coarsest, error)
             }
         };
@@ -314,7 +306,8 @@ impl Crowd {
                     let job = self.plan.add(choice.level, false, Poser::Leader(leader));
                     self.leader_jobs.push(job);
                 }
-                self.plan.show(choice.level, self.leader_jobs[leader]);
+                self.plan
+                    .follow(choice.level, character, self.leader_jobs[leader]);
                 return;
             }
         }
@@ -322,10 +315,8 @@ impl Crowd {
         let bound_px = choice.error_metres * choice.pixels_per_metre;
         report.bound_px = report.bound_px.max(bound_px);
         report.blended += usize::from(fading);
-        let job = self
-            .plan
+        self.plan
             .add(choice.level, fading, Poser::Character(character));
-        self.plan.show(choice.level, job);
     }
 
     /// Notes a level, and tells if it is another.
@@ -455,8 +446,8 @@ impl Crowd {
             }
             let matrices = self.matrices_of(at..at + 1);
             let part = (matrices.start - first) * rows..(matrices.end - first) * rows;
-            let shown = &shown[..usize::from(batch.jobs)];
-            evaluator.evaluate(usize::from(batch.level), shown, out.part(part), scratch);
+            let shown = &shown[..batch.poses()];
+            evaluator.evaluate(batch.level(), shown, out.part(part), scratch);
         }
     }
 
@@ -476,6 +467,36 @@ fn or_all<'a>(given: &'a [f32], all: &'a [f32]) -> &'a [f32] {
     if given.is_empty() { all } else { given }
 }
 
+/// Runs one character on, telling its events; gives its way over the ground.
+fn advance_one(
+    model: &CrowdModel,
+    character: usize,
+    player: &mut Player,
+    dt_secs: f32,
+    tell: &mut dyn FnMut(Notice),
+) -> RootStep {
+    let before = *player;
+    let shares = [1.0 - player.fade, player.fade];
+    let count = if before.is_fading() { 2 } else { 1 };
+    let mut laps = [0; 2];
+    let voices = [&mut player.from, &mut player.to];
+    for (v, voice) in voices.into_iter().enumerate().take(count) {
+        let clip = voice.clip();
+        let duration = model.durations()[clip];
+        laps[v] = voice.advance(duration, dt_secs, model.events(clip), &mut |e| {
+            tell(Notice::Event {
+                character,
+                clip,
+                id: e.id,
+                weight: shares[v],
+            });
+        });
+    }
+    let way = root_step(model, &before, player, laps);
+    player.advance_fade(dt_secs);
+    way
+}
+
 /// Way of a character whose clips went on.
 fn root_step(model: &CrowdModel, before: &Player, after: &Player, laps: [i32; 2]) -> RootStep {
     let step = |from: &Voice, to: &Voice, laps| {
@@ -489,15 +510,20 @@ fn root_step(model: &CrowdModel, before: &Player, after: &Player, laps: [i32; 2]
     own.lerp(step(&before.to, &after.to, laps[1]), before.fade)
 }
 
-/// Holds a character for a while.
-fn bound_of(model: &CrowdModel, player: &Player) -> Sphere {
+/// Holds a character, and for how long.
+fn bound_of(model: &CrowdModel, player: &Player) -> (Sphere, f32) {
     let (from, to) = player.clips();
     if player.is_fading() {
-        return model.bounds().blended(from, to);
+        return (model.bounds().blended(from, to), BOUND_SECS);
     }
+    let bounds = &model.bounds().clips[from];
     let Voice {
         secs, speed, wrap, ..
     } = player.from;
-    let bounds = &model.bounds().clips[from];
-    bounds.over(f64::from(secs), BOUND_SECS, speed, wrap).sphere
+    // Clips that a bound would hold most of are held as a whole, for ever.
+    if model.durations()[from] <= 2.0 * BOUND_SECS {
+        return (bounds.whole().sphere, f32::INFINITY);
+    }
+    let bound = bounds.over(f64::from(secs), BOUND_SECS, speed, wrap);
+    (bound.sphere, BOUND_SECS)
 }
