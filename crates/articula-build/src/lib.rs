@@ -10,6 +10,7 @@
 //! - [`motion_bounds`]: what holds a character in each second of each clip
 //! - [`motion_error`]: levers, error matrices, key tables for every metric
 //! - [`occluders`]: what of a body hides others through a clip
+//! - [`pose_cache`]: pose keys of all clips and levels, baked into one cache
 //! - [`reduce`]: a motion saved at a level of articulation
 //! - [`retarget`]: a motion of one skeleton put onto another
 //! - [`evaluate`]: a clip played under a method, its gain and its error in pixels
@@ -28,6 +29,7 @@ pub mod ladder;
 pub mod motion_bounds;
 pub mod motion_error;
 pub mod occluders;
+pub mod pose_cache;
 pub mod reduce;
 pub mod retarget;
 pub mod scene;

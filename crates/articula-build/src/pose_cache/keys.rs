@@ -1,0 +1,197 @@
+//! Which moments of a clip are keys: long spans in which straight lines stay near the skin.
+
+use super::skins::Skins;
+use crate::motion_error::runs::long_runs;
+use articula_core::batch::{BatchEvaluator, Shown};
+use articula_core::clip_set::ClipSet;
+use articula_core::palette::{PaletteForm, PaletteMap, PaletteRows};
+use articula_core::{Backend, LANES, Mismatch};
+use glam::Vec3;
+
+/// Least rate of the moments that may be keys.
+const LEAST_TICK_HZ: f32 = 120.0;
+
+/// Ticks of a block: so many poses are held at a time, and a block's end is a key.
+const BLOCK_TICKS: usize = 2048;
+
+/// Keys that are no farther apart than this on average are not worth their blending: two
+/// display frames at 60 Hz.
+const LEAST_SPAN_SECS: f64 = 2.0 / 60.0;
+
+/// The grid of a clip: its frames are ticks, and there are at least 120 a second. Keys stand on
+/// ticks; straightness is tested half-way between ticks too.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ticks {
+    hz: f64,
+    /// The last tick, at the clip's end.
+    last: usize,
+    end_secs: f32,
+}
+
+impl Ticks {
+    pub(super) fn new(rate_hz: f32, frames: usize, end_secs: f32) -> Self {
+        let per_frame = (LEAST_TICK_HZ / rate_hz).ceil().max(1.0);
+        Self {
+            hz: f64::from(rate_hz) * f64::from(per_frame),
+            last: (frames - 1) * per_frame as usize,
+            end_secs,
+        }
+    }
+
+    /// The grid of a clip of one pose.
+    pub(super) fn single() -> Self {
+        Self::new(LEAST_TICK_HZ, 1, 0.0)
+    }
+
+    /// Number of half ticks, both ends counted.
+    pub(super) fn halves(&self) -> usize {
+        2 * self.last + 1
+    }
+
+    /// Time of a half tick; every second one is a tick.
+    pub(super) fn secs(&self, half: usize) -> f32 {
+        if half == 2 * self.last {
+            return self.end_secs;
+        }
+        (half as f64 / (2.0 * self.hz)) as f32
+    }
+
+    fn pays(&self, spans: usize) -> bool {
+        spans == 0 || self.last as f64 > LEAST_SPAN_SECS * self.hz * spans as f64
+    }
+}
+
+/// Keys of one clip at one level.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Chosen {
+    pub(super) times_secs: Vec<f32>,
+    /// Whether blending them follows the motion and is worth it.
+    pub(super) follows: bool,
+}
+
+/// The full palettes of half ticks, one after the other.
+pub(super) fn evaluated(
+    clips: &ClipSet,
+    (clip, ticks): (usize, &Ticks),
+    map: &PaletteMap,
+    halves: std::ops::Range<usize>,
+) -> Result<Vec<[f32; 4]>, Mismatch> {
+    let evaluator = BatchEvaluator::new(clips, map, PaletteForm::Matrix, Backend::best())?;
+    let mut scratch = evaluator.scratch();
+    let stride = evaluator.rows(0);
+    let mut rows = vec![[0.0; 4]; halves.len() * stride];
+    let shown: Vec<Shown> = halves
+        .map(|half| clips.cursor(clip, ticks.secs(half)).into())
+        .collect();
+    for (shown, rows) in shown
+        .chunks(LANES)
+        .zip(rows.chunks_mut((LANES * stride).max(1)))
+    {
+        evaluator.evaluate(0, shown, PaletteRows::Float(rows), &mut scratch);
+    }
+    Ok(rows)
+}
+
+/// Keys of a clip for the tolerance of each level.
+pub(super) fn choose(
+    clips: &ClipSet,
+    (clip, ticks): (usize, &Ticks),
+    map: &PaletteMap,
+    skins: &mut Skins,
+    tolerances: &[f32],
+) -> Result<Vec<Chosen>, Mismatch> {
+    let mut keys = vec![vec![0usize]; tolerances.len()];
+    let mut jumps = vec![false; tolerances.len()];
+    let stride = map.len(0) * 3;
+    for first in (0..ticks.last).step_by(BLOCK_TICKS) {
+        let last = ticks.last.min(first + BLOCK_TICKS);
+        let rows = evaluated(clips, (clip, ticks), map, 2 * first..2 * last + 1)?;
+        for (level, tolerance) in tolerances.iter().enumerate() {
+            let skin = |half: usize| {
+                let mut points = Vec::new();
+                skins.points(level, &rows[half * stride..][..stride], &mut points);
+                points
+            };
+            let poses: Vec<Vec<Vec3>> = (0..=2 * (last - first)).map(skin).collect();
+            let fits = |from: usize, to: usize| is_straight(&poses, 2 * from, 2 * to, *tolerance);
+            let mut at = 0;
+            for end in long_runs(last - first, fits) {
+                jumps[level] |= end == at + 1 && !fits(at, end);
+                keys[level].push(first + end);
+                at = end;
+            }
+        }
+    }
+    let chosen = keys.into_iter().zip(jumps).map(|(keys, jumps)| Chosen {
+        follows: !jumps && ticks.pays(keys.len() - 1),
+        times_secs: keys.iter().map(|tick| ticks.secs(2 * tick)).collect(),
+    });
+    Ok(chosen.collect())
+}
+
+/// Whether the 95th percentile over points stays within the tolerance of the straight way
+/// between two poses, at each pose between them.
+fn is_straight(poses: &[Vec<Vec3>], from: usize, to: usize, tolerance: f32) -> bool {
+    let limit = tolerance * tolerance;
+    let (a, b) = (&poses[from], &poses[to]);
+    let beyond = points_beyond(a.len());
+    (from + 1..to).all(|at| {
+        let u = (at - from) as f32 / (to - from) as f32;
+        let ends = a.iter().zip(b).zip(&poses[at]);
+        let far = ends.filter(|((a, b), p)| a.lerp(**b, u).distance_squared(**p) > limit);
+        far.count() <= beyond
+    })
+}
+
+/// How many of so many values may be larger than their 95th percentile, as `percentile` draws
+/// its line between two of them: those behind the upper one.
+fn points_beyond(count: usize) -> usize {
+    let below = (0.95 * count.saturating_sub(1) as f32) as usize;
+    count.saturating_sub(below + 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::percentile;
+
+    #[test]
+    fn the_count_beyond_is_that_of_the_percentile() {
+        assert_eq!(
+            [0, 1, 2, 20, 30, 700].map(points_beyond),
+            [0, 0, 0, 0, 1, 34]
+        );
+        for count in [1, 2, 19, 20, 21, 30, 100, 700] {
+            let beyond = points_beyond(count);
+            let mut values = vec![1.0; count];
+            values[..beyond].fill(9.0);
+            assert_eq!(percentile(&mut values.clone(), 0.95), 1.0, "{count}");
+        }
+    }
+
+    #[test]
+    fn a_tick_is_a_frame_or_between_two() {
+        let ticks = Ticks::new(30.0, 4, 0.1);
+        assert_eq!((ticks.last, ticks.halves()), (12, 25));
+        assert_eq!([0, 8, 24].map(|h| ticks.secs(h)), [0.0, 1.0 / 30.0, 0.1]);
+        // A twelfth of a second and a bit: one span is worth it, three are not.
+        assert!(ticks.pays(1) && ticks.pays(2) && !ticks.pays(3));
+        let single = Ticks::single();
+        assert_eq!((single.halves(), single.secs(0)), (1, 0.0));
+        assert!(single.pays(0));
+    }
+
+    #[test]
+    fn a_corner_bends_the_way() {
+        // One point: along x for four half ticks, then along y.
+        let at = |t: usize| match t {
+            0..=4 => vec![Vec3::X * t as f32],
+            _ => vec![Vec3::new(4.0, (t - 4) as f32, 0.0)],
+        };
+        let poses: Vec<_> = (0..=8).map(at).collect();
+        assert!(is_straight(&poses, 0, 4, 1e-3) && is_straight(&poses, 4, 8, 1e-3));
+        assert!(!is_straight(&poses, 2, 6, 1e-3));
+        // The corner lies half a diagonal of two off the way from (2, 0) to (4, 2).
+        assert!(is_straight(&poses, 2, 6, 1.415) && !is_straight(&poses, 2, 6, 1.414));
+    }
+}
