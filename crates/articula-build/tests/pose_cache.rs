@@ -157,9 +157,13 @@ proptest! {
         let figure = prepared(asset(&rows));
         let made = figure.cached(&CacheOptions::default());
         for report in &made.report {
-            let own = figure.levels.errors.clips[0].levels_metres[report.level];
+            let own = &figure.levels.errors.clips[0].levels_metres;
             let floor = 0.5e-3 * f32::powi(2.0, report.level as i32);
-            prop_assert_eq!(report.tolerance_metres, floor.max(0.25 * own));
+            let least = floor.max(0.25 * own[report.level]);
+            let wider = own.get(report.level + 1).map_or(0.0, |next| next - own[report.level]);
+            let tolerance = report.tolerance_metres;
+            prop_assert!(tolerance == least || (tolerance <= wider && tolerance <= 8.0 * least));
+            prop_assert_eq!((tolerance / least).log2().fract(), 0.0, "doubled, or not");
             // Chosen within the tolerance at half ticks; on top comes half of the bend of a tick.
             prop_assert!(report.error_metres <= 1.5 * report.tolerance_metres + ROUNDING_METRES, "{report:?}");
             prop_assert_eq!(made.cache.error_metres(0, report.level).is_some(), report.fate == Fate::Cached);

@@ -92,41 +92,46 @@ pub(super) fn evaluated(
     Ok(rows)
 }
 
-/// Keys of a clip for the tolerance of each level.
+/// Keys of a clip for several levels, each with its tolerances; a list of keys for each
+/// tolerance.
 pub(super) fn choose(
     clips: &ClipSet,
     (clip, ticks): (usize, &Ticks),
     map: &PaletteMap,
     skins: &mut Skins,
-    tolerances: &[f32],
-) -> Result<Vec<Chosen>, Mismatch> {
-    let mut keys = vec![vec![0usize]; tolerances.len()];
-    let mut jumps = vec![false; tolerances.len()];
+    tolerances: &[Vec<f32>],
+) -> Result<Vec<Vec<Chosen>>, Mismatch> {
+    let begun = |of: &Vec<f32>| vec![(vec![0usize], false); of.len()];
+    let mut found: Vec<Vec<(Vec<usize>, bool)>> = tolerances.iter().map(begun).collect();
     let stride = map.len(0) * 3;
     for first in (0..ticks.last).step_by(BLOCK_TICKS) {
         let last = ticks.last.min(first + BLOCK_TICKS);
         let rows = evaluated(clips, (clip, ticks), map, 2 * first..2 * last + 1)?;
-        for (level, tolerance) in tolerances.iter().enumerate() {
+        for (level, found) in found.iter_mut().enumerate() {
             let skin = |half: usize| {
                 let mut points = Vec::new();
                 skins.points(level, &rows[half * stride..][..stride], &mut points);
                 points
             };
             let poses: Vec<Vec<Vec3>> = (0..=2 * (last - first)).map(skin).collect();
-            let fits = |from: usize, to: usize| is_straight(&poses, 2 * from, 2 * to, *tolerance);
-            let mut at = 0;
-            for end in long_runs(last - first, fits) {
-                jumps[level] |= end == at + 1 && !fits(at, end);
-                keys[level].push(first + end);
-                at = end;
+            for ((keys, jumps), tolerance) in found.iter_mut().zip(&tolerances[level]) {
+                let fits =
+                    |from: usize, to: usize| is_straight(&poses, 2 * from, 2 * to, *tolerance);
+                let mut at = 0;
+                for end in long_runs(last - first, fits) {
+                    *jumps |= end == at + 1 && !fits(at, end);
+                    keys.push(first + end);
+                    at = end;
+                }
             }
         }
     }
-    let chosen = keys.into_iter().zip(jumps).map(|(keys, jumps)| Chosen {
+    let chosen = |(keys, jumps): (Vec<usize>, bool)| Chosen {
         follows: !jumps && ticks.pays(keys.len() - 1),
         times_secs: keys.iter().map(|tick| ticks.secs(2 * tick)).collect(),
-    });
-    Ok(chosen.collect())
+    };
+    let each = |of: Vec<(Vec<usize>, bool)>| of.into_iter().map(chosen).collect();
+    Ok(found.into_iter().map(each).collect())
 }
 
 /// Whether the 95th percentile over points stays within the tolerance of the straight way

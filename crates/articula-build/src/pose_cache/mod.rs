@@ -2,8 +2,8 @@
 //!
 //! Source: `spec/motion-lod.md` part 6 with its cautions, `spec/runtime.md` 4.1. For each clip and
 //! level as few whole poses are kept as the level's tolerance allows. Differs: the tolerance is a
-//! share of what the level itself costs in that clip, because the two errors add up; what is
-//! measured is what the frame shows, through [`PoseCache`] itself, at twice the rate that keys
+//! share of what the level itself costs in that clip, because the two errors add up, and fast
+//! clips get more as long as the next level alone is worse; what is measured is what the frame shows, through [`PoseCache`] itself, at twice the rate that keys
 //! were chosen at; and the cache is filled from the coarsest level up, since most of a crowd is
 //! far away.
 
@@ -22,13 +22,17 @@ use keys::{Ticks, choose};
 use measure::measure;
 use skins::Skins;
 
+/// How often a tolerance may be doubled for a clip that is too fast for it.
+const MOST_DOUBLINGS: u32 = 3;
+
 /// How a cache is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CacheOptions {
     /// How palettes are written: [`PaletteForm::Matrix`] or [`PaletteForm::HalfMatrix`], the two
     /// that may be blended linearly.
     pub form: PaletteForm,
-    /// Error that blending may add, as a part of the level's own error in the clip.
+    /// Error that blending may add, as a part of the level's own error in the clip; more for fast
+    /// clips, see [`CacheOptions::tolerances_metres`].
     pub share: f32,
     /// Error that blending may add at level 0 however small the level's own is, metres; twice as
     /// much at each further level.
@@ -57,9 +61,16 @@ impl Default for CacheOptions {
 }
 
 impl CacheOptions {
-    /// What blending may cost at a level whose own error is this.
-    pub fn tolerance_metres(&self, level: usize, own_metres: f32) -> f32 {
-        (self.share * own_metres).max(self.least_metres * (1u32 << level) as f32)
+    /// What blending may cost at a level, by the errors of all levels of the clip: the share or
+    /// the least, and where keys would stand too close for that, twice as much and again, as long
+    /// as the two errors together stay below the next level's own.
+    pub fn tolerances_metres(&self, level: usize, levels_metres: &[f32]) -> Vec<f32> {
+        let own = levels_metres.get(level).copied().unwrap_or(0.0);
+        let next = levels_metres.get(level + 1).copied().unwrap_or(0.0);
+        let first = (self.share * own).max(self.least_metres * (1u32 << level) as f32);
+        let wider = (1..=MOST_DOUBLINGS).map(|i| first * (1u32 << i) as f32);
+        let wider = wider.take_while(|t| own + t <= next);
+        std::iter::once(first).chain(wider).collect()
     }
 }
 
@@ -215,22 +226,18 @@ fn planned(
     opts: &CacheOptions,
 ) -> Result<Vec<Plan>, Mismatch> {
     let own = levels.errors.clips.get(clip);
-    let tolerances: Vec<f32> = (0..levels.ladder.levels())
-        .map(|level| {
-            let own = own.and_then(|e| e.levels_metres.get(level));
-            opts.tolerance_metres(level, own.copied().unwrap_or(0.0))
-        })
+    let own = own.map_or(&[][..], |e| &e.levels_metres);
+    let tolerances: Vec<Vec<f32>> = (0..levels.ladder.levels())
+        .map(|level| opts.tolerances_metres(level, own))
         .collect();
-    let chosen = choose(
-        clips,
-        (clip, ticks),
-        &levels.skins.palette,
-        skins,
-        &tolerances,
-    )?;
-    let plans = chosen.into_iter().enumerate().map(|(level, chosen)| {
-        let keys = chosen.times_secs.len();
-        let matrices = levels.skins.palette.len(level);
+    let map = &levels.skins.palette;
+    let chosen = choose(clips, (clip, ticks), map, skins, &tolerances)?;
+    let plans = chosen.into_iter().enumerate().map(|(level, mut chosen)| {
+        // The tightest one that is worth it, or else the tightest.
+        let at = chosen.iter().position(|c| c.follows).unwrap_or(0);
+        let tolerance_metres = tolerances[level][at];
+        let chosen = chosen.swap_remove(at);
+        let (keys, matrices) = (chosen.times_secs.len(), map.len(level));
         let pays = chosen.follows && matrices > 0;
         let report = CacheReport {
             clip,
@@ -238,7 +245,7 @@ fn planned(
             fate: if pays { Fate::Cached } else { Fate::TooFast },
             keys,
             bytes: keys * matrices * opts.form.bytes(),
-            tolerance_metres: tolerances[level],
+            tolerance_metres,
             error_metres: 0.0,
             worst_metres: 0.0,
         };
