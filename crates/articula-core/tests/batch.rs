@@ -144,7 +144,7 @@ proptest! {
                 let joint = usize::from(ladder.joints()[place]);
                 let mut expected = truth[character].matrices[joint];
                 if map.len(0) == skin.len() && map == &maps[1] {
-                    expected = expected * skin[entry].1;
+                    expected *= skin[entry].1;
                 }
                 let off = apart(&matrix(rows), &expected);
                 prop_assert!(off < BOUND_METRES, "{off} m at joint {joint}, level {level}");

@@ -8,8 +8,8 @@ mod random_rig;
 use articula_core::clip::Clip;
 use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::crowd::{
-    ClipEvent, Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, Notice, Player, RootPath,
-    RootStep, Sight, Voice,
+    CacheUse, ClipEvent, Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, Notice, Player,
+    RootPath, RootStep, Sight, Voice,
 };
 use articula_core::hierarchy::local_to_model;
 use articula_core::ladder::Ladder;
@@ -17,6 +17,7 @@ use articula_core::level_error::{ClipErrors, LevelErrors};
 use articula_core::motion_bounds::{Bound, ClipBounds, MotionBounds};
 use articula_core::palette::{PaletteForm, PaletteMap, PaletteRows};
 use articula_core::pose::ModelPose;
+use articula_core::pose_cache::{CachedKeys, CachedRows, PoseCache};
 use articula_core::rig::Rig;
 use articula_core::sample::{Wrap, sample};
 use articula_core::sphere::Sphere;
@@ -114,6 +115,7 @@ impl Square {
             sight: Sight::Views(views),
             detail: Detail::Tolerance { px },
             share,
+            cache: CacheUse::Never,
         }
     }
 }
@@ -296,6 +298,7 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
             sight: Sight::Views(&views),
             detail: Detail::Full,
             share: true,
+            cache: CacheUse::Never,
         };
         crowd.tick(&model, &frame, &mut |notice| {
             if let Notice::Event { id, .. } = notice {
@@ -404,6 +407,7 @@ proptest! {
                 sight: if i % 4 == 3 { Sight::Everyone } else { Sight::Views(&views) },
                 detail: Detail::Tolerance { px },
                 share: i % 2 == 0,
+                cache: CacheUse::Never,
             };
             let report = crowd.tick(&model, &frame, &mut |_| {});
             prop_assert_eq!(crowd.draws().len(), report.visible);
@@ -470,5 +474,87 @@ fn what_does_not_belong_together_is_refused() {
         good.with_events(0, &late).unwrap_err().at,
         "events[0][0].secs"
     );
-    assert!(Crowd::BYTES_PER_CHARACTER <= 64);
+    const { assert!(Crowd::BYTES_PER_CHARACTER <= 64) }
+}
+
+/// A cache of the first and last pose of each clip at every level but the finest, said to be
+/// within half a centimetre.
+fn with_cache(model: CrowdModel) -> CrowdModel {
+    let evaluator = model.evaluator();
+    let mut scratch = evaluator.scratch();
+    let mut rows = Vec::new();
+    let mut keys = Vec::new();
+    for clip in 0..model.clips().clips() {
+        let duration = model.clips().duration_secs(clip);
+        let mut of_clip = vec![None];
+        for level in 1..model.levels() {
+            let first_matrix = (rows.len() / 3) as u32;
+            for secs in [0.0, duration] {
+                let mut palette = vec![[0.0; 4]; evaluator.rows(level)];
+                let shown = [model.clips().cursor(clip, secs).into()];
+                evaluator.evaluate(
+                    level,
+                    &shown,
+                    PaletteRows::Float(&mut palette),
+                    &mut scratch,
+                );
+                rows.extend(palette);
+            }
+            of_clip.push(Some(CachedKeys {
+                times_secs: vec![0.0, duration],
+                first_matrix,
+                error_metres: 0.005,
+            }));
+        }
+        keys.push(of_clip);
+    }
+    let rows = CachedRows::Float(rows);
+    let cache = PoseCache::new(model.clips(), model.palette(), &keys, rows).unwrap();
+    model.with_cache(cache).unwrap()
+}
+
+#[test]
+fn cached_poses_are_blended_by_either_side() {
+    let (rig, clips, sets) = fixed_figure();
+    let model = with_cache(model(&rig, &clips, &sets));
+    let square = Square::new(200);
+    let camera = camera();
+    let views = [View::of(&camera)];
+    let mut crowd = Crowd::new(&model, 200);
+    for i in 0..200 {
+        let voice = Voice::new(model.clips(), i % 2).at_secs(model.clips(), 0.01 * i as f32);
+        crowd.play(i, voice.into());
+    }
+    let mut frame = square.frame(&views, 3.0, false);
+    frame.dt_secs = 0.0;
+    frame.cache = CacheUse::Cpu;
+    let by_cpu = crowd.tick(&model, &frame, &mut |_| {});
+    let rows = palettes(&crowd, &model);
+    let draws = crowd.draws().to_vec();
+    assert!(by_cpu.cached > 20 && by_cpu.own > 2);
+    assert_eq!((draws.len(), crowd.records().len()), (by_cpu.visible, 0));
+    assert!(by_cpu.bound_px <= 3.0);
+
+    frame.cache = CacheUse::Gpu;
+    let by_gpu = crowd.tick(&model, &frame, &mut |_| {});
+    assert!(by_gpu.cached >= by_cpu.cached);
+    assert_eq!(crowd.draws().len() + crowd.records().len(), by_gpu.visible);
+    let CachedRows::Float(cached) = model.cache().unwrap().rows() else {
+        panic!("cached in f32");
+    };
+    let mut compared = 0;
+    for group in crowd.record_groups() {
+        for record in &crowd.records()[group.records.clone()] {
+            let level = crowd.level(record.character as usize);
+            assert_eq!(level, Some(group.level));
+            let mut of_character = draws.iter().filter(|d| d.character == record.character);
+            let first = of_character.next().unwrap().first_matrix as usize;
+            let after = origin(cached, record.after as usize);
+            let blended = origin(cached, record.before as usize).lerp(after, record.blend);
+            // Only where the CPU took it from the cache too is it the same pose.
+            let same = origin(&rows, first).distance(blended) < 1e-5;
+            compared += usize::from(same);
+        }
+    }
+    assert!(compared >= by_cpu.cached, "{compared} of {}", by_cpu.cached);
 }

@@ -27,6 +27,21 @@ pub struct Frame<'a> {
     pub detail: Detail,
     /// Whether characters whose poses agree within their tolerance may share one palette.
     pub share: bool,
+    /// What may be shown from the model's pose cache, where its error is within the tolerance.
+    pub cache: CacheUse,
+}
+
+/// Who blends the palettes of a [pose cache](crate::pose_cache::PoseCache).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum CacheUse {
+    /// Nobody: every pose is evaluated.
+    #[default]
+    Never,
+    /// [`Crowd::evaluate`](super::Crowd::evaluate), among the other palettes.
+    Cpu,
+    /// The caller's vertex shader, by [`Crowd::records`](super::Crowd::records): 16 bytes a
+    /// character, no palette.
+    Gpu,
 }
 
 /// Who can be seen.
@@ -100,6 +115,8 @@ pub struct CrowdReport {
     pub followers: usize,
     /// Poses to evaluate that blend two clips.
     pub blended: usize,
+    /// Poses that are blended from the cache.
+    pub cached: usize,
     /// What evaluating them is.
     pub work: Work,
     /// Greatest error that the chosen levels and shared poses may show, pixels.

@@ -17,6 +17,8 @@ pub(crate) struct Choice {
     /// What the tolerance leaves beyond that, metres.
     pub(crate) slack_metres: f32,
     pub(crate) pixels_per_metre: f32,
+    /// Whether the pose comes from the cache.
+    pub(crate) cached: bool,
 }
 
 /// The coarsest level within a tolerance, from the level that is shown now. A tolerance that is
@@ -42,6 +44,23 @@ pub(crate) fn level_within(
         }
     }
     level
+}
+
+/// The coarsest level whose cached palettes stay within a tolerance, at most `coarsest`, and
+/// their error with the level's own.
+#[inline]
+pub(crate) fn cached_within(
+    model: &CrowdModel,
+    clip: usize,
+    coarsest: usize,
+    tolerance_metres: f32,
+) -> Option<(usize, f32)> {
+    let cache = model.cache()?;
+    let own = model.errors_of(clip);
+    (0..=coarsest).rev().find_map(|level| {
+        let error = own[level] + cache.error_metres(clip, level)?;
+        (error <= tolerance_metres).then_some((level, error))
+    })
 }
 
 /// Factor of the tolerance: what the clip shows now, and how important the character is.

@@ -41,9 +41,9 @@ mod socket;
 mod tick;
 
 pub use events::ClipEvent;
-pub use frame::{CrowdReport, Detail, Frame, Notice, Sight};
+pub use frame::{CacheUse, CrowdReport, Detail, Frame, Notice, Sight};
 pub use model::{CrowdModel, CrowdParts};
-pub use plan::{Batch, Draw, DrawGroup};
+pub use plan::{Batch, Draw, DrawGroup, RecordGroup};
 pub use player::{MOST_SPEED, MOST_STEP_SECS, Player, Voice};
 pub use root_path::{RootPath, RootStep};
 pub use socket::socket;

@@ -9,6 +9,7 @@ use crate::clip_set::ClipSet;
 use crate::level_error::LevelErrors;
 use crate::motion_bounds::MotionBounds;
 use crate::palette::{PaletteForm, PaletteMap};
+use crate::pose_cache::PoseCache;
 use crate::simd::Backend;
 
 /// The parts of a [`CrowdModel`], as their builders give them.
@@ -37,6 +38,7 @@ pub struct CrowdModel {
     backend: Backend,
     errors: LevelErrors,
     bounds: MotionBounds,
+    cache: Option<PoseCache>,
     durations: Vec<f32>,
     /// Errors of all clips in one array, `levels` for each clip.
     level_errors: Vec<f32>,
@@ -93,6 +95,7 @@ impl CrowdModel {
             backend,
             errors,
             bounds,
+            cache: None,
         })
     }
 
@@ -126,6 +129,28 @@ impl CrowdModel {
     pub fn with_attention(mut self, clip: usize, attention: Attention) -> Result<Self, Mismatch> {
         let at = self.clip("attention", clip)?;
         self.attention[at] = Some(attention);
+        Ok(self)
+    }
+
+    /// The same with cached palettes of this model.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if the cache is of other clips, levels, palettes or of another form.
+    pub fn with_cache(mut self, cache: PoseCache) -> Result<Self, Mismatch> {
+        let levels = self.levels();
+        let of = |count, cached, what: &str| {
+            (count != cached).then(|| format!("{cached} {what}, the model has {count}"))
+        };
+        let wrong = of(self.clips.clips(), cache.clips(), "clips")
+            .or_else(|| of(levels, cache.levels(), "levels"))
+            .or_else(|| {
+                (0..levels).find_map(|l| of(self.palette.len(l), cache.matrices(l), "matrices"))
+            })
+            .or_else(|| (cache.form() != self.form).then(|| "another form".to_owned()));
+        if let Some(what) = wrong {
+            return Err(Mismatch::new("cache", what));
+        }
+        self.cache = Some(cache);
         Ok(self)
     }
 
@@ -192,6 +217,16 @@ impl CrowdModel {
     #[inline]
     pub(crate) fn is_plain(&self) -> bool {
         self.plain
+    }
+
+    /// Cached palettes, if there are any.
+    pub fn cache(&self) -> Option<&PoseCache> {
+        self.cache.as_ref()
+    }
+
+    /// The instruction set.
+    pub fn backend(&self) -> Backend {
+        self.backend
     }
 
     pub(crate) fn durations(&self) -> &[f32] {

@@ -1,11 +1,24 @@
 //! What has to be evaluated in a frame, sorted into batches, and who shows what.
 
+use crate::ladder::MAX_LEVELS;
 use crate::palette::PaletteMap;
+use crate::pose_cache::BlendRecord;
 use crate::simd::LANES;
 use std::ops::Range;
 
-/// Kinds of jobs at a level: one clip, and two that are blended.
-const KINDS: usize = 2;
+/// Kinds of jobs at a level.
+const KINDS: usize = 3;
+
+/// What a job is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// One clip is evaluated.
+    Clip,
+    /// Two clips are evaluated and blended.
+    Blend,
+    /// Two cached palettes are blended.
+    Cached,
+}
 
 /// One character that is shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +37,17 @@ pub struct DrawGroup {
     pub level: usize,
     /// Its characters among the draws.
     pub draws: Range<usize>,
+    /// Matrices of one palette.
+    pub matrices: usize,
+}
+
+/// Characters of one level whose palettes the GPU blends.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct RecordGroup {
+    /// The level.
+    pub level: usize,
+    /// Its characters among the records.
+    pub records: Range<usize>,
     /// Matrices of one palette.
     pub matrices: usize,
 }
@@ -58,6 +82,10 @@ pub(crate) struct Plan {
     /// Who follows which job of its level, `characters` entries for each level.
     followers: Vec<(u32, u32)>,
     following: Vec<u32>,
+    /// Records as they come, with their levels, and sorted by them.
+    recorded: Vec<(u8, BlendRecord)>,
+    records: Vec<BlendRecord>,
+    record_groups: Vec<RecordGroup>,
     batches: Vec<Batch>,
     draws: Vec<Draw>,
     groups: Vec<DrawGroup>,
@@ -72,6 +100,9 @@ impl Plan {
             jobs: vec![0; levels * KINDS],
             followers: vec![(0, 0); characters * levels],
             following: vec![0; levels],
+            recorded: Vec::with_capacity(characters),
+            records: Vec::with_capacity(characters),
+            record_groups: Vec::with_capacity(levels),
             batches: Vec::with_capacity(characters / LANES + levels * KINDS),
             draws: Vec::with_capacity(characters),
             groups: Vec::with_capacity(levels),
@@ -83,12 +114,19 @@ impl Plan {
     pub(crate) fn clear(&mut self) {
         self.jobs.fill(0);
         self.following.fill(0);
+        self.recorded.clear();
+    }
+
+    /// A character is blended by the GPU.
+    #[inline]
+    pub(crate) fn record(&mut self, level: usize, record: BlendRecord) {
+        self.recorded.push((level as u8, record));
     }
 
     /// Adds a job; gives its number among those of its level and kind.
     #[inline]
-    pub(crate) fn add(&mut self, level: usize, fading: bool, poser: Poser) -> u32 {
-        let key = level * KINDS + usize::from(fading);
+    pub(crate) fn add(&mut self, level: usize, kind: Kind, poser: Poser) -> u32 {
+        let key = level * KINDS + kind as usize;
         let at = self.jobs[key];
         self.jobs[key] += 1;
         self.posers[key * self.characters + at as usize] = match poser {
@@ -145,6 +183,33 @@ impl Plan {
             }
         }
         self.matrices = first_matrix;
+        self.sort_records(palette);
+    }
+
+    fn sort_records(&mut self, palette: &PaletteMap) {
+        let mut next = [0usize; MAX_LEVELS];
+        for (level, _) in &self.recorded {
+            next[usize::from(*level)] += 1;
+        }
+        self.record_groups.clear();
+        let mut first = 0;
+        for (level, next) in next.iter_mut().enumerate().take(self.following.len()) {
+            let count = std::mem::replace(next, first);
+            if count > 0 {
+                self.record_groups.push(RecordGroup {
+                    level,
+                    records: first..first + count,
+                    matrices: palette.len(level),
+                });
+            }
+            first += count;
+        }
+        self.records.resize(first, BlendRecord::default());
+        for (level, record) in &self.recorded {
+            let at = &mut next[usize::from(*level)];
+            self.records[*at] = *record;
+            *at += 1;
+        }
     }
 
     pub(crate) fn batches(&self) -> &[Batch] {
@@ -157,6 +222,14 @@ impl Plan {
 
     pub(crate) fn groups(&self) -> &[DrawGroup] {
         &self.groups
+    }
+
+    pub(crate) fn records(&self) -> &[BlendRecord] {
+        &self.records
+    }
+
+    pub(crate) fn record_groups(&self) -> &[RecordGroup] {
+        &self.record_groups
     }
 
     pub(crate) fn matrices(&self) -> usize {
@@ -193,6 +266,11 @@ fn cut(batches: &mut Vec<Batch>, jobs: usize, key: usize, first_matrix: usize, m
 }
 
 impl Batch {
+    /// Whether cached palettes are blended.
+    pub(crate) fn is_cached(&self) -> bool {
+        usize::from(self.key) % KINDS == Kind::Cached as usize
+    }
+
     /// Level of its poses.
     pub fn level(&self) -> usize {
         usize::from(self.key) / KINDS

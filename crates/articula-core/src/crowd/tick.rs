@@ -1,9 +1,9 @@
 //! One frame of a crowd, from clocks to palettes.
 
-use super::frame::{CrowdReport, Detail, Frame, Notice, Sight};
-use super::level::{Choice, attention, level_within};
+use super::frame::{CacheUse, CrowdReport, Detail, Frame, Notice, Sight};
+use super::level::{Choice, attention, cached_within, level_within};
 use super::model::CrowdModel;
-use super::plan::{Batch, Draw, DrawGroup, Plan, Poser};
+use super::plan::{Batch, Draw, DrawGroup, Kind, Plan, Poser, RecordGroup};
 use super::player::{Player, Voice};
 use super::purse::{Purse, work};
 use super::root_path::RootStep;
@@ -13,6 +13,7 @@ use crate::Mismatch;
 use crate::batch::{Scratch, Shown};
 use crate::budget::{CostModel, Policy};
 use crate::palette::PaletteRows;
+use crate::pose_cache::BlendRecord;
 use crate::sample::Wrap;
 use crate::simd::LANES;
 use crate::sphere::Sphere;
@@ -144,7 +145,9 @@ impl Crowd {
         let mut report = self.choose(model, frame, tell);
         self.plan.finish(model.palette());
         for batch in self.plan.batches() {
-            report.work += work(model, batch.level(), batch.poses() as u64);
+            if !batch.is_cached() {
+                report.work += work(model, batch.level(), batch.poses() as u64);
+            }
         }
         report
     }
@@ -260,16 +263,33 @@ impl Crowd {
                 tolerance_metres = px * attention(model, player, importance) / pixels_per_metre;
                 let (a, b) = (model.errors_of(from), model.errors_of(to));
                 let error = |level: usize| a[level].max(b[level]);
-                level_within(tolerance_metres, shown, coarsest, error)
+                // A leader's cost is shared, so a finer level that leaves room to share pays.
+                let part = if shares(frame, player) {
+                    SHARE_LEAVES
+                } else {
+                    1.0
+                };
+                level_within(tolerance_metres * part, shown, coarsest, error)
             }
         };
         let error_metres = model.error_metres(from, to, level);
-        Choice {
+        let mut choice = Choice {
             level,
             error_metres,
             slack_metres: tolerance_metres - error_metres,
             pixels_per_metre,
+            cached: false,
+        };
+        if frame.cache != CacheUse::Never && tolerance_metres > 0.0 && !player.is_fading() {
+            let cached = cached_within(model, from, level, tolerance_metres);
+            if let Some((level, error_metres)) = cached.filter(|c| pays(model, frame, choice, c.0))
+            {
+                choice.level = level;
+                choice.error_metres = error_metres;
+                choice.cached = true;
+            }
         }
+        choice
     }
 
     /// Plans a pose for a character: its own, or one that it shares.
@@ -283,7 +303,25 @@ impl Crowd {
     ) {
         let player = &self.players[character];
         let fading = player.fade != 0.0;
-        if frame.share && choice.slack_metres > 0.0 && !fading && player.from.wrap == Wrap::Loop {
+        if choice.cached {
+            let bound_px = choice.error_metres * choice.pixels_per_metre;
+            report.bound_px = report.bound_px.max(bound_px);
+            report.cached += 1;
+            let located = model
+                .cache()
+                .and_then(|cache| cache.locate(player.from.clip(), choice.level, player.from.secs));
+            match located {
+                Some(record) if frame.cache == CacheUse::Gpu => {
+                    self.plan.record(choice.level, record.of(character as u32));
+                }
+                _ => {
+                    let poser = Poser::Character(character);
+                    self.plan.add(choice.level, Kind::Cached, poser);
+                }
+            }
+            return;
+        }
+        if shares(frame, player) && choice.slack_metres > 0.0 {
             let clip = player.from.clip();
             let errors = &model.errors().clips[clip];
             let follower = Follower {
@@ -303,7 +341,8 @@ impl Crowd {
                 report.bound_px = report.bound_px.max(whole * choice.pixels_per_metre);
                 if leader == self.leader_jobs.len() {
                     report.leaders += 1;
-                    let job = self.plan.add(choice.level, false, Poser::Leader(leader));
+                    let poser = Poser::Leader(leader);
+                    let job = self.plan.add(choice.level, Kind::Clip, poser);
                     self.leader_jobs.push(job);
                 }
                 self.plan
@@ -315,8 +354,9 @@ impl Crowd {
         let bound_px = choice.error_metres * choice.pixels_per_metre;
         report.bound_px = report.bound_px.max(bound_px);
         report.blended += usize::from(fading);
+        let kind = if fading { Kind::Blend } else { Kind::Clip };
         self.plan
-            .add(choice.level, fading, Poser::Character(character));
+            .add(choice.level, kind, Poser::Character(character));
     }
 
     /// Notes a level, and tells if it is another.
@@ -391,6 +431,16 @@ impl Crowd {
         self.plan.draws()
     }
 
+    /// Who the GPU blends, by level; beside the draws.
+    pub fn record_groups(&self) -> &[RecordGroup] {
+        self.plan.record_groups()
+    }
+
+    /// Who the GPU blends, in the order of the groups: two palettes of the model's cache each.
+    pub fn records(&self) -> &[BlendRecord] {
+        self.plan.records()
+    }
+
     /// Matrices that are written in this frame by all batches.
     pub fn matrices(&self) -> usize {
         self.plan.matrices()
@@ -440,15 +490,36 @@ impl Crowd {
         let first = first.start;
         for at in batches {
             let batch = self.plan.batches()[at];
+            let matrices = self.matrices_of(at..at + 1);
+            let part = (matrices.start - first) * rows..(matrices.end - first) * rows;
+            if batch.is_cached() {
+                self.blend(model, &batch, out.part(part));
+                continue;
+            }
             let mut shown = [Shown::from(model.clips().cursor(0, 0.0)); LANES];
             for (shown, poser) in shown.iter_mut().zip(self.plan.posers(&batch)) {
                 *shown = self.posed(model, poser);
             }
-            let matrices = self.matrices_of(at..at + 1);
-            let part = (matrices.start - first) * rows..(matrices.end - first) * rows;
             let shown = &shown[..batch.poses()];
             evaluator.evaluate(batch.level(), shown, out.part(part), scratch);
         }
+    }
+
+    /// Blends cached palettes.
+    fn blend(&self, model: &CrowdModel, batch: &Batch, out: PaletteRows<'_>) {
+        let Some(cache) = model.cache() else {
+            return;
+        };
+        let mut records = [BlendRecord::default(); LANES];
+        for (record, poser) in records.iter_mut().zip(self.plan.posers(batch)) {
+            if let Poser::Character(character) = poser {
+                let Voice { secs, clip, .. } = self.players[character].from;
+                let located = cache.locate(usize::from(clip), batch.level(), secs);
+                *record = located.unwrap_or_default();
+            }
+        }
+        let records = &records[..batch.poses()];
+        cache.blend(batch.level(), records, model.backend(), out);
     }
 
     #[inline]
@@ -465,6 +536,24 @@ impl Crowd {
 
 fn or_all<'a>(given: &'a [f32], all: &'a [f32]) -> &'a [f32] {
     if given.is_empty() { all } else { given }
+}
+
+/// Part of the tolerance that a level may take where poses are shared.
+const SHARE_LEAVES: f32 = 0.5;
+
+/// Whether a character may share its pose.
+fn shares(frame: &Frame<'_>, player: &Player) -> bool {
+    frame.share && !player.is_fading() && player.from.wrap == Wrap::Loop
+}
+
+/// Blending two cached palettes costs about half of evaluating as many joints (measured, see
+/// `docs/results/crowd.md`), so a finer level from the cache pays up to this.
+const CACHE_PAYS: usize = 2;
+
+/// Whether a level from the cache is cheaper than the level that would be evaluated.
+fn pays(model: &CrowdModel, frame: &Frame<'_>, evaluated: Choice, cached: usize) -> bool {
+    let matrices = |level| model.palette().len(level);
+    frame.cache == CacheUse::Gpu || matrices(cached) <= CACHE_PAYS * matrices(evaluated.level)
 }
 
 /// Runs one character on, telling its events; gives its way over the ground.
