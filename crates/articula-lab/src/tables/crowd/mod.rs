@@ -7,8 +7,10 @@ mod access;
 mod evaluation;
 mod joints;
 mod ours;
+mod plaza;
 mod ranks;
 mod skinning;
+mod stage;
 
 use super::Run;
 use crate::data;
@@ -143,7 +145,8 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     access::add(&bench, &mut report)?;
     joints::add(&bench, &mut report)?;
     skinning::add(&bench, &mut report)?;
-    ranks::add(&bench, &mut report)?;
+    let ours = plaza::add(&bench, &mut report)?;
+    ranks::add(&bench, &mut report, &ours)?;
     for (name, svg) in &report.plots {
         run.save_text(name, "svg", svg)?;
     }

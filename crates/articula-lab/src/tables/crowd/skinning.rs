@@ -2,13 +2,14 @@
 
 use super::access::Access;
 use super::{Bench, Line, Report};
-use crate::measure::{Contestant, Timing, race};
+use crate::measure::{Contestant, race};
 use anyhow::Result;
 use articula_core::hierarchy::local_to_model;
 use articula_core::mesh::Mesh;
 use articula_core::pose::ModelPose;
 use articula_core::sample::{Wrap, sample};
 use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::skin_groups::{GroupedSkin, rows};
 use glam::Affine3A;
 use std::hint::black_box;
 
@@ -18,39 +19,58 @@ const INFLUENCES: [usize; 3] = [1, 2, 4];
 /// Characters: skinning costs sixty poses.
 const COUNT: usize = 40;
 
+/// How vertices are skinned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    /// Not at all.
+    PoseAlone,
+    Plain,
+    /// Grouped by influence count.
+    Grouped,
+}
+
 /// Adds the section.
 pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {
     let meshes = INFLUENCES.map(|most| strongest(&bench.asset.mesh, most));
-    let mut contestants = vec![follower(bench, &meshes[2], false)];
-    contestants.extend(meshes.iter().map(|mesh| follower(bench, mesh, true)));
+    let mut names = vec!["pose and palette alone".to_owned()];
+    let mut contestants = vec![follower(bench, &meshes[2], Way::PoseAlone)];
+    for (way, what) in [(Way::Plain, "plain"), (Way::Grouped, "grouped")] {
+        for (most, mesh) in INFLUENCES.iter().zip(&meshes) {
+            names.push(format!("with skin, {what}, influences up to {most}"));
+            contestants.push(follower(bench, mesh, way));
+        }
+    }
     let times = Access::Forward.frames(bench, COUNT, 2);
     let timings = race(&mut contestants, &times, bench.rounds());
     let vertices = bench.asset.mesh.len();
     report.heading(
         "Pose alone, and pose with skin",
         &format!(
-            "The plain path, {vertices} vertices, positions and normals; vertices keep their strongest \
-             influences. Microseconds for each character and frame."
+            "Poses by the plain path; {vertices} vertices, positions and normals, one by one (plain) or grouped by \
+             influence count; vertices keep their strongest influences. Microseconds for each \
+             character and frame."
         ),
     );
     report.head(&["what", "µs", "ns for each vertex"]);
     let pose = timings[0];
-    for (who, timing) in timings.iter().enumerate() {
-        let name = match who.checked_sub(1) {
-            None => "pose and palette alone".to_owned(),
-            Some(i) => format!("with skin, influences up to {}", INFLUENCES[i]),
-        };
+    for (name, timing) in names.iter().zip(&timings) {
         let vertex = (timing.median_ns - pose.median_ns) / vertices as f64;
-        let cell = |t: &Timing| format!("{:.1} ({:.1})", 1e-3 * t.median_ns, 1e-3 * t.least_ns);
-        let vertex = if who == 0 {
-            "–".to_owned()
-        } else {
-            format!("{vertex:.2}")
-        };
-        report.row(&[name.clone(), cell(timing), vertex]);
+        report.row(&[
+            name.clone(),
+            format!(
+                "{:.1} ({:.1})",
+                1e-3 * timing.median_ns,
+                1e-3 * timing.least_ns
+            ),
+            if vertex == 0.0 {
+                "–".to_owned()
+            } else {
+                format!("{vertex:.2}")
+            },
+        ]);
         report.line(&Line {
             section: "skinning",
-            who: "ours, plain path",
+            who: "ours",
             count: COUNT,
             variant: &name.replace(',', ";"),
             timing: *timing,
@@ -61,26 +81,33 @@ pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {
 }
 
 /// Poses every character, and skins it if it is told to.
-fn follower<'a>(bench: &'a Bench, mesh: &'a Mesh, skins: bool) -> Contestant<'a> {
+fn follower<'a>(bench: &'a Bench, mesh: &'a Mesh, way: Way) -> Contestant<'a> {
     let (rig, clip) = (&bench.asset.rig, bench.clip());
     let all = rig.all();
     let mut local = rig.rest_pose().clone();
     let mut model = ModelPose::new(rig.len());
     let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
+    let mut matrix_rows = vec![[[0.0; 4]; 3]; mesh.bindings.len()];
+    let grouped = GroupedSkin::new(mesh);
     let mut out = SkinnedMesh::new(mesh);
     let frame = move |secs: &[f32]| {
         for secs in secs {
             sample(clip, f64::from(*secs), Wrap::Clamp, &all, &mut local);
             local_to_model(rig, &local, &mut model);
             palette(mesh, &model, &mut matrices);
-            if skins {
-                skin(mesh, &matrices, &mesh.morph_weights, &mut out);
+            match way {
+                Way::PoseAlone => {}
+                Way::Plain => skin(mesh, &matrices, &mesh.morph_weights, &mut out),
+                Way::Grouped => {
+                    rows(&matrices, &mut matrix_rows);
+                    grouped.skin(grouped.rest(), &matrix_rows, &mut out);
+                }
             }
             black_box((&mut matrices, &mut out));
         }
     };
     Contestant {
-        name: "ours, plain path".to_owned(),
+        name: "ours".to_owned(),
         frame: Box::new(frame),
     }
 }

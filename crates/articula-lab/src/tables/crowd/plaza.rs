@@ -1,0 +1,172 @@
+//! The plaza by tier: what a whole frame of 10,000 costs, and what it shows.
+
+use super::stage::{Outcome, Play, Stage, percentile};
+use super::{Bench, Report, SEED};
+use anyhow::Result;
+use articula_build::scene::{PLAZA_COUNT, Phases, Scene, plaza, plaza_2};
+use articula_core::crowd::Detail;
+
+/// Frames that are looked back on to tell a budget's overrun.
+const OVERRUN: f64 = 0.95;
+
+/// Our frame at one pixel, which others are set against.
+pub(super) struct AtOnePixel {
+    pub(super) ms: f64,
+    pub(super) p95_px: f32,
+    pub(super) near_px: f32,
+}
+
+/// Adds the section; gives the frame of merged levels.
+pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<AtOnePixel> {
+    let count = if bench.small { 400 } else { PLAZA_COUNT };
+    let clips = bench.asset.clips.len();
+    let stage = Stage::new(bench)?;
+    let still = plaza(count, clips, SEED);
+    let kept: Vec<String> = stage.kept().iter().map(usize::to_string).collect();
+    report.heading(
+        "The plaza by tier",
+        &format!(
+            "{count} characters with all clips of the file, one thread, skinning palettes as 3x4 f32; levels \
+             keep {} joints. Everything done for all of them counts, seen or not. Selection: clocks, \
+             views, levels and sorting, as a share of the evaluation that it governs. Error: as the \
+             screen shows it, against every joint of the plain path, all nearer than 20 m and some of \
+             the others. Resident: clips, characters and palettes.",
+            kept.join(", ")
+        ),
+    );
+    report.head(&[
+        "scene and tier",
+        "median, ms",
+        "p95, ms",
+        "selection",
+        "visible",
+        "hidden",
+        "poses",
+        "MB written",
+        "MB resident",
+        "p95, px",
+        "near, px",
+    ]);
+    let at = |detail, share| Play {
+        detail,
+        share,
+        frames: if bench.small { 8 } else { 240 },
+        look_at_one_of: if bench.small { 40 } else { 97 },
+    };
+    let one = Detail::Tolerance { px: 1.0 };
+    let merged = stage.play(&still, at(one, false))?;
+    for (name, detail, share) in [
+        ("every joint of who is seen", Detail::Full, false),
+        ("merged levels within 1 px", one, false),
+        ("merged levels and shared poses within 1 px", one, true),
+    ] {
+        let outcome = stage.play(&still, at(detail, share))?;
+        row(report, count, &format!("plaza, {name}"), &outcome);
+    }
+    for (name, phases) in [("distinct", Phases::Distinct), ("equal", Phases::Equal)] {
+        let moving = plaza_2(count, clips, SEED, phases);
+        let play = Play {
+            frames: lap_frames(bench, &moving),
+            ..at(one, false)
+        };
+        let outcome = stage.play(&moving, play)?;
+        let name = format!("plaza-2, merged levels within 1 px, {name} phases");
+        row(report, count, &name, &outcome);
+    }
+    budget(bench, report, &stage, &still, &merged)?;
+    Ok(AtOnePixel {
+        ms: merged.frame_ms(0.5),
+        p95_px: merged.p95_px,
+        near_px: merged.near_px,
+    })
+}
+
+/// One lap of the camera at 60 Hz, or a little of it.
+fn lap_frames(bench: &Bench, scene: &Scene) -> usize {
+    if bench.small {
+        8
+    } else {
+        (60.0 * scene.lap_secs()) as usize
+    }
+}
+
+fn row(report: &mut Report, count: usize, name: &str, outcome: &Outcome) {
+    let (median, p95) = (outcome.frame_ms(0.5), outcome.frame_ms(0.95));
+    report.row(&[
+        name.to_owned(),
+        format!("{median:.3}"),
+        format!("{p95:.3}"),
+        format!("{:.0} %", 100.0 * outcome.selection_share()),
+        format!("{:.0}", outcome.visible),
+        format!("{:.0}", count as f64 - outcome.visible),
+        format!("{:.0}", outcome.poses),
+        format!("{:.1}", outcome.written_mb),
+        format!("{:.1}", outcome.resident_mb),
+        format!("{:.2}", outcome.p95_px),
+        format!("{:.2}", outcome.near_px),
+    ]);
+    report.csv.push_str(&format!(
+        "plaza,{},{count},frame of all; p95 {:.3} px; near {:.3} px; {:.2} MB,{:.0},{:.0},\n",
+        name.replace(',', ";"),
+        outcome.p95_px,
+        outcome.near_px,
+        outcome.written_mb,
+        1e6 * median,
+        1e6 * outcome.frame_ms(0.0),
+    ));
+}
+
+/// The same crowd under a budget of evaluation time, and by how much frames exceed it.
+fn budget(
+    bench: &Bench,
+    report: &mut Report,
+    stage: &Stage<'_>,
+    scene: &Scene,
+    merged: &Outcome,
+) -> Result<()> {
+    report.heading(
+        "Under a budget",
+        "The plaza again, with so much time for evaluation, in shares of what merged levels within 1 px \
+         take. Overrun: 95th percentile over frames of the evaluation's time over the budget.",
+    );
+    report.head(&[
+        "share",
+        "budget, ms",
+        "used, ms",
+        "overrun, p95",
+        "p95, px",
+        "near, px",
+    ]);
+    let demand_ms = percentile(merged.evaluate_ms.clone(), 0.5);
+    for share in [2.0, 1.0, 0.75, 0.5] {
+        let budget_ms = share * demand_ms;
+        let play = Play {
+            detail: Detail::Budget {
+                cost: (1e6 * budget_ms) as f32,
+            },
+            share: false,
+            frames: if bench.small { 8 } else { 240 },
+            look_at_one_of: if bench.small { 40 } else { 97 },
+        };
+        let outcome = stage.play(scene, play)?;
+        let over = percentile(outcome.evaluate_ms.clone(), OVERRUN) / budget_ms - 1.0;
+        let used_ms = percentile(outcome.evaluate_ms.clone(), 0.5);
+        report.row(&[
+            format!("{share:.2}"),
+            format!("{budget_ms:.3}"),
+            format!("{used_ms:.3}"),
+            format!("{:+.1} %", 100.0 * over),
+            format!("{:.2}", outcome.p95_px),
+            format!("{:.2}", outcome.near_px),
+        ]);
+        report.csv.push_str(&format!(
+            "budget,ours,{},share {share}; overrun {:.4}; p95 {:.3} px; near {:.3} px,{:.0},,\n",
+            scene.members.len(),
+            over,
+            outcome.p95_px,
+            outcome.near_px,
+            1e6 * used_ms
+        ));
+    }
+    Ok(())
+}
