@@ -1,0 +1,85 @@
+//! A crowd in a game loop: in go clips, places, a camera and time; out come palettes and events.
+
+use articula_build::character::character;
+use articula_build::clip::ClipOptions;
+use articula_build::human::{HumanOptions, human};
+use articula_build::ladder::{LevelOptions, merged_levels};
+use articula_build::motion_bounds::motion_bounds;
+use articula_core::Backend;
+use articula_core::clip_set::{ClipSet, Storage};
+use articula_core::crowd::{CacheUse, Crowd, CrowdModel, CrowdParts, Detail, Frame, Sight, Voice};
+use articula_core::palette::{PaletteForm, PaletteRows};
+use articula_core::view::{Camera, Viewport};
+use articula_core::visibility::View;
+use glam::{Quat, Vec3};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // Once: levels, errors and bounds of one character. Your own file comes from articula-formats.
+    let asset = character(
+        &human(&HumanOptions::default())?,
+        None,
+        &ClipOptions::default(),
+    )?;
+    let levels = merged_levels(&asset, &LevelOptions::default())?;
+    let model = CrowdModel::new(CrowdParts {
+        clips: ClipSet::new(&asset.rig, levels.ladder, &asset.clips, Storage::Float)?,
+        palette: levels.skins.palette,
+        form: PaletteForm::Matrix,
+        backend: Backend::best(),
+        errors: levels.errors,
+        bounds: motion_bounds(&asset, 0.0)?,
+    })?;
+
+    // A thousand characters on a square, each with a clip and a phase of its own.
+    let mut crowd = Crowd::new(&model, 1000);
+    let positions: Vec<Vec3> = (0..1000)
+        .map(|i| Vec3::new((i % 25) as f32, 0.0, -2.0 - (i / 25) as f32))
+        .collect();
+    let rotations = vec![Quat::IDENTITY; 1000];
+    for i in 0..1000 {
+        let voice = Voice::new(model.clips(), i % asset.clips.len());
+        crowd.play(i, voice.at_secs(model.clips(), i as f32 * 0.37).into());
+    }
+
+    let mut palettes = vec![[0.0; 4]; 1000 * model.palette().len(0) * model.form().rows()];
+    let mut scratch = model.evaluator().scratch();
+    for step in 0..120 {
+        let eye = Vec3::new(12.0, 1.7, 2.0 - step as f32 * 0.05);
+        let camera = Camera::looking_at(eye, Vec3::new(12.0, 1.0, -20.0), Viewport::default());
+        let frame = Frame {
+            dt_secs: 1.0 / 60.0,
+            positions: &positions,
+            rotations: &rotations,
+            scales: &[],
+            wake_metres: &[],
+            importance: &[],
+            sight: Sight::Views(&[View::of(&camera)]),
+            detail: Detail::Tolerance { px: 1.0 },
+            share: false,
+            cache: CacheUse::Never,
+        };
+        let report = crowd.tick(
+            &model,
+            &frame,
+            &mut |_notice| { /* footsteps, level changes */ },
+        );
+        let rows = crowd.matrices() * model.form().rows();
+        let all = 0..crowd.batches().len(); // or ranges of them, one for each thread
+        crowd.evaluate(
+            &model,
+            all,
+            PaletteRows::Float(&mut palettes[..rows]),
+            &mut scratch,
+        );
+        for group in crowd.groups() {
+            // One instanced draw: the mesh of group.level, instances crowd.draws()[group.draws].
+            let _instances = &crowd.draws()[group.draws.clone()];
+        }
+        if step % 60 == 0 {
+            let joints = report.work.fk_joints as f32 / report.visible.max(1) as f32;
+            let (seen, most) = (report.visible, report.bound_px);
+            eprintln!("{seen} visible, {joints:.1} joints each, at most {most:.2} px off");
+        }
+    }
+    Ok(())
+}
