@@ -11,7 +11,7 @@ use articula_core::blend::blend;
 use articula_core::budget::CostModel;
 use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::crowd::{
-    Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, Player, Sight, Voice,
+    CacheUse, Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, Player, Sight, Voice,
 };
 use articula_core::hierarchy::local_to_model;
 use articula_core::mesh::Mesh;
@@ -182,6 +182,7 @@ impl<'a> Stage<'a> {
                 sight: Sight::Views(&views),
                 detail: play.detail,
                 share: play.share,
+                cache: CacheUse::Never,
             };
             let start = thread_ns();
             let report = crowd.tick(&self.model, &frame, &mut |_| {});
