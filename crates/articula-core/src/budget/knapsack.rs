@@ -286,14 +286,16 @@ impl Budget {
             // Keys fall, but counting on costs less than guessing where they pass the span.
             let above = seat.upgrades(menu, 0).filter(|u| u.0 > span.greatest);
             seat.chosen = above.count() as u8;
+            self.next_key[character] = seat.next_key(menu);
             if seat.visible {
                 let cost = |i: u8| u64::from(menu.points()[usize::from(i)].cost);
                 self.used = self.used - cost(before) + cost(seat.chosen);
             }
         }
-        let (seats, menus, looked_at) = (&self.seats, &self.menus, &self.looked_at);
+        let (seats, menus, next_key) = (&self.seats, &self.menus, &self.next_key);
+        let in_span = |c: &&u32| next_key[**c as usize] >= span.least;
         let end = span.find(|each| {
-            for character in looked_at {
+            for character in self.looked_at.iter().filter(in_span) {
                 let seat = &seats[*character as usize];
                 let upgrades = seat.upgrades(&menus[seat.menu as usize], seat.chosen);
                 let within = upgrades.take_while(|u| u.0 >= span.least);
@@ -327,6 +329,10 @@ impl Budget {
     fn settle(&mut self, mut end: Break) {
         for k in 0..self.looked_at.len() {
             let character = self.looked_at[k] as usize;
+            if self.next_key[character] < end.key {
+                self.show(character);
+                continue;
+            }
             let (seat, menu) = seat_and_menu(&mut self.seats, &self.menus, character);
             let mut chosen = seat.chosen;
             for (key, cost) in seat.upgrades(menu, seat.chosen) {
@@ -358,9 +364,7 @@ impl Budget {
             let menu = &self.menus[seat.menu as usize];
             let point = &menu.points()[usize::from(seat.chosen)];
             (now, error) = (point.option, point.error_metres);
-            if let Some((key, _)) = seat.upgrades(menu, seat.chosen).next() {
-                self.next_key[character] = key;
-            }
+            self.next_key[character] = seat.next_key(menu);
             if let Some(i) = seat.chosen.checked_sub(1) {
                 self.last_key[character] = seat.key(i, &menu.steps()[usize::from(i)]);
             }

@@ -114,6 +114,12 @@ impl Seat {
         numbered.map(|(i, step)| (self.key(i, step), step.cost))
     }
 
+    /// Key of the upgrade that it would take next, 0 if there is none.
+    pub(super) fn next_key(&self, menu: &Menu) -> u32 {
+        let mut upgrades = self.upgrades(menu, self.chosen);
+        upgrades.next().map_or(0, |u| u.0)
+    }
+
     /// Takes over what is asked for, and finds what is needed and what is wanted.
     pub(super) fn judge(&mut self, menu: &Menu, request: &Request, policy: &Policy) {
         *self = Self {
