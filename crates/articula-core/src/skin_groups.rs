@@ -65,6 +65,22 @@ struct Block {
 
 /// The skin of a [`Mesh`] with its vertices grouped by their number of influences that weigh
 /// anything; shared by all characters that wear the mesh.
+///
+/// ```
+/// use articula_core::mesh::Mesh;
+/// use articula_core::skin::SkinnedMesh;
+/// use articula_core::skin_groups::{GroupedSkin, Matrix3x4};
+///
+/// let mesh = Mesh::default();
+/// let (before, now): (Vec<Matrix3x4>, Vec<Matrix3x4>) = (vec![], vec![]);
+/// let skin = GroupedSkin::new(&mesh);
+/// // One of each for every character that is skinned:
+/// let (mut stale, mut out) = (skin.stale(), SkinnedMesh::new(&mesh));
+/// // Every frame:
+/// skin.mark_joints(&skin.moved(&before, &now), &mut stale);
+/// let skinned = skin.skin_stale(skin.rest(), &now, &mut stale, &mut out);
+/// assert_eq!(skinned, mesh.len(), "in the first frame all");
+/// ```
 #[derive(Debug, Clone)]
 pub struct GroupedSkin {
     /// Joint of each matrix of the palette.
@@ -193,7 +209,8 @@ impl GroupedSkin {
             shape.weights.len(),
             "the morph weights are of another mesh"
         );
-        self.check(shape, Some(stale));
+        self.check_shape(shape);
+        self.check_stale(stale);
         if weights == shape.weights {
             return;
         }
@@ -227,13 +244,9 @@ impl GroupedSkin {
     /// parents moved have moved too.
     ///
     /// # Panics
-    /// If `stale` is of another skin.
+    /// If `stale` is of another mesh.
     pub fn mark_joints(&self, moved: &JointSet, stale: &mut Stale) {
-        assert_eq!(
-            stale.blocks.len(),
-            self.blocks.len(),
-            "the stale blocks are of another skin"
-        );
+        self.check_stale(stale);
         for (flag, block) in stale.blocks.iter_mut().zip(&self.blocks) {
             *flag |= !block.joints.is_disjoint(moved);
         }
@@ -263,7 +276,7 @@ impl GroupedSkin {
     pub fn skin(&self, shape: &Shape, palette: &[Matrix3x4], out: &mut SkinnedMesh) {
         self.check_palette(palette);
         self.check_out(out);
-        self.check(shape, None);
+        self.check_shape(shape);
         for block in &self.blocks {
             self.skin_block(block, shape, palette, out);
         }
@@ -283,7 +296,8 @@ impl GroupedSkin {
     ) -> usize {
         self.check_palette(palette);
         self.check_out(out);
-        self.check(shape, Some(stale));
+        self.check_shape(shape);
+        self.check_stale(stale);
         let mut skinned = 0;
         for (block, flag) in self.blocks.iter().zip(&mut stale.blocks) {
             if std::mem::take(flag) {
@@ -304,19 +318,20 @@ impl GroupedSkin {
         self.blocks.partition_point(|b| b.quads.end <= quad)
     }
 
-    fn check(&self, shape: &Shape, stale: Option<&Stale>) {
+    fn check_shape(&self, shape: &Shape) {
         assert_eq!(
             shape.quads.len(),
             self.vertices.len(),
             "the shape is of another mesh"
         );
-        if let Some(stale) = stale {
-            assert_eq!(
-                stale.blocks.len(),
-                self.blocks.len(),
-                "the stale blocks are of another mesh"
-            );
-        }
+    }
+
+    fn check_stale(&self, stale: &Stale) {
+        assert_eq!(
+            stale.blocks.len(),
+            self.blocks.len(),
+            "the stale blocks are of another mesh"
+        );
     }
 
     fn check_palette(&self, palette: &[Matrix3x4]) {
@@ -503,14 +518,10 @@ impl Quad {
             &mut out.positions,
         );
 
-        // Columns of the cofactor matrix.
-        let column = |m: [&Mat4; 3], axis: fn(&Mat4) -> Vec4| m.map(axis);
-        let m = [&x, &y, &z];
-        let [cx, cy, cz] = [
-            column(m, |m| m.x_axis),
-            column(m, |m| m.y_axis),
-            column(m, |m| m.z_axis),
-        ];
+        // Columns of the matrices, and of their cofactors.
+        let cx = [x.x_axis, y.x_axis, z.x_axis];
+        let cy = [x.y_axis, y.y_axis, z.y_axis];
+        let cz = [x.z_axis, y.z_axis, z.z_axis];
         let (ux, uy, uz) = (cross(cy, cz), cross(cz, cx), cross(cx, cy));
         let determinant = dot(cx, ux);
         let [nx, ny, nz] = self.normal;
