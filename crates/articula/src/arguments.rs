@@ -1,6 +1,6 @@
 //! The shape of the command line, and how its values are spelled.
 
-use crate::commands::{build, completions, convert, demo, human, inspect, lod};
+use crate::commands::{build, completions, convert, crowd, demo, human, inspect, lod};
 use crate::console::{Answer, Console, Progress};
 use articula_core::view::Viewport;
 use articula_formats::bvh::Up;
@@ -61,6 +61,8 @@ pub(crate) enum Command {
     Build(build::BuildArgs),
     /// Play a clip under motion level of detail; report what it saves and what it costs
     Lod(lod::LodArgs),
+    /// Run a crowd of one character; report what it costs and how far it is off, in pixels
+    Crowd(crowd::CrowdArgs),
     /// Print completions for a shell
     Completions(completions::CompletionsArgs),
 }
@@ -169,7 +171,8 @@ impl ViewArgs {
     }
 }
 
-fn size(text: &str) -> Result<(u32, u32), String> {
+/// Width and height of a picture.
+pub(crate) fn size(text: &str) -> Result<(u32, u32), String> {
     let parts = text.split_once(['x', 'X']);
     let number = |t: &str| {
         t.trim()
@@ -182,7 +185,8 @@ fn size(text: &str) -> Result<(u32, u32), String> {
         .ok_or_else(|| "expected width x height of 16 to 16384 pixels, such as 1280x720".into())
 }
 
-fn field_of_view(text: &str) -> Result<f32, String> {
+/// A vertical opening, degrees.
+pub(crate) fn field_of_view(text: &str) -> Result<f32, String> {
     let angle = text.parse::<f32>().ok();
     let angle = angle.filter(|a| (1.0..=170.0).contains(a));
     angle.ok_or_else(|| "expected an angle of 1 to 170 degrees".into())

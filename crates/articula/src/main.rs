@@ -10,6 +10,7 @@
 mod arguments;
 mod commands;
 mod console;
+mod crowd;
 mod fault;
 mod files;
 mod load;

@@ -12,6 +12,7 @@
 //! - [`named_ladder`]: levels that a user names, such as `loa(Medium)`
 //! - [`level_skins`]: the skin of every level, all on one palette
 //! - [`level_errors`]: what each level costs in each clip
+//! - [`skin_of`]: what errors are measured on, also without a mesh
 
 mod choose;
 mod errors;
@@ -32,6 +33,7 @@ pub use errors::level_errors;
 pub use far::FarLevels;
 pub use mean_pose::mean_pose;
 pub use skins::{LevelSkin, LevelSkins, level_skins};
+pub use watch::skin_of;
 
 use crate::character::Asset;
 use articula_core::Mismatch;
@@ -114,7 +116,7 @@ pub fn merged_levels(asset: &Asset, opts: &LevelOptions) -> Result<MergedLevels,
         ..*opts
     };
     let far = order::order(asset, &mean, Folds::Any, &far_opts);
-    let skin = watch::skin_of(asset);
+    let skin = skin_of(asset);
     let near_choice = Choice {
         order: &near,
         floor: order::never_merged(asset, &skin, &opts.protected).len(),
@@ -201,7 +203,7 @@ pub fn joint_ladder(
 ) -> Result<Ladder, Mismatch> {
     check(asset)?;
     let order = order::order(asset, mean, Folds::Leaves, opts);
-    let never = order::never_merged(asset, &watch::skin_of(asset), &opts.protected);
+    let never = order::never_merged(asset, &skin_of(asset), &opts.protected);
     let choice = Choice {
         order: &order,
         floor: never.len(),

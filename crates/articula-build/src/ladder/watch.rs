@@ -52,8 +52,9 @@ impl Watched {
     }
 }
 
-/// The mesh of a character; for one without, points on its bones, each on one joint.
-pub(super) fn skin_of(asset: &Asset) -> Cow<'_, Mesh> {
+/// The mesh of a character; for one without, points on its bones, each on one joint: what errors
+/// of levels are measured on.
+pub fn skin_of(asset: &Asset) -> Cow<'_, Mesh> {
     if asset.mesh.is_empty() {
         Cow::Owned(bones(asset))
     } else {

@@ -164,6 +164,17 @@ impl Player {
         }
     }
 
+    /// A fade that is under way: `share` is what `to` has of the pose by now, `secs` what the whole
+    /// fade takes. A time of 0 or less, or no number, shows `to` at once.
+    pub fn fading(from: Voice, to: Voice, share: f32, secs: f32) -> Self {
+        let mut player = Self::from(from);
+        player.fade_to(to, secs);
+        if player.is_fading() {
+            player.fade = Self::blend(from, to, share).fade;
+        }
+        player
+    }
+
     /// Starts to fade to another clip. A fade that is under way goes on from the clip that
     /// weighs more. A time of 0 or less, or no number, switches at once.
     pub fn fade_to(&mut self, voice: Voice, secs: f32) {

@@ -3,6 +3,7 @@
 pub(crate) mod build;
 pub(crate) mod completions;
 pub(crate) mod convert;
+pub(crate) mod crowd;
 pub(crate) mod demo;
 pub(crate) mod human;
 pub(crate) mod inspect;
@@ -20,6 +21,7 @@ pub(crate) fn run(command: &Command, console: &Console) -> anyhow::Result<()> {
         Command::Human(args) => human::run(args, console),
         Command::Build(args) => build::run(args, console),
         Command::Lod(args) => lod::run(args, console),
+        Command::Crowd(args) => crowd::run(args, console),
         Command::Completions(args) => completions::run(args, console),
     }
 }

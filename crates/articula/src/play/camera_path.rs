@@ -27,12 +27,23 @@ const MOST_FRAMES: f64 = 36_000.0;
 const SEARCHED_PX: (f32, f32) = (0.02, 64.0);
 const HALVINGS: usize = 12;
 
-#[derive(Deserialize)]
+/// A key frame as files have it.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Key {
+pub(crate) struct Key {
     t: f64,
     eye: [f32; 3],
     target: [f32; 3],
+}
+
+impl From<&CameraKey> for Key {
+    fn from(key: &CameraKey) -> Self {
+        Self {
+            t: key.secs,
+            eye: key.eye.to_array(),
+            target: key.target.to_array(),
+        }
+    }
 }
 
 /// A path and how it is played.
@@ -53,7 +64,12 @@ pub(crate) fn read(path: &Path, display_hz: f64) -> anyhow::Result<Vec<CameraKey
             anyhow::anyhow!("line {} column {}: {e}; {form}", e.line(), e.column())
         })
         .with_context(|| place.clone())?;
-    check(&keys, display_hz).context(place)?;
+    checked(&keys, display_hz).context(place)
+}
+
+/// Key frames of a file, checked.
+pub(crate) fn checked(keys: &[Key], display_hz: f64) -> anyhow::Result<Vec<CameraKey>> {
+    check(keys, display_hz)?;
     let key = |key: &Key| CameraKey {
         secs: key.t,
         eye: Vec3::from(key.eye),

@@ -1,0 +1,251 @@
+//! The report of `crowd`: its fields are a promise to scripts (`docs/commands.md`).
+
+use super::{CrowdArgs, Piece};
+use crate::crowd::pixel_error::Summary;
+use crate::crowd::run::{BudgetFound, Memory, Poses, Run};
+use crate::crowd::tiers::{Renderer, Tier};
+use crate::crowd::timing::Spread;
+use crate::fault::clean;
+use crate::table::Table;
+use clap::ValueEnum;
+use serde::{Serialize, Serializer};
+
+/// One crowd, played.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    pub(super) file: String,
+    pub(super) scene: String,
+    pub(super) level: String,
+    pub(super) clips: Vec<String>,
+    pub(super) characters: usize,
+    /// Median over frames; the other two likewise.
+    pub(super) visible: usize,
+    pub(super) near: usize,
+    pub(super) hidden: usize,
+    pub(super) frames: usize,
+    pub(super) display_hz: f64,
+    pub(super) threads: usize,
+    pub(super) share: bool,
+    pub(super) epsilon_px: f32,
+    pub(super) viewport_px: [f32; 2],
+    pub(super) fov_deg: f32,
+    pub(super) seed: u64,
+    pub(super) backend: &'static str,
+    pub(super) storage: String,
+    pub(super) form: String,
+    pub(super) palette: String,
+    pub(super) ns_per_character: Spread,
+    pub(super) characters_per_ms: f64,
+    /// Processor time of everything in a frame, all threads together.
+    pub(super) frame_ms: Spread,
+    pub(super) wall_ms: Spread,
+    pub(super) tick_ms: Spread,
+    pub(super) written_mb: Spread,
+    pub(super) working_set: Memory,
+    pub(super) poses: Poses,
+    pub(super) error_px: Summary,
+    pub(super) error_bound_px: Option<f32>,
+    pub(super) budget_ms: Option<f32>,
+    /// Share of the budget that a frame took beyond it.
+    pub(super) overrun_p95: Option<f64>,
+    pub(super) budget: Option<BudgetFound>,
+    #[serde(serialize_with = "by_level")]
+    pub(super) tiers: Vec<Tier>,
+    pub(super) renderer: Renderer,
+    pub(super) palette_hash: String,
+    /// Files that were written.
+    pub(super) written: Vec<String>,
+    pub(super) warnings: Vec<String>,
+}
+
+/// Tiers by name, in the order of the levels.
+fn by_level<S: Serializer>(tiers: &[Tier], out: S) -> Result<S::Ok, S::Error> {
+    out.collect_map(tiers.iter().map(|t| (format!("level_{}", t.level), t)))
+}
+
+fn name_of(value: impl ValueEnum) -> String {
+    let value = value.to_possible_value();
+    value.map_or(String::new(), |v| v.get_name().to_owned())
+}
+
+impl Report {
+    /// What was played and how it went.
+    pub(super) fn new(args: &CrowdArgs, piece: &Piece, run: &Run, file: String) -> Self {
+        let characters = piece.scene.members.len();
+        let frame_ns = |ms: f64| ms * 1e6 / characters.max(1) as f64;
+        let visible = run.visible.median.round() as usize;
+        let near = run.near.median.round() as usize;
+        let viewport = piece.scene.viewport;
+        let clips = piece.cast.asset.clips.iter();
+        Self {
+            file,
+            scene: piece.scene_name.clone(),
+            level: args.level.clone(),
+            clips: clips.map(|c| c.name.clone()).collect(),
+            characters,
+            visible,
+            near,
+            hidden: characters.saturating_sub(visible + near),
+            frames: run.frames,
+            display_hz: super::DISPLAY_HZ,
+            threads: args.threads,
+            share: args.share,
+            epsilon_px: args.epsilon_px,
+            viewport_px: [viewport.width_px, viewport.height_px],
+            fov_deg: viewport.fov_y_radians.to_degrees(),
+            seed: args.seed,
+            backend: args
+                .storage
+                .backend
+                .unwrap_or_else(articula_core::Backend::best)
+                .name(),
+            storage: name_of(args.storage.storage),
+            form: name_of(args.storage.form),
+            palette: name_of(args.storage.palette),
+            ns_per_character: Spread {
+                median: frame_ns(run.frame_ms.median),
+                p95: frame_ns(run.frame_ms.p95),
+            },
+            characters_per_ms: characters as f64 / run.frame_ms.median.max(1e-9),
+            frame_ms: run.frame_ms,
+            wall_ms: run.wall_ms,
+            tick_ms: run.tick_ms,
+            written_mb: run.written_mb,
+            working_set: run.memory,
+            poses: run.poses,
+            error_px: run.error,
+            error_bound_px: run.bound_px,
+            budget_ms: args.budget_ms,
+            overrun_p95: run.overrun_p95,
+            budget: run.budget,
+            tiers: run.tiers.clone(),
+            renderer: Renderer::sum(&run.tiers),
+            palette_hash: run.hash.clone(),
+            written: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The report for people.
+    pub(super) fn text(&self) -> String {
+        let mut text = self.heading();
+        text.push('\n');
+        text.push_str(&self.tier_table().text());
+        text.push_str(&self.sums());
+        for warning in &self.warnings {
+            text.push_str(&format!("warning: {}\n", clean(warning)));
+        }
+        for file in &self.written {
+            text.push_str(&format!("wrote {}\n", clean(file)));
+        }
+        text
+    }
+
+    fn heading(&self) -> String {
+        let name = self.file.rsplit(['/', '\\']).next().unwrap_or(&self.file);
+        let threads = crate::table::counted(self.threads, "thread", "threads");
+        let clips = crate::table::counted(self.clips.len(), "clip", "clips");
+        format!(
+            "{}, {} characters, scene {}, level {}, {clips}\n\
+             {} frames at {} Hz, {threads}, {}, {} x {} px, {:.0} degrees\n\
+             visible {}, near {}, hidden {}\n",
+            clean(name),
+            self.characters,
+            clean(&self.scene),
+            clean(&self.level),
+            self.frames,
+            self.display_hz,
+            self.backend,
+            self.viewport_px[0],
+            self.viewport_px[1],
+            self.fov_deg,
+            self.visible,
+            self.near,
+            self.hidden
+        )
+    }
+
+    fn tier_table(&self) -> Table {
+        let mut table = Table::new(&[
+            "level",
+            "joints",
+            "infl.",
+            "characters",
+            "poses",
+            "error mm",
+            "bound px",
+            "p95 px",
+            "max px",
+            "draws",
+            "palettes",
+            "vertices",
+        ]);
+        for t in &self.tiers {
+            let px = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.2}"));
+            table.row([
+                t.level.to_string(),
+                t.joints.to_string(),
+                t.influences.to_string(),
+                format!("{:.0}", t.characters),
+                format!("{:.0}", t.poses),
+                format!("{:.1}", t.error_mm),
+                px(t.error_bound_px.map(f64::from)),
+                px(t.error_px.map(|e| e.p95)),
+                px(t.error_px.map(|e| e.max)),
+                format!("{:.0}", t.renderer.draw_groups),
+                format!("{:.2} MB", t.renderer.palette_bytes / 1e6),
+                format!("{:.2} M", t.renderer.skinned_vertices / 1e6),
+            ]);
+        }
+        table
+    }
+
+    fn sums(&self) -> String {
+        let mut text = format!(
+            "\ntime   {:.3} ms a frame (p95 {:.3}), {:.1} ns a character, {:.0} characters/ms; before evaluation {:.3} ms; wall {:.3} ms\n",
+            self.frame_ms.median,
+            self.frame_ms.p95,
+            self.ns_per_character.median,
+            self.characters_per_ms,
+            self.tick_ms.median,
+            self.wall_ms.median
+        );
+        text.push_str(&format!(
+            "error  p95 {:.2} px, max {:.2} px, nearer than 20 m {:.2} px, worst vertex {:.2} px ({} drawn, {} near)\n",
+            self.error_px.p95,
+            self.error_px.max,
+            self.error_px.near_max,
+            self.error_px.worst_vertex,
+            self.error_px.drawn,
+            self.error_px.near
+        ));
+        text.push_str(&format!(
+            "poses  {:.0} own ({:.0} blended), {:.0} shared by {:.0}\n",
+            self.poses.own, self.poses.blended, self.poses.shared, self.poses.followers
+        ));
+        text.push_str(&format!(
+            "memory {:.2} MB written a frame; clips {:.2} MB, palettes {:.2} MB, state {:.2} MB ({} bytes a character); meshes {:.2} MB\n",
+            self.written_mb.median,
+            self.working_set.clips_bytes as f64 / 1e6,
+            self.working_set.output_bytes as f64 / 1e6,
+            self.working_set.state_bytes as f64 / 1e6,
+            self.working_set.state_bytes_per_character,
+            self.renderer.resident_bytes as f64 / 1e6
+        ));
+        if let (Some(ms), Some(over), Some(b)) = (self.budget_ms, self.overrun_p95, self.budget) {
+            text.push_str(&format!(
+                "budget {ms} ms, overrun p95 {:.1}%; {:.3} ms for poses, {:.3} used of {:.3} wanted; mean {:.2} px, worst {:.2} px, {:.0} above {} px, {:.0} changes a frame\n",
+                100.0 * over,
+                b.allowed_ms,
+                b.used_ms,
+                b.demand_ms,
+                b.mean_px,
+                b.worst_px,
+                b.above_cap,
+                self.epsilon_px,
+                b.changes
+            ));
+        }
+        text
+    }
+}

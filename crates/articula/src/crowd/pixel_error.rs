@@ -1,0 +1,315 @@
+//! What is shown against what should be: pixels between the true and the shown skin.
+//!
+//! Truth is the plain path (sample, cross-fade, hierarchy, skin) at the time that the character's
+//! own clock says; shown is the palette that was written, on the mesh of its level. Morph targets
+//! are left out on both sides. Definition: `docs/metrics.md`, with the true camera instead of a
+//! weak perspective.
+
+use super::cast::{Cast, Matrices};
+use super::stage::Stage;
+use super::timing::percentile;
+use articula_core::blend::blend;
+use articula_core::crowd::Voice;
+use articula_core::hierarchy::local_to_model;
+use articula_core::mesh::Mesh;
+use articula_core::pose::{LocalPose, ModelPose};
+use articula_core::sample::{Wrap, sample};
+use articula_core::skin::{palette, skin_points};
+use articula_core::sphere::Sphere;
+use articula_core::view::Camera;
+use articula_core::visibility::{Bodies, LEAST_DEPTH_METRES, Seen, View, Visibility, see};
+use glam::{Affine3A, Vec3};
+use serde::Serialize;
+
+/// Nearer characters are all looked at.
+pub(crate) const NEAR_METRES: f32 = 20.0;
+
+/// Visible characters that are drawn in each frame that is looked at.
+const DRAWN: usize = 64;
+
+/// Most vertices of a character that are compared.
+const MOST_VERTICES: usize = 4000;
+
+/// The error of one character at one moment.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CharacterError {
+    pub(crate) level: usize,
+    /// From the camera to where it stands.
+    pub(crate) distance_m: f32,
+    /// 95th percentile over vertices.
+    pub(crate) p95_px: f64,
+    /// The worst vertex.
+    pub(crate) worst_px: f64,
+    /// Whether it belongs to the even sample, or is there only because it is near.
+    pub(crate) is_drawn: bool,
+}
+
+/// One moment that was looked at.
+#[derive(Debug, Clone)]
+pub(crate) struct Looked {
+    pub(crate) secs: f64,
+    pub(crate) characters: Vec<CharacterError>,
+}
+
+/// Errors over all moments.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub(crate) struct Summary {
+    /// Over the drawn characters and moments.
+    pub(crate) p95: f64,
+    /// Of anyone who was looked at.
+    pub(crate) max: f64,
+    /// Of those nearer than 20 m.
+    pub(crate) near_max: f64,
+    /// The worst vertex of all.
+    pub(crate) worst_vertex: f64,
+    /// Characters at moments: drawn, and near.
+    pub(crate) drawn: usize,
+    pub(crate) near: usize,
+}
+
+impl Summary {
+    /// Of some moments.
+    pub(crate) fn of(looks: &[Looked]) -> Self {
+        let all = || looks.iter().flat_map(|l| &l.characters);
+        let near = || all().filter(|c| c.distance_m < NEAR_METRES);
+        let mut drawn: Vec<f64> = all().filter(|c| c.is_drawn).map(|c| c.p95_px).collect();
+        Self {
+            p95: percentile(&mut drawn, 0.95),
+            max: all().map(|c| c.p95_px).fold(0.0, f64::max),
+            near_max: near().map(|c| c.p95_px).fold(0.0, f64::max),
+            worst_vertex: all().map(|c| c.worst_px).fold(0.0, f64::max),
+            drawn: drawn.len(),
+            near: near().count(),
+        }
+    }
+}
+
+/// Compares characters, with all the memory that it takes.
+#[derive(Debug)]
+pub(crate) struct Lens<'a> {
+    cast: &'a Cast,
+    seed: u64,
+    looks: u64,
+    vertices: Vec<u32>,
+    pose: LocalPose,
+    other: LocalPose,
+    model: ModelPose,
+    matrices: Vec<Affine3A>,
+    truth: Vec<Vec3>,
+    shown: Vec<Vec3>,
+}
+
+impl<'a> Lens<'a> {
+    /// Chooses the vertices that are compared.
+    pub(crate) fn new(cast: &'a Cast, seed: u64) -> Self {
+        let rig = &cast.asset.rig;
+        let vertices = every(cast.asset.mesh.len(), MOST_VERTICES, seed);
+        let room = vec![Vec3::ZERO; vertices.len()];
+        Self {
+            cast,
+            seed,
+            looks: 0,
+            vertices: vertices.into_iter().map(|v| v as u32).collect(),
+            pose: rig.rest_pose().clone(),
+            other: rig.rest_pose().clone(),
+            model: ModelPose::new(rig.len()),
+            matrices: Vec::new(),
+            truth: room.clone(),
+            shown: room,
+        }
+    }
+
+    /// Looks at a frame whose palettes were just written.
+    pub(crate) fn look(&mut self, stage: &Stage<'_>) -> anyhow::Result<Looked> {
+        let camera = stage.camera()?;
+        let visible = visible(stage, &camera);
+        // Another draw at every look.
+        let seed = self.seed.wrapping_add(self.looks.wrapping_mul(0x9e37_79b9));
+        self.looks += 1;
+        let mut is_drawn = vec![false; visible.len()];
+        for at in every(visible.len(), DRAWN, seed) {
+            is_drawn[at] = true;
+        }
+        let mut first_matrix = vec![0; stage.positions.len()];
+        for draw in stage.crowd.draws() {
+            first_matrix[draw.character as usize] = draw.first_matrix as usize;
+        }
+        let mut characters = Vec::new();
+        for (&(character, level), is_drawn) in visible.iter().zip(is_drawn) {
+            let distance_m = camera.eye.distance(stage.positions[character]);
+            if !is_drawn && distance_m >= NEAR_METRES {
+                continue;
+            }
+            self.pose_truth(stage, character);
+            shown_palette(stage, level, first_matrix[character], &mut self.matrices);
+            let mesh = &self.cast.meshes[level];
+            skin_points(mesh, &self.matrices, &self.vertices, &mut self.shown);
+            let world = stage.scene.members[character].world_from_model();
+            let mut errors = self.errors_px(&camera, &world);
+            characters.push(CharacterError {
+                level,
+                distance_m,
+                p95_px: percentile(&mut errors, 0.95),
+                worst_px: errors.last().copied().unwrap_or(0.0),
+                is_drawn,
+            });
+        }
+        Ok(Looked {
+            secs: stage.secs,
+            characters,
+        })
+    }
+
+    /// The true skin of a character.
+    fn pose_truth(&mut self, stage: &Stage<'_>, character: usize) {
+        let player = stage.crowd.player(character);
+        self.sample(player.voice(), Which::Pose);
+        if let Some(next) = player.next() {
+            self.sample(next, Which::Other);
+            let all = self.cast.asset.rig.all();
+            blend(&mut self.pose, &self.other, player.fade(), &all);
+        }
+        local_to_model(&self.cast.asset.rig, &self.pose, &mut self.model);
+        let mesh = &self.cast.asset.mesh;
+        self.matrices
+            .resize(mesh.bindings.len(), Affine3A::IDENTITY);
+        palette(mesh, &self.model, &mut self.matrices);
+        skin_points(mesh, &self.matrices, &self.vertices, &mut self.truth);
+    }
+
+    fn sample(&mut self, voice: &Voice, which: Which) {
+        let asset = &self.cast.asset;
+        let pose = match which {
+            Which::Pose => &mut self.pose,
+            Which::Other => &mut self.other,
+        };
+        pose.clone_from(asset.rig.rest_pose());
+        let clip = &asset.clips[voice.clip()];
+        // The clock has wrapped already; its last moment is the last frame, not the first.
+        let secs = f64::from(voice.secs());
+        sample(clip, secs, Wrap::Clamp, &asset.rig.all(), pose);
+    }
+
+    /// Pixels between both skins at each vertex before the camera.
+    fn errors_px(&self, camera: &Camera, world: &Affine3A) -> Vec<f64> {
+        let pairs = self.truth.iter().zip(&self.shown);
+        let pixels = pairs.filter_map(|(truth, shown)| {
+            let (truth, depth) = camera.project(world.transform_point3(*truth));
+            let (shown, other) = camera.project(world.transform_point3(*shown));
+            let ahead = depth.min(other) >= LEAST_DEPTH_METRES;
+            ahead.then(|| f64::from(truth.distance(shown)))
+        });
+        pixels.collect()
+    }
+}
+
+#[derive(Clone, Copy)]
+enum Which {
+    Pose,
+    Other,
+}
+
+/// Characters that the camera sees and that are shown, with their levels.
+fn visible(stage: &Stage<'_>, camera: &Camera) -> Vec<(usize, usize)> {
+    let bounds = stage.cast.model.bounds();
+    let places = stage.positions.iter().zip(&stage.rotations).enumerate();
+    let spheres: Vec<Sphere> = places
+        .map(|(character, (position, rotation))| {
+            let player = stage.crowd.player(character);
+            let from = player.voice().clip();
+            let bound = match player.next() {
+                Some(next) => bounds.blended(from, next.clip()),
+                None => bounds.clips[from].whole().sphere,
+            };
+            bound.carried(*position, *rotation, 1.0)
+        })
+        .collect();
+    let wakes = vec![0.0; spheres.len()];
+    let mut seen = vec![Seen::default(); spheres.len()];
+    if let Ok(bodies) = Bodies::new(&spheres, &wakes) {
+        see(&[View::of(camera)], bodies, &mut seen);
+    }
+    let visible = seen.iter().enumerate();
+    visible
+        .filter(|(_, s)| s.visibility == Visibility::Visible)
+        .filter_map(|(character, _)| Some((character, stage.crowd.level(character)?)))
+        .collect()
+}
+
+/// The matrices of a level's bindings as they were written.
+pub(crate) fn shown_palette(
+    stage: &Stage<'_>,
+    level: usize,
+    first_matrix: usize,
+    out: &mut Vec<Affine3A>,
+) {
+    let cast = stage.cast;
+    let mesh: &Mesh = &cast.meshes[level];
+    out.clear();
+    out.extend(
+        mesh.bindings
+            .iter()
+            .enumerate()
+            .map(|(b, binding)| match cast.matrices {
+                Matrices::Skin => stage.output.matrix(first_matrix + b),
+                Matrices::Joints => {
+                    let place = cast.ladder().place(usize::from(binding.joint));
+                    stage.output.matrix(first_matrix + place) * binding.inverse_bind
+                }
+            }),
+    );
+}
+
+/// At most `count` of `total` numbers, spread evenly from a place that the seed decides.
+fn every(total: usize, count: usize, seed: u64) -> Vec<usize> {
+    if total <= count {
+        return (0..total).collect();
+    }
+    // Multiplied by the golden ratio of 2^64, the high bits are well mixed.
+    let start = (seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 32) as usize;
+    let mut chosen: Vec<usize> = (0..count)
+        .map(|i| (i * total / count + start) % total)
+        .collect();
+    chosen.sort_unstable();
+    chosen.dedup();
+    chosen
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_draw_is_even_and_moves_with_the_seed() {
+        assert_eq!(every(3, 5, 1), [0, 1, 2]);
+        let drawn = every(1000, 10, 1);
+        assert_eq!(drawn.len(), 10);
+        assert!(drawn.windows(2).all(|w| w[1] - w[0] == 100));
+        assert_ne!(drawn, every(1000, 10, 2));
+        assert_eq!(every(7, 6, 99).len(), 6);
+        assert!(every(0, 4, 1).is_empty());
+    }
+
+    #[test]
+    fn near_ones_count_for_the_maximum_and_not_for_the_percentile() {
+        let one = |distance_m, p95_px, is_drawn| CharacterError {
+            level: 0,
+            distance_m,
+            p95_px,
+            worst_px: 2.0 * p95_px,
+            is_drawn,
+        };
+        let look = Looked {
+            secs: 0.0,
+            characters: vec![
+                one(100.0, 0.5, true),
+                one(100.0, 0.5, true),
+                one(5.0, 3.0, false),
+            ],
+        };
+        let found = Summary::of(&[look]);
+        assert_eq!((found.p95, found.max, found.near_max), (0.5, 3.0, 3.0));
+        assert_eq!(found.worst_vertex, 6.0);
+        assert_eq!((found.drawn, found.near), (2, 1));
+    }
+}

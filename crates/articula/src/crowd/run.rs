@@ -1,0 +1,270 @@
+//! Both passes over a scene: timed, then looked at.
+//!
+//! The second pass decides every frame as the first did, so it shows the same palettes; whatever it
+//! measures takes no time and no cache from what is timed.
+
+use super::cast::Cast;
+use super::output::Hash;
+use super::pixel_error::{Lens, Looked, Summary};
+use super::purse::{Decision, Purse};
+use super::stage::{DISPLAY_HZ, Settings, Stage, Wanted};
+use super::tiers::{Tally, Tier};
+use super::timing::{Spread, thread_ns};
+use crate::console::Console;
+use articula_build::scene::Scene;
+use articula_core::budget::FrameReport;
+use articula_core::crowd::{Crowd, CrowdReport};
+use serde::Serialize;
+use std::time::Instant;
+
+/// Frames at a standstill before the first one that counts: levels and caches settle, costs are
+/// learnt.
+const WARM_UP_FRAMES: usize = 30;
+
+/// Frames at which true errors are measured, spread over the run.
+const LOOKS: usize = 16;
+
+/// What one frame took.
+#[derive(Debug, Clone, Copy)]
+struct FrameTime {
+    cpu_ns: f64,
+    wall_ns: f64,
+    tick_ns: f64,
+}
+
+/// What a run found.
+#[derive(Debug)]
+pub(crate) struct Run {
+    pub(crate) frames: usize,
+    pub(crate) visible: Spread,
+    pub(crate) near: Spread,
+    /// Processor time of a frame, all threads together, milliseconds.
+    pub(crate) frame_ms: Spread,
+    /// The same on the wall.
+    pub(crate) wall_ms: Spread,
+    /// Part of it before evaluation.
+    pub(crate) tick_ms: Spread,
+    /// Share of the budget that a frame takes beyond it, 95th percentile over frames.
+    pub(crate) overrun_p95: Option<f64>,
+    pub(crate) budget: Option<BudgetFound>,
+    pub(crate) written_mb: Spread,
+    pub(crate) memory: Memory,
+    pub(crate) poses: Poses,
+    /// Greatest error that levels and shared poses were chosen for, pixels.
+    pub(crate) bound_px: Option<f32>,
+    pub(crate) tiers: Vec<Tier>,
+    pub(crate) error: Summary,
+    pub(crate) hash: String,
+    /// Time of the scene, and what a frame took there.
+    pub(crate) over_time: Vec<(f64, f64)>,
+    /// The moments that were looked at.
+    pub(crate) looks: Vec<Looked>,
+}
+
+/// Poses that a frame evaluates, on average.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(crate) struct Poses {
+    /// For one character alone.
+    pub(crate) own: f64,
+    /// For several.
+    pub(crate) shared: f64,
+    /// Characters that show one of several.
+    pub(crate) followers: f64,
+    /// Own ones that blend two clips.
+    pub(crate) blended: f64,
+}
+
+/// What a crowd holds in memory.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub(crate) struct Memory {
+    pub(crate) clips_bytes: usize,
+    /// Palettes of the largest frame.
+    pub(crate) output_bytes: usize,
+    pub(crate) state_bytes: usize,
+    pub(crate) state_bytes_per_character: usize,
+}
+
+/// What a budget made of the frames, on average.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(crate) struct BudgetFound {
+    /// What evaluation was allowed, by the clock and the learnt costs, milliseconds.
+    pub(crate) allowed_ms: f64,
+    /// What it was expected to take.
+    pub(crate) used_ms: f64,
+    /// What it would take without a limit.
+    pub(crate) demand_ms: f64,
+    /// Mean error of the visible ones, pixels.
+    pub(crate) mean_px: f64,
+    /// Greatest error of a visible one in any frame, pixels.
+    pub(crate) worst_px: f64,
+    /// Characters above the cap.
+    pub(crate) above_cap: f64,
+    /// Characters whose level changed.
+    pub(crate) changes: f64,
+}
+
+/// Plays a scene twice: for its time, and for what is seen.
+pub(crate) fn run(
+    cast: &Cast,
+    scene: &Scene,
+    settings: Settings,
+    seed: u64,
+    console: &Console,
+) -> anyhow::Result<Run> {
+    let (times, decisions) = timed(cast, scene, settings, console)?;
+    let mut found = looked_at(cast, scene, settings, &decisions, (seed, console))?;
+    let ms = |of: &dyn Fn(&FrameTime) -> f64| Spread::of(times.iter().map(|t| of(t) / 1e6));
+    found.frame_ms = ms(&|t| t.cpu_ns);
+    found.wall_ms = ms(&|t| t.wall_ns);
+    found.tick_ms = ms(&|t| t.tick_ns);
+    let frame = |(i, t): (usize, &FrameTime)| (i as f64 / DISPLAY_HZ, t.cpu_ns / 1e6);
+    found.over_time = times.iter().enumerate().map(frame).collect();
+    if let Wanted::Budget { ms, .. } = settings.wanted {
+        let over = |t: &FrameTime| (t.cpu_ns / 1e6 / f64::from(ms) - 1.0).max(0.0);
+        found.overrun_p95 = Some(Spread::of(times.iter().map(over)).p95);
+    }
+    Ok(found)
+}
+
+/// Time from the frame before.
+fn step_secs(frame: usize) -> f64 {
+    // At a standstill while it warms up; the first frame that counts is that of time 0.
+    if frame > WARM_UP_FRAMES {
+        1.0 / DISPLAY_HZ
+    } else {
+        0.0
+    }
+}
+
+fn timed(
+    cast: &Cast,
+    scene: &Scene,
+    settings: Settings,
+    console: &Console,
+) -> anyhow::Result<(Vec<FrameTime>, Vec<Decision>)> {
+    let mut stage = Stage::new(cast, scene, settings)?;
+    let mut purse = match settings.wanted {
+        Wanted::Budget { ms, .. } => Some(Purse::new(ms)),
+        _ => None,
+    };
+    let mut decisions = Vec::new();
+    let mut times = Vec::with_capacity(settings.frames);
+    let bar = console.progress("playing", 1);
+    for frame in 0..WARM_UP_FRAMES + settings.frames {
+        let (clock, start) = (Instant::now(), thread_ns());
+        let decision = purse.as_mut().map(Purse::decide);
+        let report = stage.tick(step_secs(frame), decision.as_ref())?;
+        let tick_ns = (thread_ns() - start) as f64;
+        let evaluate_ns = stage.evaluate() as f64;
+        let start = thread_ns();
+        if let Some(purse) = &mut purse {
+            purse.observe(&report.work, tick_ns, evaluate_ns);
+        }
+        let tick_ns = tick_ns + (thread_ns() - start) as f64;
+        decisions.extend(decision);
+        if frame >= WARM_UP_FRAMES {
+            times.push(FrameTime {
+                cpu_ns: tick_ns + evaluate_ns,
+                wall_ns: clock.elapsed().as_nanos() as f64,
+                tick_ns,
+            });
+        }
+    }
+    bar.finish_and_clear();
+    Ok((times, decisions))
+}
+
+fn looked_at(
+    cast: &Cast,
+    scene: &Scene,
+    settings: Settings,
+    decisions: &[Decision],
+    (seed, console): (u64, &Console),
+) -> anyhow::Result<Run> {
+    let mut stage = Stage::new(cast, scene, settings)?;
+    let mut lens = Lens::new(cast, seed);
+    let mut tally = Tally::new(cast);
+    let mut hash = Hash::new();
+    let (mut reports, mut most_matrices) = (Vec::with_capacity(settings.frames), 0);
+    let looks = settings.frames.min(LOOKS);
+    let mut looked = Vec::with_capacity(looks);
+    let bar = console.progress("looking", looks);
+    for frame in 0..WARM_UP_FRAMES + settings.frames {
+        let report = stage.tick(step_secs(frame), decisions.get(frame))?;
+        let Some(counted) = frame.checked_sub(WARM_UP_FRAMES) else {
+            continue;
+        };
+        stage.evaluate();
+        let matrices = stage.crowd.matrices();
+        most_matrices = most_matrices.max(matrices);
+        stage.output.hash(matrices, &mut hash);
+        tally.add(&stage);
+        reports.push((report, matrices));
+        // The first frame, then evenly on.
+        if counted * looks / settings.frames >= looked.len() && looked.len() < looks {
+            looked.push(lens.look(&stage)?);
+            bar.inc(1);
+        }
+    }
+    bar.finish_and_clear();
+    let of = |value: &dyn Fn(&CrowdReport) -> f64| Spread::of(reports.iter().map(|r| value(&r.0)));
+    let mean = |value: &dyn Fn(&CrowdReport) -> usize| {
+        reports.iter().map(|r| value(&r.0) as f64).sum::<f64>() / reports.len().max(1) as f64
+    };
+    let bytes = cast.model.form().bytes();
+    let bound = reports.iter().map(|r| r.0.bound_px).fold(0.0, f32::max);
+    Ok(Run {
+        frames: settings.frames,
+        visible: of(&|r| r.visible as f64),
+        near: of(&|r| r.near as f64),
+        frame_ms: Spread::default(),
+        wall_ms: Spread::default(),
+        tick_ms: Spread::default(),
+        overrun_p95: None,
+        budget: budget_of(&reports, decisions),
+        written_mb: Spread::of(reports.iter().map(|r| (r.1 * bytes) as f64 / 1e6)),
+        memory: Memory {
+            clips_bytes: cast.model.clips().bytes(),
+            output_bytes: most_matrices * bytes,
+            state_bytes: Crowd::BYTES_PER_CHARACTER * scene.members.len(),
+            state_bytes_per_character: Crowd::BYTES_PER_CHARACTER,
+        },
+        poses: Poses {
+            own: mean(&|r| r.own),
+            shared: mean(&|r| r.leaders),
+            followers: mean(&|r| r.followers),
+            blended: mean(&|r| r.blended),
+        },
+        // Nothing is chosen by its error where everyone is seen in full detail.
+        bound_px: (settings.wanted != Wanted::Full).then_some(bound),
+        tiers: tally.tiers(cast, &looked),
+        error: Summary::of(&looked),
+        hash: hash.text(),
+        over_time: Vec::new(),
+        looks: looked,
+    })
+}
+
+/// What the budget made of the frames that count.
+fn budget_of(reports: &[(CrowdReport, usize)], decisions: &[Decision]) -> Option<BudgetFound> {
+    let found: Vec<FrameReport> = reports.iter().filter_map(|r| r.0.budget).collect();
+    if found.is_empty() {
+        return None;
+    }
+    let count = found.len() as f64;
+    let mean = |value: &dyn Fn(&FrameReport) -> f64| found.iter().map(value).sum::<f64>() / count;
+    let allowed = decisions.iter().skip(WARM_UP_FRAMES);
+    let allowed: f64 = allowed.map(|d| f64::from(d.cost)).sum();
+    Some(BudgetFound {
+        allowed_ms: allowed / count / 1e6,
+        used_ms: mean(&|r| r.used) / 1e6,
+        demand_ms: mean(&|r| r.demand) / 1e6,
+        mean_px: mean(&|r| f64::from(r.mean_px)),
+        worst_px: found
+            .iter()
+            .map(|r| f64::from(r.worst_px))
+            .fold(0.0, f64::max),
+        above_cap: mean(&|r| r.above_cap as f64),
+        changes: mean(&|r| r.changes as f64),
+    })
+}

@@ -1,0 +1,257 @@
+//! `crowd` keeps what `docs/commands.md` promises.
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    reason = "a test may panic, and writes the files it reads"
+)]
+
+mod program;
+
+use program::{BVH, articula, fault, folder, human, json, word};
+use serde_json::Value;
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// A crowd of the reference human, short enough for a test.
+fn crowd(name: &str, words: &[&str]) -> Value {
+    let here = folder(name);
+    let mut all = vec!["crowd", word(human()), "--seconds", "0.2"];
+    all.extend(words);
+    json(&here, &all)
+}
+
+#[test]
+fn promised_fields_are_there() {
+    let found = crowd("crowd-fields", &["--count", "200"]);
+    assert_eq!(found["characters"], 200);
+    assert_eq!(found["frames"], 12);
+    for (group, fields) in [
+        ("ns_per_character", &["median", "p95"][..]),
+        ("error_px", &["p95", "max", "near_max", "worst_vertex"]),
+        (
+            "working_set",
+            &["clips_bytes", "output_bytes", "state_bytes"],
+        ),
+        ("written_mb", &["median"]),
+    ] {
+        for field in fields {
+            assert!(found[group][*field].is_number(), "{group}.{field}");
+        }
+    }
+    assert!(number(&found["characters_per_ms"]) > 0.0);
+    assert_eq!(found["budget_ms"], Value::Null);
+    assert_eq!(found["overrun_p95"], Value::Null);
+    let seen = ["visible", "near", "hidden"].map(|f| number(&found[f]));
+    assert_eq!(seen.iter().sum::<f64>(), 200.0);
+    let tiers = found["tiers"].as_object().unwrap();
+    let shown: f64 = tiers.values().map(|t| number(&t["characters"])).sum();
+    assert!((shown - seen[0]).abs() < 1e-9, "{shown} of {}", seen[0]);
+    // Nobody shares, so everyone has a palette of its own.
+    let bytes = |t: &Value| 48.0 * number(&t["matrices"]) * number(&t["poses"]);
+    let bytes: f64 = tiers.values().map(bytes).sum();
+    assert!((bytes / 1e6 - number(&found["written_mb"]["median"])).abs() < 1e-6);
+}
+
+#[test]
+fn full_detail_is_without_error_and_auto_within_its_tolerance() {
+    let full = crowd("crowd-full", &["--count", "100", "--level", "full"]);
+    assert_eq!(
+        (&full["visible"], &full["hidden"]),
+        (&100.into(), &0.into())
+    );
+    let tiers = full["tiers"].as_object().unwrap();
+    assert_eq!(tiers.len(), 1);
+    assert_eq!(tiers["level_0"]["joints"], 89);
+    // Rounding of f32 at 0.5 m and more: a thousandth of a pixel.
+    let worst = number(&full["error_px"]["worst_vertex"]);
+    assert!(worst < 0.05, "{worst}");
+    let auto = crowd("crowd-auto", &["--count", "400"]);
+    let p95 = number(&auto["error_px"]["p95"]);
+    assert!(p95 > 0.0 && p95 <= 1.0, "{p95}");
+    let near = number(&auto["error_px"]["near_max"]);
+    assert!(near <= 2.0, "{near}");
+    assert!(
+        number(&auto["written_mb"]["median"]) < 0.5 * number(&full["written_mb"]["median"]) * 4.0
+    );
+}
+
+#[test]
+fn a_named_level_keeps_what_it_names() {
+    let words = ["--count", "50", "--level", "loa(Low)"];
+    let found = crowd("crowd-named", &words);
+    let tiers = found["tiers"].as_object().unwrap();
+    assert_eq!(tiers.keys().collect::<Vec<_>>(), ["level_1"]);
+    // Low is the first of the standard's levels, with 24 joints up to it (spec/hanim.md 3).
+    let joints = number(&tiers["level_1"]["joints"]);
+    assert!((2.0..89.0).contains(&joints), "{joints}");
+}
+
+#[test]
+fn threads_backends_and_repetition_change_no_bit() {
+    let hash = |name: &str, more: &[&str]| {
+        let usual = ["--count", "300", "--scene", "plaza-2"];
+        let found = crowd(name, &[&usual[..], more].concat());
+        found["palette_hash"].as_str().unwrap().to_owned()
+    };
+    let one = hash("crowd-one", &[]);
+    assert_eq!(one, hash("crowd-three", &["--threads", "3"]));
+    assert_eq!(one, hash("crowd-scalar", &["--backend", "scalar"]));
+    assert_ne!(one, hash("crowd-seed", &["--seed", "2"]));
+    let shared = hash("crowd-share", &["--share"]);
+    assert_eq!(
+        shared,
+        hash("crowd-share-2", &["--share", "--threads", "2"])
+    );
+    let half = hash("crowd-half", &["--form", "half"]);
+    assert_eq!(
+        half,
+        hash("crowd-half-2", &["--form", "half", "--threads", "2"])
+    );
+}
+
+#[test]
+fn sharing_writes_less_within_the_tolerance() {
+    let words = ["--count", "2000", "--share"];
+    let found = crowd("crowd-sharing", &words);
+    let poses = &found["poses"];
+    assert!(number(&poses["followers"]) > number(&poses["shared"]));
+    let p95 = number(&found["error_px"]["p95"]);
+    assert!(p95 <= 1.0, "{p95}");
+}
+
+#[test]
+fn a_budget_is_reported() {
+    let words = ["--count", "500", "--budget-ms", "0.05"];
+    let found = crowd("crowd-budget", &words);
+    assert!((number(&found["budget_ms"]) - 0.05).abs() < 1e-6);
+    assert!(number(&found["overrun_p95"]) >= 0.0);
+    let budget = &found["budget"];
+    // It never plans more than what is allowed, unless nothing cheaper is left.
+    let coarsest = found["tiers"].as_object().unwrap().len() == 1;
+    assert!(coarsest || number(&budget["used_ms"]) <= number(&budget["allowed_ms"]) * 1.001);
+    let wrong = articula(
+        &folder("crowd-budget-full"),
+        &[
+            "crowd",
+            word(human()),
+            "--budget-ms",
+            "1",
+            "--level",
+            "full",
+        ],
+    );
+    assert_eq!(wrong.status, 2, "{}", wrong.err);
+}
+
+#[test]
+fn a_saved_scene_plays_the_same() {
+    let here = folder("crowd-scene");
+    let words =
+        |scene: &'static str| vec!["crowd", word(human()), "--scene", scene, "--seconds", "0.1"];
+    let mut first = words("plaza-2");
+    first.extend(["--count", "60", "--save-scene", "square.json"]);
+    let first = json(&here, &first);
+    let again = json(&here, &words("square.json"));
+    assert_eq!(again["characters"], 60);
+    // Degrees and back cost the last digit of a yaw; who is seen stays the same.
+    assert_eq!(again["visible"], first["visible"]);
+    let few = json(
+        &here,
+        &[words("square.json"), vec!["--count", "5"]].concat(),
+    );
+    assert_eq!(few["characters"], 5);
+    let many = fault(
+        &here,
+        2,
+        &[words("square.json"), vec!["--count", "61"]].concat(),
+    );
+    assert!(many.contains("60 characters"), "{many}");
+}
+
+#[test]
+fn plots_and_pictures_are_written() {
+    let here = folder("crowd-files");
+    let words = ["crowd", word(human()), "--count", "30", "--seconds", "0.1"];
+    let more = ["--plot", "time.svg", "--picture", "crowd.png"];
+    let found = json(&here, &[&words[..], &more].concat());
+    assert_eq!(found["written"].as_array().unwrap().len(), 2);
+    let svg = std::fs::read_to_string(here.join("time.svg")).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("Error of the crowd"));
+    let png = std::fs::read(here.join("crowd.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG") && png.len() > 5000);
+    let wrong = fault(&here, 2, &[&words[..], &["--plot", "time.png"]].concat());
+    assert!(wrong.contains("name a .svg file"), "{wrong}");
+}
+
+#[test]
+fn figures_without_mesh_or_motion_play() {
+    let here = folder("crowd-poor");
+    std::fs::write(here.join("arm.bvh"), BVH).unwrap();
+    // One joint, and a clip of one frame.
+    let one = "HIERARCHY\nROOT Hips\n{\n OFFSET 0 90 0\n CHANNELS 3 Zrotation Xrotation Yrotation\n \
+               End Site\n {\n OFFSET 0 60 0\n }\n}\nMOTION\nFrames: 1\nFrame Time: 0.033\n10 0 0\n";
+    std::fs::write(here.join("one.bvh"), one).unwrap();
+    for file in ["arm.bvh", "one.bvh"] {
+        let words = [
+            "crowd",
+            file,
+            "--count",
+            "40",
+            "--seconds",
+            "0.1",
+            "--share",
+        ];
+        let found = json(&here, &words);
+        assert_eq!(found["characters"], 40, "{file}");
+        let p95 = number(&found["error_px"]["p95"]);
+        assert!(p95 <= 1.0, "{file}: {p95}");
+        assert_eq!(number(&found["renderer"]["skinned_vertices"]), 0.0);
+        let warnings = found["warnings"].to_string();
+        assert!(warnings.contains("no mesh"), "{warnings}");
+    }
+    let drawn = fault(
+        &here,
+        1,
+        &["crowd", "arm.bvh", "--count", "4", "--picture", "x.png"],
+    );
+    assert!(drawn.contains("arm.bvh: no mesh"), "{drawn}");
+}
+
+#[test]
+fn mistakes_are_answered_with_their_mend() {
+    let here = folder("crowd-wrong");
+    let with = |more: &[&'static str]| -> Vec<&str> {
+        [&["crowd", word(human()), "--seconds", "0.1"], more].concat()
+    };
+    for (status, words, part) in [
+        (2, ["--clip", "fly"], "it has \"idle\""),
+        (2, ["--level", "loa(Lowest)"], "Lowest"),
+        (2, ["--scene", "piazza"], "plaza-2-in-step"),
+        (1, ["--scene", "gone.json"], "no such file"),
+        (1, ["--camera-path", "gone.json"], "no such file"),
+    ] {
+        let found = fault(&here, status, &with(&words));
+        assert!(found.contains(part), "{words:?}: {found}");
+    }
+    for words in [
+        ["--count", "0"],
+        ["--count", "1e9"],
+        ["--threads", "0"],
+        ["--budget-ms", "NaN"],
+        ["--epsilon-px", "-1"],
+        ["--backend", "mmx"],
+    ] {
+        let ran = articula(&here, &with(&words));
+        assert_eq!(ran.status, 2, "{words:?}: {}", ran.err);
+    }
+    let member = r#"{"position": [0, 0, NaN], "clip": "idle"}"#;
+    let camera = r#"[{"t": 0, "eye": [0, 1, 5], "target": [0, 1, 0]}]"#;
+    let scene = format!("{{\"camera\": {camera}, \"members\": [{member}]}}");
+    std::fs::write(here.join("nan.json"), scene).unwrap();
+    let found = fault(&here, 1, &with(&["--scene", "nan.json"]));
+    assert!(found.contains("nan.json: line 1"), "{found}");
+}
