@@ -76,7 +76,7 @@ pub(crate) fn draw(
     };
     let picture = render(&mesh, &skinned, &look, &camera, &options);
     let mut picture = picture.context("drawing the crowd")?;
-    write_legend(&mut picture, &stage);
+    write_legend(&mut picture, &stage, mesh.parts.len());
     Ok(picture)
 }
 
@@ -155,25 +155,30 @@ fn append(
     });
 }
 
-/// Says which colour is which level, and how many are shown at it.
-fn write_legend(picture: &mut Picture, stage: &Stage<'_>) {
+/// Says which colour is which level, how many are shown at it, and how many of all are drawn.
+fn write_legend(picture: &mut Picture, stage: &Stage<'_>, drawn: usize) {
     let style = TextStyle::default();
     let line = style.height() as i32 + 6;
     let groups = stage.crowd.groups();
     let mut y = 8;
     let paper = [255, 255, 255, 255];
-    let lines: Vec<String> = groups
+    let mut lines: Vec<String> = groups
         .iter()
         .map(|g| {
             let joints = stage.cast.ladder().kept(g.level);
             format!("{joints} joints: {}", g.draws.len())
         })
         .collect();
+    if drawn < stage.crowd.draws().len() {
+        lines.push(format!("nearest {drawn} drawn"));
+    }
     let width = lines.iter().map(|l| style.width(l)).max().unwrap_or(0) + 40;
     let height = (lines.len() as i32 * line + 10).unsigned_abs();
     picture.draw_box(4, 4, width, height, paper);
-    for (group, text) in groups.iter().zip(&lines) {
-        picture.draw_box(12, y + 3, 14, 14, color(group.level));
+    for (i, text) in lines.iter().enumerate() {
+        if let Some(group) = groups.get(i) {
+            picture.draw_box(12, y + 3, 14, 14, color(group.level));
+        }
         picture.draw_text(34, y, text, style, [30, 34, 44, 255]);
         y += line;
     }

@@ -1,8 +1,9 @@
 //! `articula demo`: the main job on the embedded reference human, told as a page.
 //!
-//! Human → asset → every method over distance → pictures, plots, page. All numbers on the page
+//! Human → asset → every method over distance → a crowd → pictures, plots, page. All numbers on the page
 //! are those of this run.
 
+mod crowd;
 mod page;
 mod pictures;
 mod report;
@@ -21,7 +22,7 @@ use articula_build::evaluate::{MethodOptions, Setup};
 use articula_build::human::HumanOptions;
 use articula_formats::gltf::Document;
 use clap::Args;
-use report::{ClipRows, Level, Report};
+use report::{ClipRows, Found, Level, Report};
 use std::path::{Path, PathBuf};
 
 /// The error that every method is calibrated to, pixels.
@@ -62,7 +63,14 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     let costs = costs::of(&scene);
     draw(&folder, &scene, &tables, console)?;
     plot(&folder, &scene, &tables, &costs)?;
-    let report = Report::new(&folder, &prepared, &tables, clips, levels, costs);
+    let crowd = crowd::of(&prepared.asset, TARGET_PX, &folder, console)?;
+    let found = Found {
+        clips,
+        levels,
+        costs,
+        crowd,
+    };
+    let report = Report::new(&folder, &prepared, &tables, found);
     folder.write("report.json", &serde_json::to_vec_pretty(&report)?)?;
     folder.write("index.html", page::of(&report).as_bytes())?;
     console.result(&report, Report::text)

@@ -1,5 +1,6 @@
 //! What the demo found: `report.json`, and what the page tells.
 
+use super::crowd::Crowd;
 use super::{Folder, MIDDLE, TARGET_PX};
 use crate::files;
 use crate::play::costs::Costs;
@@ -30,6 +31,15 @@ pub(super) struct Report {
     /// The stored animation under each level of articulation.
     pub(super) levels: Vec<Level>,
     pub(super) costs: Costs,
+    pub(super) crowd: Crowd,
+}
+
+/// What stands beside the methods.
+pub(super) struct Found {
+    pub(super) clips: Vec<ClipRows>,
+    pub(super) levels: Vec<Level>,
+    pub(super) costs: Costs,
+    pub(super) crowd: Crowd,
 }
 
 /// The character.
@@ -85,9 +95,7 @@ impl Report {
         folder: &Folder,
         prepared: &Prepared,
         tables: &[Table],
-        clips: Vec<ClipRows>,
-        levels: Vec<Level>,
-        costs: Costs,
+        found: Found,
     ) -> Self {
         let asset = &prepared.asset;
         let clip = asset.clips.iter().find(|c| c.name == super::CLIP);
@@ -112,9 +120,10 @@ impl Report {
                     rows: t.rows.clone(),
                 })
                 .collect(),
-            clips,
-            levels,
-            costs,
+            clips: found.clips,
+            levels: found.levels,
+            costs: found.costs,
+            crowd: found.crowd,
         }
     }
 

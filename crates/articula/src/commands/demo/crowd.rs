@@ -1,0 +1,107 @@
+//! The crowd of the demo: the reference human on a small plaza, in full and as far as one sees it.
+
+use super::Folder;
+use crate::console::Console;
+use crate::crowd::cast::{Cast, CastOptions, Levels, Matrices};
+use crate::crowd::run::{self, Run};
+use crate::crowd::stage::{Settings, Wanted};
+use crate::crowd::{picture, tiers::Tier};
+use anyhow::Context;
+use articula_build::character::Asset;
+use articula_build::scene::{Scene, plaza};
+use articula_core::Backend;
+use articula_core::clip_set::Storage;
+use articula_core::palette::PaletteForm;
+use articula_flat::codec;
+use serde::Serialize;
+
+/// Characters: a square of 14 by 14.
+const COUNT: usize = 196;
+/// Frames that are played.
+const FRAMES: usize = 60;
+const SEED: u64 = 1;
+const PICTURE_PX: (u32, u32) = (1120, 630);
+
+/// What a small crowd costs, and how far it is off.
+#[derive(Debug, Serialize)]
+pub(super) struct Crowd {
+    pub(super) characters: usize,
+    pub(super) visible: usize,
+    pub(super) epsilon_px: f32,
+    pub(super) ways: Vec<Way>,
+    /// Levels of the second way.
+    pub(super) levels: Vec<Tier>,
+}
+
+/// One way to show it.
+#[derive(Debug, Serialize)]
+pub(super) struct Way {
+    pub(super) label: &'static str,
+    pub(super) ns_per_character: f64,
+    pub(super) written_mb: f64,
+    pub(super) error_px_p95: f64,
+    pub(super) error_px_max: f64,
+}
+
+/// Plays the crowd in three ways and draws it.
+pub(super) fn of(
+    asset: &Asset,
+    epsilon_px: f32,
+    folder: &Folder,
+    console: &Console,
+) -> anyhow::Result<Crowd> {
+    let scene = plaza(COUNT, asset.clips.len(), SEED);
+    let cast = |levels| Cast::new(asset.clone(), &options(levels), console);
+    let (whole, merged) = (cast(Levels::Whole)?, cast(Levels::Merged)?);
+    let tolerance = Wanted::Tolerance(epsilon_px);
+    let full = play(&whole, &scene, settings(Wanted::Full, false), console)?;
+    let seen = play(&merged, &scene, settings(tolerance, false), console)?;
+    let shared = play(&merged, &scene, settings(tolerance, true), console)?;
+    let picture = picture::draw(&merged, &scene, settings(tolerance, false), PICTURE_PX)?;
+    folder.write("crowd.png", &codec::png(&picture).context("crowd.png")?)?;
+    Ok(Crowd {
+        characters: COUNT,
+        visible: seen.visible.median.round() as usize,
+        epsilon_px,
+        ways: vec![
+            way("every joint of everyone", &full),
+            way("merged levels of those in view", &seen),
+            way("the same, poses shared", &shared),
+        ],
+        levels: seen.tiers,
+    })
+}
+
+fn options(levels: Levels) -> CastOptions {
+    CastOptions {
+        levels,
+        matrices: Matrices::Joints,
+        form: PaletteForm::Matrix,
+        storage: Storage::Float,
+        backend: Backend::best(),
+        seed: SEED,
+    }
+}
+
+fn settings(wanted: Wanted, share: bool) -> Settings {
+    Settings {
+        wanted,
+        share,
+        threads: 1,
+        frames: FRAMES,
+    }
+}
+
+fn play(cast: &Cast, scene: &Scene, settings: Settings, console: &Console) -> anyhow::Result<Run> {
+    run::run(cast, scene, settings, SEED, console)
+}
+
+fn way(label: &'static str, run: &Run) -> Way {
+    Way {
+        label,
+        ns_per_character: 1e6 * run.frame_ms.median / COUNT as f64,
+        written_mb: run.written_mb.median,
+        error_px_p95: run.error.p95,
+        error_px_max: run.error.max,
+    }
+}
