@@ -120,6 +120,9 @@ impl<'a> View<'a> {
     /// cannot (as at [`LEAST_DEPTH_METRES`]) or while this view does not see the bound: that it
     /// comes into view is told by [`see`].
     pub fn secs_until_denser(&self, bound: Sphere, limit: f32, closing: Closing) -> f32 {
+        if limit.is_nan() || limit <= 0.0 {
+            return 0.0;
+        }
         if !self.frustum.meets(bound.centre, bound.radius) {
             return f32::INFINITY;
         }
@@ -203,7 +206,7 @@ impl<'a> Bodies<'a> {
 }
 
 /// How far root motion may carry a bound in `horizon_secs`: the way of the root and the arc of
-/// the bound's centre about it. Times the scale of the body, if its motion is scaled too.
+/// the bound's centre about it. `bound` is in model space, scaled as the body is.
 pub fn wake_metres(
     bound: Sphere,
     speed_metres_per_sec: f32,
@@ -237,8 +240,7 @@ pub fn secs_until_grown(
 
 /// Looks for every body in every view.
 ///
-/// A body whose bound is no finite number is hidden. O(bodies x views); does
-/// not allocate.
+/// A body whose bound is no finite number is hidden. O(bodies x views); does not allocate.
 ///
 /// # Panics
 /// If `out` has not one entry for each body.
@@ -644,6 +646,7 @@ mod tests {
         assert_eq!(secs(5.0, 0.0, f32::NAN), 0.0);
         assert_eq!(secs(f32::NAN, 0.0, 0.25), 0.0);
         assert_eq!(secs(5.0, 0.0, -0.5), 0.0);
+        assert_eq!(secs(5.0, 0.0, -3.0), 0.0);
         let hidden = Seen::default();
         assert_eq!(
             secs_until_grown(&views, bound, hidden, 0.25, Closing::default()),

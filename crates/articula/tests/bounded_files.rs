@@ -1,0 +1,103 @@
+//! Real characters: bounds of their clips hold every vertex between frames too, and are close.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "a test may panic, says what it skips, and opens files"
+)]
+
+mod judges;
+
+use articula_build::character::{Asset, character};
+use articula_build::clip::ClipOptions;
+use articula_build::motion_bounds::motion_bounds;
+use articula_core::articulation::{Articulation, JointArticulation, Region};
+use articula_core::clip::Clip;
+use articula_core::hierarchy::local_to_model;
+use articula_core::pose::ModelPose;
+use articula_core::sample::{Wrap, sample, sample_morphs};
+use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_formats::{Limits, gltf};
+use glam::{Affine3A, Vec3};
+use judges::{data_folder, data_is_here};
+
+/// The character of a file with its first clips.
+fn asset(name: &str, clips: usize) -> Asset {
+    let bytes = std::fs::read(data_folder().join("glb").join(name)).unwrap();
+    let mut beside = |uri: &str| Err(format!("{uri} lies beside"));
+    let file = gltf::read(&bytes, &Limits::default(), &mut beside).unwrap();
+    let mut source = file.value.character;
+    source.clips.truncate(clips);
+    let joint = JointArticulation {
+        hanim: None,
+        level: 0,
+        region: Region::Torso,
+    };
+    let articulation = Articulation {
+        profile: String::new(),
+        joints: vec![joint; source.skeleton.joints.len()],
+    };
+    character(&source, Some(articulation), &ClipOptions::default()).unwrap()
+}
+
+fn points(asset: &Asset, clip: &Clip, secs: f64) -> Vec<Vec3> {
+    let (rig, mesh) = (&asset.rig, &asset.mesh);
+    let mut pose = rig.rest_pose().clone();
+    let mut weights = mesh.morph_weights.clone();
+    sample(clip, secs, Wrap::Loop, &rig.all(), &mut pose);
+    sample_morphs(clip, secs, Wrap::Loop, &mut weights);
+    let mut model = ModelPose::new(rig.len());
+    local_to_model(rig, &pose, &mut model);
+    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
+    palette(mesh, &model, &mut matrices);
+    let mut skinned = SkinnedMesh::new(mesh);
+    skin(mesh, &matrices, &weights, &mut skinned);
+    skinned.positions
+}
+
+#[test]
+fn no_vertex_of_a_real_character_leaves_its_bound() {
+    if !data_is_here() {
+        return;
+    }
+    for name in [
+        "pab_arnaud.glb",
+        "KayKit_Knight.glb",
+        "RobotExpressive.glb",
+        "AnimatedMorphCube.glb",
+        "CesiumMan.glb",
+        "Fox.glb",
+    ] {
+        let asset = asset(name, 3);
+        let bounds = motion_bounds(&asset, 0.0).unwrap();
+        for (clip, bounds) in asset.clips.iter().zip(&bounds.clips) {
+            let (mut least, mut greatest) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+            for i in 0..50 {
+                // Times that are no frame of any rate, over two laps.
+                let secs = f64::from(i) * 0.041_421 * f64::from(clip.duration_secs());
+                let bound = bounds.over(secs, 0.0, 1.0, Wrap::Loop);
+                for p in points(&asset, clip, secs) {
+                    assert!(bound.contains(p), "{name} {}: {p} {bound:?}", clip.name);
+                    least = least.min(p);
+                    greatest = greatest.max(p);
+                }
+            }
+            let whole = bounds.whole();
+            let spare = (least - whole.least)
+                .max(whole.greatest - greatest)
+                .max_element();
+            let (box_ball, ball) = (0.5 * (greatest - least).length(), whole.sphere.radius);
+            println!(
+                "{name} {}: {ball:.3} m, box {box_ball:.3}, spare {spare:.3}",
+                clip.name
+            );
+            // Nothing is gained by a bound that is much larger than what it holds.
+            assert!(
+                ball < 1.25 * box_ball,
+                "{name} {}: {ball} {box_ball}",
+                clip.name
+            );
+        }
+        println!("{name}: reach {:.3} m", bounds.reach_metres);
+    }
+}
