@@ -18,6 +18,7 @@ mod tables;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
+use tables::merged_levels::Sheets;
 use tables::retargets::Pictures;
 
 /// Evaluation runs of Articula.
@@ -49,6 +50,8 @@ enum Table {
     Doors,
     /// Motions of every kind on characters of every kind, and how good they are.
     Retargets(Pictures),
+    /// Error of merged levels by joints kept, also on clips that the order never saw.
+    MergedLevels(Sheets),
     /// All of them.
     All,
 }
@@ -68,6 +71,7 @@ fn main() -> Result<()> {
         Table::MotionLod => tables::motion_lod::write(&run),
         Table::ThesisGrid => tables::thesis_grid::write(&run),
         Table::Crowd => tables::crowd::write(&run),
+        Table::MergedLevels(sheets) => tables::merged_levels::write(&run, &sheets),
         Table::Doors => tables::doors::write(&run),
         Table::Retargets(pictures) => tables::retargets::write(&run, &pictures),
         Table::All => {
@@ -75,7 +79,8 @@ fn main() -> Result<()> {
             tables::doors::write(&run)?;
             tables::retargets::write(&run, &Pictures::default())?;
             tables::motion_lod::write(&run)?;
-            tables::thesis_grid::write(&run)
+            tables::thesis_grid::write(&run)?;
+            tables::merged_levels::write(&run, &Sheets::default())
         }
     }
 }

@@ -40,7 +40,7 @@ pub fn level_errors(
     if asset.mesh.is_empty() {
         let prefixes = Prefixes::of(&asset.rig, ladder);
         let skins = placed_skins(asset, &full, &prefixes, opts)?;
-        return table(asset, &full, &[(&skins.levels[1..], &skins.bindings)], opts);
+        return table(asset, &full, &skins.levels[1..], &skins.bindings, opts);
     }
     let fits = |s: &LevelSkin| s.positions.len() == full.len();
     if skins.levels.len() != ladder.levels() || !skins.levels.iter().all(fits) {
@@ -48,22 +48,21 @@ pub fn level_errors(
         return Err(Mismatch::new("skins", what));
     }
     // Level 0 is the full character: nothing to measure.
-    table(asset, &full, &[(&skins.levels[1..], &skins.bindings)], opts)
+    table(asset, &full, &skins.levels[1..], &skins.bindings, opts)
 }
 
-/// Measures the full mesh against skins from fine to coarse, each with bindings of the full rig.
+/// Measures the full mesh against coarser and coarser skins, whose bindings are of the full rig.
 pub(super) fn table(
     asset: &Asset,
     full: &Mesh,
-    coarser: &[(&[LevelSkin], &[Binding])],
+    skins: &[LevelSkin],
+    bindings: &[Binding],
     opts: &LevelOptions,
 ) -> Result<LevelErrors, Mismatch> {
     let watched = Watched::draw(full, asset.rig.len(), opts.vertices, opts.seed);
-    let skins = coarser
-        .iter()
-        .flat_map(|(skins, bindings)| skins.iter().map(|s| (s, *bindings)));
     let reduced: Vec<Mesh> = skins
-        .map(|(s, bindings)| watched_skin(s, bindings, &watched))
+        .iter()
+        .map(|s| watched_skin(s, bindings, &watched))
         .collect();
     let tallies = measure(asset, full, &watched, &reduced, MOST_FRAMES);
     let mut poser = Poser::new(full, drawn(&watched));
@@ -82,14 +81,26 @@ pub(super) fn table(
     Ok(errors)
 }
 
-/// Adds an error of each clip to the levels from `first` on.
-pub(super) fn add(errors: &mut LevelErrors, first: usize, metres: &[f32]) {
+/// Adds an error of each clip to all levels but the full one.
+pub(super) fn add(errors: &mut LevelErrors, metres: &[f32]) {
     for (clip, extra) in errors.clips.iter_mut().zip(metres) {
-        let percentiles = &mut clip.levels_metres[first..];
-        let all = percentiles
-            .iter_mut()
-            .chain(&mut clip.worst_metres[first..]);
+        let percentiles = clip.levels_metres.iter_mut().skip(1);
+        let all = percentiles.chain(clip.worst_metres.iter_mut().skip(1));
         all.for_each(|e| *e += extra);
+    }
+}
+
+/// The errors of near levels and, after them, of far ones.
+pub(super) fn joined(near: LevelErrors, far: &LevelErrors) -> LevelErrors {
+    let after = |near: &[f32], far: &[f32]| rising(near.iter().chain(&far[1..]).copied().skip(1));
+    let clips = near.clips.into_iter().zip(&far.clips);
+    let clips = clips.map(|(n, f)| ClipErrors {
+        levels_metres: after(&n.levels_metres, &f.levels_metres),
+        worst_metres: after(&n.worst_metres, &f.worst_metres),
+        ..n
+    });
+    LevelErrors {
+        clips: clips.collect(),
     }
 }
 

@@ -8,17 +8,22 @@
 //! from its parent runs on a chord, centimetres off in a fast blow. Such clips get more frames,
 //! what is left counts as error, and near levels keep the rig's own tree.
 
-use super::LevelOptions;
+use super::errors::{add, table};
 use super::moments::pose_at;
 use super::prefixes::Prefixes;
-use super::skins::{LevelSkins, PlacedSkins, placed_skins};
+use super::skins::{LevelSkins, placed_skins};
+use super::watch::skin_of;
+use super::{LevelOptions, check};
 use crate::character::Asset;
 use articula_core::Mismatch;
 use articula_core::articulation::Articulation;
 use articula_core::clip::{Clip, Track, Tracks};
 use articula_core::hierarchy::local_to_model;
 use articula_core::ladder::Ladder;
+use articula_core::level_error::LevelErrors;
+use articula_core::loa::JointSet;
 use articula_core::math::{Transform, angle_between, same_hemisphere};
+use articula_core::mesh::Binding;
 use articula_core::pose::{LocalPose, ModelPose};
 use articula_core::rig::Rig;
 use articula_core::sample::{Wrap, sample};
@@ -53,24 +58,22 @@ pub struct FarLevels {
     pub skins: LevelSkins,
 }
 
-/// What is known of far levels before their errors are measured.
-pub(super) struct Drafted {
-    pub(super) levels: FarLevels,
-    /// The same skins by joints of the full rig.
-    pub(super) placed: PlacedSkins,
-    /// Greatest distance of a joint from its true way between frames, of each clip.
-    pub(super) chords_metres: Vec<f32>,
-}
-
-/// Builds the far rig of an order whose levels keep `kept` joints; `None` if a chain of scaled
-/// joints shears, which no joint can show.
-pub(super) fn far_levels(
+/// Builds the far rig of an order of all joints, the clips and skins of levels that keep the first
+/// `kept` joints of it, and measures them; errors start with the 0 of the full character. `None`
+/// if a chain of scaled joints shears, which no joint can show.
+///
+/// # Errors
+/// A [`Mismatch`] if `order` is not one of the rig's joints, `kept` does not fall from at most
+/// all of them to at least one, or a clip, the mesh or the mean pose is of another rig.
+pub fn far_levels(
     asset: &Asset,
     order: &[u16],
     kept: &[u16],
     mean: &LocalPose,
     opts: &LevelOptions,
-) -> Result<Option<Drafted>, Mismatch> {
+) -> Result<Option<(FarLevels, LevelErrors)>, Mismatch> {
+    check(asset)?;
+    check_order(&asset.rig, order, kept, mean)?;
     let prefixes = Prefixes::new(&asset.rig, order, kept, mean);
     let joints = order[..usize::from(kept[0])].to_vec();
     let chains: Vec<Chain> = joints
@@ -94,16 +97,12 @@ pub(super) fn far_levels(
     }
     let places = (0..joints.len() as u16).collect();
     let ladder = Ladder::new(&rig, places, kept.to_vec(), &far_mean)?;
-    let placed = placed_skins(asset, &super::watch::skin_of(asset), &prefixes, opts)?;
+    let skin = skin_of(asset);
+    let placed = placed_skins(asset, &skin, &prefixes, opts)?;
     let skins = if asset.mesh.is_empty() {
         LevelSkins::none(&ladder)?
     } else {
-        placed
-            .clone()
-            .on(&ladder, |binding, place| articula_core::mesh::Binding {
-                joint: place,
-                ..binding
-            })?
+        placed.on(&ladder, |binding, joint| Binding { joint, ..binding })?
     };
     let levels = FarLevels {
         rig,
@@ -112,11 +111,32 @@ pub(super) fn far_levels(
         ladder,
         skins,
     };
-    Ok(Some(Drafted {
-        levels,
-        placed,
-        chords_metres,
-    }))
+    let mut errors = table(asset, &skin, &placed.levels, &placed.bindings, opts)?;
+    add(&mut errors, &chords_metres);
+    Ok(Some((levels, errors)))
+}
+
+/// Checks that an order names every joint once, and that the counts fall.
+fn check_order(rig: &Rig, order: &[u16], kept: &[u16], mean: &LocalPose) -> Result<(), Mismatch> {
+    let inside = order.iter().filter(|j| usize::from(**j) < rig.len());
+    let named: JointSet = inside.map(|j| usize::from(*j)).collect();
+    if order.len() != rig.len() || named.len() != rig.len() {
+        let what = format!("{} joints named, the rig has {}", named.len(), rig.len());
+        return Err(Mismatch::new("order", what));
+    }
+    let falls = kept.windows(2).all(|w| w[0] > w[1]) && kept.last().is_some_and(|n| *n > 0);
+    if !falls || usize::from(kept[0]) > rig.len() {
+        let what = format!(
+            "{kept:?} must fall from at most {} to at least 1",
+            rig.len()
+        );
+        return Err(Mismatch::new("kept", what));
+    }
+    if mean.len() != rig.len() {
+        let what = format!("{} joints, the rig has {}", mean.len(), rig.len());
+        return Err(Mismatch::new("mean", what));
+    }
+    Ok(())
 }
 
 /// The joints of the full rig from below the far parent down to a joint.
@@ -332,13 +352,11 @@ mod tests {
     use super::super::test_figures::{arm, moving};
     use super::*;
 
-    /// An arm of three joints whose shoulder swings fast; the hand outlasts the elbow.
-    fn drafted(turn: f32) -> Drafted {
+    /// An arm of three joints whose shoulder swings; the hand outlasts the elbow.
+    fn swung(turn: f32) -> (FarLevels, LevelErrors) {
         let mut asset = arm(3);
-        let frames: Vec<Quat> = (0..5)
-            .map(|i| Quat::from_rotation_z(turn * i as f32))
-            .collect();
-        asset.clips = vec![moving(3, 1, &frames)];
+        let angles = (0..5).map(|i| Quat::from_rotation_z(turn * i as f32));
+        asset.clips = vec![moving(3, 1, &angles.collect::<Vec<Quat>>())];
         let opts = LevelOptions::default();
         let found = far_levels(&asset, &[0, 2, 1], &[2, 1], &mean_pose(&asset), &opts);
         found.unwrap().unwrap()
@@ -346,31 +364,53 @@ mod tests {
 
     #[test]
     fn a_hand_hangs_on_what_outlasts_its_elbow() {
-        let Drafted {
-            levels,
-            chords_metres,
-            ..
-        } = drafted(0.05);
+        let (levels, errors) = swung(0.05);
         assert_eq!(levels.joints, [0, 2]);
         assert_eq!(levels.rig.parent(1), Some(0));
         // Two bones of a metre, the second turned with the first: 1 up, then along the turn.
         let clip = &levels.clips[0];
-        let track = &clip.translations()[0];
-        let hand = track.values[2];
+        let hand = clip.translations()[0].values[2];
         let angle = 0.1f32;
         assert!((hand - Vec3::new(-angle.sin(), 1.0 + angle.cos(), 0.0)).length() < 1e-6);
-        // A bone of a metre turned by 0.05 rad: its end's chord misses the arc by 0.31 mm.
-        assert!((chords_metres[0] - (1.0 - 0.025f32.cos())).abs() < 1e-5);
         assert_eq!((clip.frames(), clip.rate_hz()), (5, 30.0));
+        errors.check(1, 3).unwrap();
     }
 
     #[test]
     fn a_fast_limb_gets_more_frames() {
-        // 0.3 rad a frame miss by 11 mm, 0.15 by 2.8 mm, 0.075 by 0.7 mm.
-        let drafted = drafted(0.3);
-        let clip = &drafted.levels.clips[0];
+        // A bone of a metre turned by 0.3 rad a frame: its end's chord misses the arc by 11 mm,
+        // with two frames for one by 2.8 mm, with four by 0.7 mm.
+        let clip = &swung(0.3).0.clips[0];
         assert_eq!((clip.frames(), clip.rate_hz()), (17, 120.0));
-        assert!((drafted.chords_metres[0] - (1.0 - 0.0375f32.cos())).abs() < 1e-4);
+        // What is left counts: 0.31 mm at 0.05 rad, on top of the folded elbow's error.
+        let mut asset = arm(3);
+        asset.clips = vec![moving(3, 1, &[Quat::IDENTITY, Quat::from_rotation_z(0.05)])];
+        let whole = far_levels(
+            &asset,
+            &[0, 2, 1],
+            &[3],
+            &mean_pose(&asset),
+            &LevelOptions::default(),
+        );
+        let left = whole.unwrap().unwrap().1.clips[0].levels_metres[1];
+        assert!((left - (1.0 - 0.025f32.cos())).abs() < 1e-5, "{left}");
+    }
+
+    #[test]
+    fn refuses_what_is_no_order() {
+        let asset = arm(3);
+        let mean = mean_pose(&asset);
+        let at = |order: &[u16], kept: &[u16]| {
+            let found = far_levels(&asset, order, kept, &mean, &LevelOptions::default());
+            found.unwrap_err().at
+        };
+        assert_eq!(at(&[0, 1], &[1]), "order");
+        assert_eq!(at(&[0, 1, 1], &[1]), "order");
+        assert_eq!(at(&[0, 1, 9], &[1]), "order");
+        assert_eq!(at(&[0, 1, 2], &[4]), "kept");
+        assert_eq!(at(&[0, 1, 2], &[2, 2]), "kept");
+        assert_eq!(at(&[0, 1, 2], &[]), "kept");
+        assert_eq!(at(&[0, 1, 2], &[0]), "kept");
     }
 
     #[test]

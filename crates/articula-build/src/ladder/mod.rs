@@ -10,6 +10,7 @@
 //! - [`mean_pose`]: where merged joints stand
 //! - [`joint_ladder`]: the greedy joint order and the levels chosen from it
 //! - [`named_ladder`]: levels that a user names, such as `loa(Medium)`
+//! - [`far_order`], [`far_levels`]: coarse levels that keep hands and heads, on a rig of their own
 //! - [`level_skins`]: the skin of every level, all on one palette
 //! - [`level_errors`]: what each level costs in each clip
 //! - [`skin_of`]: what errors are measured on, also without a mesh
@@ -30,7 +31,7 @@ mod test_figures;
 mod watch;
 
 pub use errors::level_errors;
-pub use far::FarLevels;
+pub use far::{FarLevels, far_levels};
 pub use mean_pose::mean_pose;
 pub use skins::{LevelSkin, LevelSkins, level_skins};
 pub use watch::skin_of;
@@ -40,11 +41,9 @@ use articula_core::Mismatch;
 use articula_core::ladder::{Ladder, MAX_LEVELS};
 use articula_core::level_error::LevelErrors;
 use articula_core::loa::{Expression, JointSet};
-use articula_core::mesh::Binding;
 use articula_core::pose::LocalPose;
 use choose::Choice;
 use order::Folds;
-use prefixes::Prefixes;
 
 /// How the levels of a character are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,59 +110,51 @@ pub fn merged_levels(asset: &Asset, opts: &LevelOptions) -> Result<MergedLevels,
         return levels_of(asset, joint_ladder(asset, &mean, opts)?, opts);
     }
     let near = order::order(asset, &mean, Folds::Leaves, opts);
-    let far_opts = LevelOptions {
-        protected: far_protected(asset, &opts.protected),
-        ..*opts
-    };
-    let far = order::order(asset, &mean, Folds::Any, &far_opts);
+    let far = order::order(asset, &mean, Folds::Any, &far_options(asset, opts));
     let skin = skin_of(asset);
-    let near_choice = Choice {
-        order: &near,
-        floor: order::never_merged(asset, &skin, &opts.protected).len(),
-    };
-    let far_choice = Choice {
-        order: &far,
-        floor: order::skinned_roots(asset, &skin)
-            .union(&far_opts.protected)
-            .len(),
-    };
+    let never = order::never_merged(asset, &skin, &opts.protected);
+    let far_never = order::skinned_roots(asset, &skin).union(&far_options(asset, opts).protected);
+    let [near_choice, far_choice] =
+        [(&near, never), (&far, far_never)].map(|(order, never)| Choice {
+            order,
+            floor: never.len(),
+        });
     let kept = choose::levels(&near_choice, Some(&far_choice), &capped(opts));
-    if kept.far.is_empty() {
-        return levels_of(
-            asset,
-            Ladder::new(&asset.rig, near.joints, kept.near, &mean)?,
-            opts,
-        );
-    }
-    let Some(far) = far::far_levels(asset, &far.joints, &kept.far, &mean, opts)? else {
+    let found = match &kept.far[..] {
+        [] => None,
+        counts => far_levels(asset, &far.joints, counts, &mean, opts)?,
+    };
+    let Some((far, far_errors)) = found else {
         return levels_of(asset, joint_ladder(asset, &mean, opts)?, opts);
     };
     let ladder = Ladder::new(&asset.rig, near.joints, kept.near, &mean)?;
-    let placed = skins::placed_skins(asset, &skin, &Prefixes::of(&asset.rig, &ladder), opts)?;
-    let levels: [(&[LevelSkin], &[Binding]); 2] = [
-        (&placed.levels[1..], &placed.bindings),
-        (&far.placed.levels, &far.placed.bindings),
-    ];
-    let mut errors = errors::table(asset, &skin, &levels, opts)?;
-    errors::add(&mut errors, ladder.levels(), &far.chords_metres);
-    let skins = if asset.mesh.is_empty() {
-        LevelSkins::none(&ladder)?
-    } else {
-        placed.on(&ladder, |binding, _| binding)?
-    };
+    let near = levels_of(asset, ladder, opts)?;
     Ok(MergedLevels {
-        ladder,
-        skins,
-        far: Some(far.levels),
-        errors,
+        errors: errors::joined(near.errors, &far_errors),
+        far: Some(far),
+        ..near
     })
 }
 
-/// What far levels never drop: what is asked for, and the root that carries the figure's way.
-fn far_protected(asset: &Asset, protected: &JointSet) -> JointSet {
-    let mut all = protected.intersection(&asset.rig.all());
-    all.insert(asset.rig.root());
-    all
+/// The joint order of far levels, which may drop ancestors of what they keep.
+///
+/// # Errors
+/// A [`Mismatch`] if a clip or the mesh is of another rig.
+pub fn far_order(
+    asset: &Asset,
+    mean: &LocalPose,
+    opts: &LevelOptions,
+) -> Result<Vec<u16>, Mismatch> {
+    check(asset)?;
+    let opts = far_options(asset, opts);
+    Ok(order::order(asset, mean, Folds::Any, &opts).joints)
+}
+
+/// Far levels keep what is asked for, and the root that carries the figure's way.
+fn far_options(asset: &Asset, opts: &LevelOptions) -> LevelOptions {
+    let mut protected = opts.protected.intersection(&asset.rig.all());
+    protected.insert(asset.rig.root());
+    LevelOptions { protected, ..*opts }
 }
 
 fn capped(opts: &LevelOptions) -> LevelOptions {
@@ -242,8 +233,8 @@ fn check(asset: &Asset) -> Result<(), Mismatch> {
         let what = format!("{} joints, the rig has {joints}", asset.clips[c].joints());
         return Err(Mismatch::new(format!("clips[{c}]"), what));
     }
-    let outside = |b: &Binding| usize::from(b.joint) >= joints;
-    if let Some(b) = asset.mesh.bindings.iter().position(outside) {
+    let mut bindings = asset.mesh.bindings.iter();
+    if let Some(b) = bindings.position(|b| usize::from(b.joint) >= joints) {
         let what = format!("joint {} of {joints}", asset.mesh.bindings[b].joint);
         return Err(Mismatch::new(format!("mesh.bindings[{b}].joint"), what));
     }

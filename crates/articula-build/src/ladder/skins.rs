@@ -123,7 +123,7 @@ pub(super) struct PlacedSkins {
 impl PlacedSkins {
     /// The skins for a ladder, bindings named as it names joints.
     pub(super) fn on(
-        self,
+        &self,
         ladder: &Ladder,
         named: impl Fn(Binding, u16) -> Binding,
     ) -> Result<LevelSkins, Mismatch> {
@@ -133,7 +133,7 @@ impl PlacedSkins {
         Ok(LevelSkins {
             palette: PaletteMap::skin(ladder, &placed)?,
             bindings: all.map(|(b, place)| named(*b, *place)).collect(),
-            levels: self.levels,
+            levels: self.levels.clone(),
         })
     }
 }

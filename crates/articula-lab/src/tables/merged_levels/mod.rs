@@ -1,0 +1,283 @@
+//! What merged levels cost: error by joints kept, and on clips that the order never saw.
+//!
+//! Source: `spec/motion-lod.md` part 8, `spec/runtime.md` 4.1.
+
+mod sheet;
+
+use super::Run;
+use crate::data;
+use anyhow::{Context, Result};
+use articula_build::character::Asset;
+use articula_build::ladder::{
+    LevelOptions, far_levels, far_order, joint_ladder, levels_of, mean_pose, merged_levels,
+    named_ladder,
+};
+use articula_core::ladder::Ladder;
+use articula_core::level_error::LevelErrors;
+use articula_core::loa::Expression;
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+/// Characters of the table; the first alone in a small run.
+const CHARACTERS: [&str; 7] = [
+    "pab_arnaud",
+    "KayKit_Knight",
+    "Quaternius_cyberpunk_pack__Character",
+    "RobotExpressive",
+    "mannequiny",
+    "mh_female_dance",
+    "CesiumMan",
+];
+
+/// Joints kept, as far as a character has more.
+const COUNTS: [u16; 7] = [96, 64, 48, 32, 24, 16, 10];
+
+/// Levels that a user would name.
+const NAMED: [&str; 4] = ["loa(High)", "loa(Medium)", "loa(Low)", "loa(VeryLow)"];
+
+/// Most parts of the clips that are held out one after the other.
+const MOST_PARTS: usize = 8;
+
+/// Pictures beside the table.
+#[derive(clap::Args, Default)]
+pub(crate) struct Sheets {
+    /// Folder that receives a sheet of each character: full, and at each level.
+    #[arg(long)]
+    sheets: Option<PathBuf>,
+}
+
+/// Errors with a number of joints kept, millimetres.
+struct Row {
+    character: &'static str,
+    kind: &'static str,
+    kept: usize,
+    influences: usize,
+    /// 95th percentile over vertices, greatest over frames, the worst clip.
+    error_mm: f32,
+    /// Greatest over vertices, frames and clips.
+    worst_mm: f32,
+    /// As `error_mm` with order and mean pose learned without the clip that is judged.
+    held_out_mm: Option<f32>,
+}
+
+/// Runs the table and writes it, and the pictures that are asked for.
+pub(crate) fn write(run: &Run, sheets: &Sheets) -> Result<()> {
+    let shown = if run.small { 1 } else { CHARACTERS.len() };
+    let mut rows = Vec::new();
+    let mut chosen = String::new();
+    for name in &CHARACTERS[..shown] {
+        let asset = data::asset(&run.data, &format!("glb/{name}.glb"))?;
+        rows.extend(near_rows(name, &asset)?);
+        rows.extend(far_rows(name, &asset)?);
+        if *name == CHARACTERS[0] {
+            rows.extend(named_rows(name, &asset)?);
+        }
+        writeln!(chosen, "{}", default_levels(name, &asset)?)?;
+        if let Some(folder) = &sheets.sheets {
+            std::fs::create_dir_all(folder)?;
+            sheet::write(
+                &run.data,
+                name,
+                &asset,
+                &folder.join(name).with_extension("png"),
+            )?;
+        }
+    }
+    run.save("merged-levels", &page(&rows, &chosen)?, &csv(&rows)?)
+}
+
+/// All joints, then the counts below.
+fn counts(asset: &Asset) -> Vec<u16> {
+    let all = asset.rig.len() as u16;
+    let fewer = COUNTS.into_iter().filter(|n| *n < all);
+    std::iter::once(all).chain(fewer).collect()
+}
+
+fn near_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
+    let opts = LevelOptions::default();
+    let counts = counts(asset);
+    let judged = |learned: &Asset, judged: &Asset| {
+        let mean = mean_pose(learned);
+        let order = joint_ladder(learned, &mean, &opts)?;
+        let ladder = Ladder::new(&asset.rig, order.joints().to_vec(), counts.clone(), &mean)?;
+        levels_of(judged, ladder, &opts)
+    };
+    let all = judged(asset, asset)?;
+    let mut held = vec![0.0f32; counts.len()];
+    let parts = parts(asset);
+    for (rest, part) in &parts {
+        let levels = judged(rest, part)?;
+        for (l, held) in held.iter_mut().enumerate() {
+            *held = held.max(worst(&levels.errors, l).0);
+        }
+    }
+    let row = |l: usize| {
+        let (error_mm, worst_mm) = worst(&all.errors, l);
+        Row {
+            character,
+            kind: "near",
+            kept: usize::from(counts[l]),
+            influences: all.skins.levels[l].influences,
+            error_mm,
+            worst_mm,
+            held_out_mm: (!parts.is_empty()).then_some(held[l]),
+        }
+    };
+    Ok((1..counts.len()).map(row).collect())
+}
+
+fn far_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
+    let opts = LevelOptions::default();
+    let counts = &counts(asset)[1..];
+    let judged = |learned: &Asset, judged: &Asset| {
+        let mean = mean_pose(learned);
+        let order = far_order(learned, &mean, &opts)?;
+        far_levels(judged, &order, counts, &mean, &opts)
+    };
+    let Some((levels, errors)) = judged(asset, asset)? else {
+        return Ok(Vec::new());
+    };
+    let mut held = vec![0.0f32; counts.len()];
+    let parts = parts(asset);
+    for (rest, part) in &parts {
+        let (_, errors) = judged(rest, part)?.context("a chain of the clips shears")?;
+        for (l, held) in held.iter_mut().enumerate() {
+            *held = held.max(worst(&errors, l + 1).0);
+        }
+    }
+    let row = |l: usize| {
+        let (error_mm, worst_mm) = worst(&errors, l + 1);
+        Row {
+            character,
+            kind: "far",
+            kept: usize::from(counts[l]),
+            influences: levels.skins.levels[l].influences,
+            error_mm,
+            worst_mm,
+            held_out_mm: (!parts.is_empty()).then_some(held[l]),
+        }
+    };
+    Ok((0..counts.len()).map(row).collect())
+}
+
+fn named_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
+    let expressions: Result<Vec<Expression>, _> =
+        NAMED.iter().map(|text| Expression::parse(text)).collect();
+    let ladder = named_ladder(asset, &mean_pose(asset), &expressions?)?;
+    let levels = levels_of(asset, ladder, &LevelOptions::default())?;
+    let row = |l: usize| {
+        let (error_mm, worst_mm) = worst(&levels.errors, l);
+        Row {
+            character,
+            kind: "named",
+            kept: levels.ladder.kept(l),
+            influences: levels.skins.levels[l].influences,
+            error_mm,
+            worst_mm,
+            held_out_mm: None,
+        }
+    };
+    Ok((1..levels.ladder.levels()).map(row).collect())
+}
+
+/// The character without some clips, and with those alone, one after the other.
+fn parts(asset: &Asset) -> Vec<(Asset, Asset)> {
+    let clips = asset.clips.len();
+    if clips < 2 {
+        return Vec::new();
+    }
+    let count = clips.min(MOST_PARTS);
+    let with = |keep: &dyn Fn(usize) -> bool| Asset {
+        clips: (0..clips)
+            .filter(|c| keep(*c))
+            .map(|c| asset.clips[c].clone())
+            .collect(),
+        ..asset.clone()
+    };
+    (0..count)
+        .map(|p| (with(&|c| c % count != p), with(&|c| c % count == p)))
+        .collect()
+}
+
+/// Greatest errors of a level over clips, millimetres.
+fn worst(errors: &LevelErrors, level: usize) -> (f32, f32) {
+    let greatest = |of: &dyn Fn(usize) -> f32| {
+        let all = (0..errors.clips.len()).map(of);
+        1e3 * all.fold(0.0, f32::max)
+    };
+    (
+        greatest(&|c| errors.clips[c].levels_metres[level]),
+        greatest(&|c| errors.clips[c].worst_metres[level]),
+    )
+}
+
+/// A line about the levels that are chosen without being asked for any.
+fn default_levels(name: &str, asset: &Asset) -> Result<String> {
+    let opts = LevelOptions {
+        far_from_metres: 4e-3,
+        ..LevelOptions::default()
+    };
+    let levels = merged_levels(asset, &opts)?;
+    let near = levels.ladder.levels();
+    let at = |l: usize, kept: usize| format!("{kept} ({:.1})", worst(&levels.errors, l).0);
+    let mut all: Vec<String> = (0..near).map(|l| at(l, levels.ladder.kept(l))).collect();
+    if let Some(far) = &levels.far {
+        all.push("far:".into());
+        let ladder = &far.ladder;
+        all.extend((0..ladder.levels()).map(|l| at(near + l, ladder.kept(l))));
+    }
+    Ok(format!("| {name} | {} |", all.join(" ")))
+}
+
+fn page(rows: &[Row], chosen: &str) -> Result<String> {
+    let mut page = String::from(
+        "# Merged levels
+
+Made by `cargo run --release -p articula-lab -- merged-levels`. Millimetres between the full
+character and one whose other joints are merged: the 95th percentile over 700 vertices, the
+greatest over the frames of a clip, the worst clip; *worst* over all watched vertices. *Near* levels
+keep the ancestors of what they keep; *far* ones drop any joint and have a rig of their own.
+*Held out*: order and mean pose were learned without the clips that are judged (one clip at a time,
+an eighth of them where there are more than eight). *Named*: levels of articulation from the name
+map, with the joints above them.
+
+| character | levels | joints | influences | error | worst | held out |
+| --- | --- | --- | --- | --- | --- | --- |
+",
+    );
+    for row in rows {
+        let held = row.held_out_mm.map_or("–".into(), |mm| format!("{mm:.1}"));
+        writeln!(
+            page,
+            "| {} | {} | {} | {} | {:.1} | {:.0} | {held} |",
+            row.character, row.kind, row.kept, row.influences, row.error_mm, row.worst_mm
+        )?;
+    }
+    write!(
+        page,
+        "
+The levels that are chosen by themselves, far ones from 4 mm on: joints kept, and in brackets the
+error in millimetres.
+
+| character | levels |
+| --- | --- |
+{chosen}"
+    )?;
+    Ok(page)
+}
+
+fn csv(rows: &[Row]) -> Result<String> {
+    let mut csv =
+        String::from("character,levels,joints,influences,error_mm,worst_mm,held_out_mm\n");
+    for row in rows {
+        let held = row
+            .held_out_mm
+            .map_or(String::new(), |mm| format!("{mm:.3}"));
+        writeln!(
+            csv,
+            "{},{},{},{},{:.3},{:.3},{held}",
+            row.character, row.kind, row.kept, row.influences, row.error_mm, row.worst_mm
+        )?;
+    }
+    Ok(csv)
+}

@@ -1,0 +1,164 @@
+//! A character in full and at each of its levels, large and at the size it is chosen for.
+
+use anyhow::{Context, Result};
+use articula_build::character::Asset;
+use articula_build::ladder::{LevelOptions, merged_levels};
+use articula_core::clip::Clip;
+use articula_core::hierarchy::local_to_model;
+use articula_core::mesh::Mesh;
+use articula_core::pose::ModelPose;
+use articula_core::rig::Rig;
+use articula_core::sample::{Wrap, sample};
+use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::view::Viewport;
+use articula_flat::Picture;
+use articula_flat::appearance::Appearance;
+use articula_flat::codec;
+use articula_flat::contact_sheet::{Cell, ContactSheet, Row, Tile};
+use articula_flat::frame::{Bounds, orbit_view};
+use articula_flat::render::{RenderOptions, render};
+use articula_formats::{Limits, gltf};
+use glam::{Affine3A, Vec3};
+use std::path::Path;
+
+const TILE: (u32, u32) = (220, 300);
+const MOMENTS: usize = 6;
+const FOV_Y_RADIANS: f32 = 0.4;
+
+/// One way to show the character.
+struct Look<'a> {
+    label: String,
+    rig: &'a Rig,
+    clips: &'a [Clip],
+    mesh: Mesh,
+    error_metres: f32,
+}
+
+/// Draws the first clip at some moments.
+pub(super) fn write(data: &Path, name: &str, asset: &Asset, path: &Path) -> Result<()> {
+    let bytes = std::fs::read(data.join(format!("glb/{name}.glb")))?;
+    let mut none = |_: &str| Err("no files beside".to_owned());
+    let file = gltf::read(&bytes, &Limits::default(), &mut none)?.value;
+    let (paint, _) = Appearance::new(&file.character.materials, &file.character.images);
+    let opts = LevelOptions {
+        far_from_metres: 4e-3,
+        ..LevelOptions::default()
+    };
+    let levels = merged_levels(asset, &opts)?;
+    let near = levels.ladder.levels();
+    let error = |level: usize| levels.errors.clips[0].levels_metres[level];
+    let mut looks = Vec::new();
+    for level in 0..near {
+        looks.push(Look {
+            label: format!(
+                "{} joints, {:.1} mm",
+                levels.ladder.kept(level),
+                1e3 * error(level)
+            ),
+            rig: &asset.rig,
+            clips: &asset.clips,
+            mesh: levels.skins.mesh(level, &asset.mesh),
+            error_metres: error(level),
+        });
+    }
+    if let Some(far) = &levels.far {
+        for level in 0..far.ladder.levels() {
+            let metres = error(near + level);
+            looks.push(Look {
+                label: format!(
+                    "far, {} joints, {:.1} mm",
+                    far.ladder.kept(level),
+                    1e3 * metres
+                ),
+                rig: &far.rig,
+                clips: &far.clips,
+                mesh: far.skins.mesh(level, &asset.mesh),
+                error_metres: metres,
+            });
+        }
+    }
+    let secs = asset.clips[0].duration_secs();
+    let mut rows = Vec::new();
+    for look in &looks {
+        let mut cells = Vec::new();
+        for moment in 0..MOMENTS {
+            let at = f64::from(secs) * (moment as f64 + 0.5) / MOMENTS as f64;
+            cells.push(cell(&looks[0], look, &paint, at)?);
+        }
+        rows.push(Row {
+            label: look.label.clone(),
+            cells,
+        });
+    }
+    let sheet = ContactSheet {
+        title: format!("{name}, {}", asset.clips[0].name),
+        notes: vec!["Small: where the error of the level is one pixel.".into()],
+        rows,
+        ..ContactSheet::default()
+    };
+    let png = codec::png(&sheet.draw()?)?;
+    std::fs::write(path, png).with_context(|| path.display().to_string())
+}
+
+fn skinned(look: &Look<'_>, secs: f64) -> SkinnedMesh {
+    let mut pose = look.rig.rest_pose().clone();
+    sample(
+        &look.clips[0],
+        secs,
+        Wrap::Clamp,
+        &look.rig.all(),
+        &mut pose,
+    );
+    let mut model = ModelPose::new(look.rig.len());
+    local_to_model(look.rig, &pose, &mut model);
+    let mut matrices = vec![Affine3A::IDENTITY; look.mesh.bindings.len()];
+    palette(&look.mesh, &model, &mut matrices);
+    let mut skinned = SkinnedMesh::new(&look.mesh);
+    skin(
+        &look.mesh,
+        &matrices,
+        &look.mesh.morph_weights,
+        &mut skinned,
+    );
+    skinned
+}
+
+/// The character large, and small as the level is made for.
+fn cell(full: &Look<'_>, look: &Look<'_>, paint: &Appearance, secs: f64) -> Result<Cell> {
+    let truth = skinned(full, secs).bounds().context("nothing to draw")?;
+    let middle = 0.5 * (truth.0 + truth.1);
+    let half = Vec3::splat(0.5 * (truth.1 - truth.0).max_element());
+    let bounds = Bounds {
+        low: middle - half,
+        high: middle + half,
+    };
+    let shown = skinned(look, secs);
+    let draw = |size: (u32, u32)| -> Result<Picture> {
+        let viewport = Viewport {
+            width_px: size.0 as f32,
+            height_px: size.1 as f32,
+            fov_y_radians: FOV_Y_RADIANS,
+        };
+        let camera = orbit_view(&bounds, 0.7, 0.12, viewport);
+        Ok(render(
+            &look.mesh,
+            &shown,
+            paint,
+            &camera,
+            &RenderOptions::default(),
+        )?)
+    };
+    let px = 1.0 / look.error_metres.max(1e-3);
+    let height = (2.2 * half.y * px).clamp(8.0, TILE.1 as f32);
+    let small = (height * TILE.0 as f32 / TILE.1 as f32, height);
+    let tile = |picture| Tile {
+        picture,
+        caption: String::new(),
+    };
+    Ok(Cell {
+        tiles: vec![
+            tile(draw(TILE)?),
+            tile(draw((small.0.ceil() as u32, small.1 as u32))?),
+        ],
+    })
+}
