@@ -7,16 +7,19 @@ mod random_figure;
 use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
 use articula_build::ladder::{
-    LevelOptions, LevelSkins, joint_ladder, level_errors, level_skins, mean_pose, merged_levels,
+    LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
+    merged_levels, named_ladder,
 };
 use articula_core::hierarchy::local_to_model;
 use articula_core::ladder::Ladder;
-use articula_core::loa::JointSet;
+use articula_core::loa::{Expression, JointSet};
+use articula_core::math::Transform;
 use articula_core::mesh::Mesh;
 use articula_core::pose::{LocalPose, ModelPose};
 use articula_core::sample::{Wrap, sample};
 use articula_core::skin::{SkinnedMesh, palette, skin};
-use glam::Affine3A;
+use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
+use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
 use random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
 
@@ -197,4 +200,156 @@ proptest! {
             prop_assert!(farthest(&truth, &shown) < ROUNDING_METRES);
         }
     }
+}
+
+/// A character from joints and one clip in which some of them turn.
+fn figure(joints: Vec<Joint>, turning: &[usize], frames: usize) -> Character {
+    let times: Vec<f32> = (0..frames).map(|i| i as f32 / RATE).collect();
+    let channel = |&joint: &usize| Channel {
+        target: joint,
+        property: Property::Rotation,
+        interpolation: Interpolation::Linear,
+        times_secs: times.clone(),
+        values: (0..frames)
+            .flat_map(|i| Quat::from_rotation_z(0.1 * (i + joint) as f32).to_array())
+            .collect(),
+    };
+    Character {
+        skeleton: Skeleton { joints },
+        clips: vec![Clip {
+            name: "c".into(),
+            duration_secs: times[frames - 1],
+            channels: turning.iter().map(channel).collect(),
+        }],
+        ..Character::default()
+    }
+}
+
+fn joint(parent: Option<usize>, rest: Transform) -> Joint {
+    Joint {
+        name: String::new(),
+        parent,
+        rest,
+        in_skin: true,
+    }
+}
+
+fn built(source: &Character) -> Asset {
+    let flat = flat(source.skeleton.joints.len());
+    character(source, Some(flat), &ClipOptions::default()).unwrap()
+}
+
+fn prepared(asset: &Asset, far_from_metres: f32) -> MergedLevels {
+    let opts = LevelOptions {
+        far_from_metres,
+        ..LevelOptions::default()
+    };
+    let levels = merged_levels(asset, &opts).unwrap();
+    let far = levels.far.as_ref().map_or(0, |f| f.ladder.levels());
+    let all = levels.ladder.levels() + far;
+    levels.errors.check(asset.clips.len(), all).unwrap();
+    assert!(all <= opts.most_levels);
+    levels
+}
+
+#[test]
+fn the_smallest_characters_have_one_level() {
+    let one = figure(vec![joint(None, Transform::IDENTITY)], &[0], 5);
+    for far in [0.0, f32::INFINITY] {
+        let levels = prepared(&built(&one), far);
+        assert_eq!((levels.ladder.levels(), levels.far), (1, None));
+        assert!(levels.errors.clips[0].speed_metres_per_sec >= 0.0);
+    }
+    let still = figure(vec![joint(None, Transform::IDENTITY)], &[0], 1);
+    let levels = prepared(&built(&still), 0.0);
+    let clip = &levels.errors.clips[0];
+    assert_eq!((clip.speed_metres_per_sec, clip.seam_metres), (0.0, 0.0));
+    let silent = Character {
+        clips: Vec::new(),
+        ..one
+    };
+    assert!(prepared(&built(&silent), 0.0).errors.clips.is_empty());
+}
+
+#[test]
+fn a_thousand_joints_without_mesh_and_two_trees() {
+    let up = Transform::from_translation(Vec3::Y * 0.01);
+    let parent = |j: usize| match j {
+        0 | 500 => None,
+        j => Some(j - 1 - (j % 7).min(j % 500 - 1) / 2),
+    };
+    let joints = (0..1000).map(|j| joint(parent(j), up)).collect();
+    let turning: Vec<usize> = (0..1000).step_by(3).collect();
+    let asset = built(&figure(joints, &turning, 40));
+    for far in [0.01, f32::INFINITY] {
+        let levels = prepared(&asset, far);
+        assert_eq!(levels.ladder.kept(0), 1000);
+        assert!(levels.skins.bindings.is_empty());
+    }
+}
+
+#[test]
+fn mirrored_and_vanishing_scales_stay_finite() {
+    let scaled = |scale| Transform {
+        scale,
+        ..Transform::from_translation(Vec3::Y * 0.3)
+    };
+    let scales = [
+        Vec3::ONE,
+        Vec3::new(1.0, -1.0, 1.0),
+        Vec3::splat(2.0),
+        Vec3::ZERO,
+        Vec3::new(1.0, 0.2, 3.0),
+    ];
+    let chain = scales.iter().enumerate();
+    let joints = chain
+        .map(|(j, s)| joint(j.checked_sub(1), scaled(*s)))
+        .collect();
+    let asset = built(&figure(joints, &[1, 2, 4], 20));
+    for far in [0.0, f32::INFINITY] {
+        let opts = LevelOptions {
+            fewest_joints: 1,
+            far_from_metres: far,
+            ..LevelOptions::default()
+        };
+        let levels = merged_levels(&asset, &opts).unwrap();
+        let errors = &levels.errors.clips[0].worst_metres;
+        assert!(errors.iter().all(|e| e.is_finite()));
+    }
+}
+
+#[test]
+fn sockets_and_named_levels_are_kept() {
+    let up = Transform::from_translation(Vec3::Y * 0.1);
+    let joints = (0..20).map(|j: usize| joint(j.checked_sub(1).map(|p| p / 2), up));
+    let asset = built(&figure(joints.collect(), &[1, 2, 3, 9], 20));
+    let socket = JointSet::from_iter([19]);
+    for far_from_metres in [0.0, f32::INFINITY] {
+        let opts = LevelOptions {
+            protected: socket,
+            fewest_joints: 3,
+            far_from_metres,
+            ..LevelOptions::default()
+        };
+        let levels = merged_levels(&asset, &opts).unwrap();
+        let coarsest = levels.ladder.kept_set(levels.ladder.levels() - 1);
+        assert!(coarsest.contains(19) && coarsest.contains(0));
+        if let Some(far) = levels.far {
+            let least = far.ladder.kept(far.ladder.levels() - 1);
+            assert!(far.joints[..least].contains(&19));
+        }
+    }
+    let named: Vec<Expression> = ["depth(3)", "depth(1)"]
+        .iter()
+        .map(|e| Expression::parse(e).unwrap())
+        .collect();
+    let ladder = named_ladder(&asset, &mean_pose(&asset), &named).unwrap();
+    let kept: Vec<usize> = (0..ladder.levels()).map(|l| ladder.kept(l)).collect();
+    assert_eq!(kept[0], 20);
+    assert_eq!(kept[2], 1);
+    let wrong = [Expression::parse("joint(nobody)").unwrap()];
+    let at = named_ladder(&asset, &mean_pose(&asset), &wrong)
+        .unwrap_err()
+        .at;
+    assert_eq!(at, "levels[0]");
 }
