@@ -1,13 +1,15 @@
 //! The character of a crowd: its levels, their skins and errors, its bounds, ready to be played.
 
+use super::in_place::{Way, root_path};
 use crate::console::Console;
 use anyhow::Context;
 use articula_build::character::Asset;
 use articula_build::ladder::{
-    LevelOptions, LevelSkins, joint_ladder, level_errors, level_skins, mean_pose, named_ladder,
-    skin_of,
+    LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
+    named_ladder, skin_of,
 };
 use articula_build::motion_bounds::motion_bounds;
+use articula_build::pose_cache::{CacheOptions, cached_poses};
 use articula_core::Backend;
 use articula_core::clip::{Clip, Tracks};
 use articula_core::clip_set::{ClipSet, Storage};
@@ -46,6 +48,8 @@ pub(crate) struct CastOptions {
     pub(crate) storage: Storage,
     pub(crate) backend: Backend,
     pub(crate) seed: u64,
+    /// Whether poses are cached.
+    pub(crate) is_cached: bool,
 }
 
 /// A character that is ready for a crowd.
@@ -66,12 +70,15 @@ pub(crate) struct Cast {
 
 impl Cast {
     /// Prepares levels, skins, errors and bounds.
+    ///
+    /// `ways` has one entry for each clip, or none: how it carried its character, if it did.
     pub(crate) fn new(
         mut asset: Asset,
+        ways: &[Option<Way>],
         options: &CastOptions,
         console: &Console,
     ) -> anyhow::Result<Self> {
-        let bar = console.progress("preparing levels", 4);
+        let bar = console.progress("preparing levels", 5);
         let mut warnings = Vec::new();
         if asset.clips.is_empty() {
             warnings.push("the file has no clip: everyone stands in the rest pose".to_owned());
@@ -94,15 +101,32 @@ impl Cast {
         let skins = level_skins(&asset, &ladder, &opts).context("skins")?;
         bar.inc(1);
         let errors = level_errors(&asset, &ladder, &skins, &opts).context("errors")?;
-        bar.finish_and_clear();
+        bar.inc(1);
+        let levels = MergedLevels {
+            ladder: ladder.clone(),
+            skins,
+            far: None,
+            errors: errors.clone(),
+        };
         let palette = match options.matrices {
             Matrices::Joints => PaletteMap::joints(&ladder),
-            Matrices::Skin => skins.palette.clone(),
+            Matrices::Skin => levels.skins.palette.clone(),
         };
         let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, options.storage)?;
-        let meshes = (0..clips.ladder().levels()).map(|l| skins.mesh(l, &asset.mesh));
+        let meshes = (0..clips.ladder().levels()).map(|l| levels.skins.mesh(l, &asset.mesh));
         let meshes = meshes.collect();
-        let model = CrowdModel::new(CrowdParts {
+        let cache = if options.is_cached {
+            let opts = CacheOptions {
+                form: options.form,
+                seed: options.seed,
+                ..CacheOptions::default()
+            };
+            Some(cached_poses(&asset, &levels, &clips, &opts).context("cache")?)
+        } else {
+            None
+        };
+        bar.finish_and_clear();
+        let mut model = CrowdModel::new(CrowdParts {
             clips,
             palette,
             form: options.form,
@@ -110,9 +134,17 @@ impl Cast {
             errors,
             bounds,
         })?;
+        if let Some(cached) = cache {
+            model = model.with_cache(cached.cache).context("cache")?;
+        }
+        for (c, (way, clip)) in ways.iter().zip(&asset.clips).enumerate() {
+            if let Some(way) = way {
+                model = model.with_root_path(c, root_path(way, clip)?)?;
+            }
+        }
         Ok(Self {
             asset,
-            skins,
+            skins: levels.skins,
             meshes,
             model,
             matrices: options.matrices,

@@ -2,6 +2,7 @@
 
 use articula_core::f32_from_half;
 use articula_core::palette::{PaletteForm, PaletteRows};
+use articula_core::pose_cache::BlendRecord;
 use glam::{Affine3A, Mat3, Quat, Vec3, Vec4};
 
 /// Offset and factor of the 64-bit hash of Fowler, Noll and Vo, variant 1a.
@@ -104,6 +105,14 @@ impl Hash {
     /// Of nothing yet.
     pub(crate) fn new() -> Self {
         Self(FNV_OFFSET)
+    }
+
+    /// Goes on with the records of those whom the GPU blends.
+    pub(crate) fn add_records(&mut self, records: &[BlendRecord]) {
+        for bytes in records.iter().map(|r| r.to_le_bytes()) {
+            let (words, _) = bytes.as_chunks::<8>();
+            words.iter().for_each(|w| self.add(u64::from_le_bytes(*w)));
+        }
     }
 
     fn add(&mut self, word: u64) {

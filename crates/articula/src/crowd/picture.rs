@@ -1,9 +1,8 @@
 //! A moment of a crowd as its camera sees it, every character in the colour of its level.
 
 use super::cast::Cast;
-use super::pixel_error::shown_palette;
 use super::purse::Decision;
-use super::stage::{Settings, Stage, Wanted};
+use super::stage::{Settings, Source, Stage, Wanted};
 use anyhow::Context;
 use articula_build::scene::Scene;
 use articula_core::mesh::{Mesh, Part};
@@ -93,12 +92,11 @@ fn materials(levels: usize) -> Vec<Material> {
 /// The skins of all who are shown, nearest first, as one mesh in the world.
 fn gathered(stage: &Stage<'_>, camera: &Camera) -> (Mesh, SkinnedMesh) {
     let cast = stage.cast;
-    let mut draws: Vec<(f32, usize, usize)> = stage
-        .crowd
-        .draws()
-        .iter()
-        .map(|d| (d.character as usize, d.first_matrix as usize))
-        .map(|(c, m)| (camera.eye.distance(stage.positions[c]), c, m))
+    let sources = stage.sources();
+    let shown = sources.iter().enumerate();
+    let mut draws: Vec<(f32, usize, &Source)> = shown
+        .filter_map(|(c, source)| Some((c, source.as_ref()?)))
+        .map(|(c, source)| (camera.eye.distance(stage.positions[c]), c, source))
         .collect();
     draws.sort_by(|a, b| a.0.total_cmp(&b.0));
     draws.truncate((MOST_TRIANGLES / cast.asset.mesh.triangles.len().max(1)).max(1));
@@ -108,11 +106,11 @@ fn gathered(stage: &Stage<'_>, camera: &Camera) -> (Mesh, SkinnedMesh) {
     };
     let mut all = SkinnedMesh::default();
     let mut matrices = Vec::new();
-    for (_, character, first_matrix) in draws {
+    for (_, character, source) in draws {
         let Some(level) = stage.crowd.level(character) else {
             continue;
         };
-        shown_palette(stage, level, first_matrix, &mut matrices);
+        stage.shown_palette(level, source, &mut matrices);
         let world = stage.scene.members[character].world_from_model();
         append(
             (&mut mesh, &mut all),
@@ -159,25 +157,28 @@ fn append(
 fn write_legend(picture: &mut Picture, stage: &Stage<'_>, drawn: usize) {
     let style = TextStyle::default();
     let line = style.height() as i32 + 6;
-    let groups = stage.crowd.groups();
+    let count = stage.scene.members.len();
+    let mut levels = vec![0; stage.cast.model.levels()];
+    for level in (0..count).filter_map(|c| stage.crowd.level(c)) {
+        levels[level] += 1;
+    }
+    let shown: usize = levels.iter().sum();
+    let levels: Vec<(usize, usize)> = levels.into_iter().enumerate().filter(|l| l.1 > 0).collect();
     let mut y = 8;
     let paper = [255, 255, 255, 255];
-    let mut lines: Vec<String> = groups
-        .iter()
-        .map(|g| {
-            let joints = stage.cast.ladder().kept(g.level);
-            format!("{joints} joints: {}", g.draws.len())
-        })
-        .collect();
-    if drawn < stage.crowd.draws().len() {
+    let line_of = |(level, count): &(usize, usize)| {
+        format!("{} joints: {count}", stage.cast.ladder().kept(*level))
+    };
+    let mut lines: Vec<String> = levels.iter().map(line_of).collect();
+    if drawn < shown {
         lines.push(format!("nearest {drawn} drawn"));
     }
     let width = lines.iter().map(|l| style.width(l)).max().unwrap_or(0) + 40;
     let height = (lines.len() as i32 * line + 10).unsigned_abs();
     picture.draw_box(4, 4, width, height, paper);
     for (i, text) in lines.iter().enumerate() {
-        if let Some(group) = groups.get(i) {
-            picture.draw_box(12, y + 3, 14, 14, color(group.level));
+        if let Some((level, _)) = levels.get(i) {
+            picture.draw_box(12, y + 3, 14, 14, color(*level));
         }
         picture.draw_text(34, y, text, style, [30, 34, 44, 255]);
         y += line;

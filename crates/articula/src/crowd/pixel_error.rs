@@ -5,13 +5,12 @@
 //! are left out on both sides. Definition: `docs/metrics.md`, with the true camera instead of a
 //! weak perspective.
 
-use super::cast::{Cast, Matrices};
+use super::cast::Cast;
 use super::stage::Stage;
 use super::timing::percentile;
 use articula_core::blend::blend;
 use articula_core::crowd::Voice;
 use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
 use articula_core::pose::{LocalPose, ModelPose};
 use articula_core::sample::{Wrap, sample};
 use articula_core::skin::{palette, skin_points};
@@ -130,18 +129,18 @@ impl<'a> Lens<'a> {
         for at in every(visible.len(), DRAWN, seed) {
             is_drawn[at] = true;
         }
-        let mut first_matrix = vec![0; stage.positions.len()];
-        for draw in stage.crowd.draws() {
-            first_matrix[draw.character as usize] = draw.first_matrix as usize;
-        }
+        let sources = stage.sources();
         let mut characters = Vec::new();
         for (&(character, level), is_drawn) in visible.iter().zip(is_drawn) {
             let distance_m = camera.eye.distance(stage.positions[character]);
+            let Some(source) = &sources[character] else {
+                continue;
+            };
             if !is_drawn && distance_m >= NEAR_METRES {
                 continue;
             }
             self.pose_truth(stage, character);
-            shown_palette(stage, level, first_matrix[character], &mut self.matrices);
+            stage.shown_palette(level, source, &mut self.matrices);
             let mesh = &self.cast.meshes[level];
             skin_points(mesh, &self.matrices, &self.vertices, &mut self.shown);
             let world = stage.scene.members[character].world_from_model();
@@ -234,30 +233,6 @@ fn visible(stage: &Stage<'_>, camera: &Camera) -> Vec<(usize, usize)> {
         .filter(|(_, s)| s.visibility == Visibility::Visible)
         .filter_map(|(character, _)| Some((character, stage.crowd.level(character)?)))
         .collect()
-}
-
-/// The matrices of a level's bindings as they were written.
-pub(crate) fn shown_palette(
-    stage: &Stage<'_>,
-    level: usize,
-    first_matrix: usize,
-    out: &mut Vec<Affine3A>,
-) {
-    let cast = stage.cast;
-    let mesh: &Mesh = &cast.meshes[level];
-    out.clear();
-    out.extend(
-        mesh.bindings
-            .iter()
-            .enumerate()
-            .map(|(b, binding)| match cast.matrices {
-                Matrices::Skin => stage.output.matrix(first_matrix + b),
-                Matrices::Joints => {
-                    let place = cast.ladder().place(usize::from(binding.joint));
-                    stage.output.matrix(first_matrix + place) * binding.inverse_bind
-                }
-            }),
-    );
 }
 
 /// At most `count` of `total` numbers, spread evenly from a place that the seed decides.

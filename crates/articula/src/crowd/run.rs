@@ -72,13 +72,17 @@ pub(crate) struct Poses {
     pub(crate) followers: f64,
     /// Own ones that blend two clips.
     pub(crate) blended: f64,
+    /// Blended from the cache, by the CPU or by the GPU.
+    pub(crate) cached: f64,
 }
 
 /// What a crowd holds in memory.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub(crate) struct Memory {
     pub(crate) clips_bytes: usize,
-    /// Palettes of the largest frame.
+    /// Cached poses.
+    pub(crate) cache_bytes: usize,
+    /// Palettes and records of the largest frame.
     pub(crate) output_bytes: usize,
     pub(crate) state_bytes: usize,
     pub(crate) state_bytes_per_character: usize,
@@ -185,7 +189,7 @@ fn looked_at(
     let mut lens = Lens::new(cast, seed);
     let mut tally = Tally::new(cast);
     let mut hash = Hash::new();
-    let (mut reports, mut most_matrices) = (Vec::with_capacity(settings.frames), 0);
+    let mut reports = Vec::with_capacity(settings.frames);
     let looks = settings.frames.min(LOOKS);
     let mut looked = Vec::with_capacity(looks);
     let bar = console.progress("looking", looks);
@@ -196,10 +200,12 @@ fn looked_at(
         };
         stage.evaluate();
         let matrices = stage.crowd.matrices();
-        most_matrices = most_matrices.max(matrices);
         stage.output.hash(matrices, &mut hash);
+        let records = stage.crowd.records();
+        hash.add_records(records);
         tally.add(&stage);
-        reports.push((report, matrices));
+        let bytes = matrices * cast.model.form().bytes() + size_of_val(records);
+        reports.push((report, bytes));
         // The first frame, then evenly on.
         if counted * looks / settings.frames >= looked.len() && looked.len() < looks {
             looked.push(lens.look(&stage)?);
@@ -211,7 +217,6 @@ fn looked_at(
     let mean = |value: &dyn Fn(&CrowdReport) -> usize| {
         reports.iter().map(|r| value(&r.0) as f64).sum::<f64>() / reports.len().max(1) as f64
     };
-    let bytes = cast.model.form().bytes();
     let bound = reports.iter().map(|r| r.0.bound_px).fold(0.0, f32::max);
     Ok(Run {
         frames: settings.frames,
@@ -222,10 +227,11 @@ fn looked_at(
         tick_ms: Spread::default(),
         overrun_p95: None,
         budget: budget_of(&reports, decisions),
-        written_mb: Spread::of(reports.iter().map(|r| (r.1 * bytes) as f64 / 1e6)),
+        written_mb: Spread::of(reports.iter().map(|r| r.1 as f64 / 1e6)),
         memory: Memory {
             clips_bytes: cast.model.clips().bytes(),
-            output_bytes: most_matrices * bytes,
+            output_bytes: reports.iter().map(|r| r.1).max().unwrap_or(0),
+            cache_bytes: cast.model.cache().map_or(0, |c| c.bytes()),
             state_bytes: Crowd::BYTES_PER_CHARACTER * scene.members.len(),
             state_bytes_per_character: Crowd::BYTES_PER_CHARACTER,
         },
@@ -234,6 +240,7 @@ fn looked_at(
             shared: mean(&|r| r.leaders),
             followers: mean(&|r| r.followers),
             blended: mean(&|r| r.blended),
+            cached: mean(&|r| r.cached),
         },
         // Nothing is chosen by its error where everyone is seen in full detail.
         bound_px: (settings.wanted != Wanted::Full).then_some(bound),

@@ -3,7 +3,7 @@
 //! Stands on `articula_core::crowd`; what is added is what a game has to bring: places, cameras,
 //! the turns of endless cross-fades, and threads.
 
-use super::cast::Cast;
+use super::cast::{Cast, Matrices};
 use super::output::{Output, split};
 use super::purse::Decision;
 use super::timing::thread_ns;
@@ -14,9 +14,10 @@ use articula_core::budget::{CostModel, Policy};
 use articula_core::clip_set::ClipSet;
 use articula_core::crowd::{CacheUse, Crowd, CrowdReport, Detail, Frame, Player, Sight, Voice};
 use articula_core::palette::PaletteRows;
+use articula_core::pose_cache::BlendRecord;
 use articula_core::view::Camera;
 use articula_core::visibility::View;
-use glam::{Quat, Vec3};
+use glam::{Affine3A, Quat, Vec3};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -53,6 +54,8 @@ pub(crate) struct Settings {
     pub(crate) wanted: Wanted,
     /// Whether characters may share poses within their tolerance.
     pub(crate) share: bool,
+    /// Who blends cached poses.
+    pub(crate) cache: CacheUse,
     pub(crate) threads: usize,
     /// Frames that count.
     pub(crate) frames: usize,
@@ -73,6 +76,15 @@ pub(crate) struct Stage<'a> {
     fades: Vec<Turning>,
     scratches: Vec<Scratch>,
     pool: Option<ThreadPool>,
+}
+
+/// From where a character is shown.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Source {
+    /// From the palettes of the frame: index of its first matrix.
+    Written(usize),
+    /// From the cache, by the GPU.
+    Record(BlendRecord),
 }
 
 /// A cross-fade that goes to and fro.
@@ -194,7 +206,7 @@ impl<'a> Stage<'a> {
                 },
             },
             share: self.settings.share,
-            cache: CacheUse::Never,
+            cache: self.settings.cache,
         };
         Ok(self.crowd.tick(model, &frame, &mut |_| ()))
     }
@@ -221,6 +233,52 @@ impl<'a> Stage<'a> {
             });
         });
         parts.iter().map(|p| p.ns).sum()
+    }
+
+    /// From where each character is shown; `None` for those who are not.
+    pub(crate) fn sources(&self) -> Vec<Option<Source>> {
+        let mut sources = vec![None; self.positions.len()];
+        for draw in self.crowd.draws() {
+            let first = draw.first_matrix as usize;
+            sources[draw.character as usize] = Some(Source::Written(first));
+        }
+        for record in self.crowd.records() {
+            sources[record.character as usize] = Some(Source::Record(*record));
+        }
+        sources
+    }
+
+    /// The matrices of a level's bindings as a character shows them.
+    pub(crate) fn shown_palette(&self, level: usize, source: &Source, out: &mut Vec<Affine3A>) {
+        let cast = self.cast;
+        let blended;
+        let (rows, first) = match source {
+            Source::Written(first) => (&self.output, *first),
+            Source::Record(record) => {
+                blended = self.blended(level, *record);
+                (&blended, 0)
+            }
+        };
+        out.clear();
+        let bindings = cast.meshes[level].bindings.iter().enumerate();
+        out.extend(bindings.map(|(b, binding)| match cast.matrices {
+            Matrices::Skin => rows.matrix(first + b),
+            Matrices::Joints => {
+                let place = cast.ladder().place(usize::from(binding.joint));
+                rows.matrix(first + place) * binding.inverse_bind
+            }
+        }));
+    }
+
+    /// What a vertex shader makes of a record.
+    fn blended(&self, level: usize, record: BlendRecord) -> Output {
+        let model = &self.cast.model;
+        let matrices = model.palette().len(level);
+        let mut rows = Output::new(model.form(), matrices);
+        if let Some(cache) = model.cache() {
+            cache.blend(level, &[record], model.backend(), rows.first(matrices));
+        }
+        rows
     }
 
     /// How far the camera goes and turns in the time ahead, metres and radians.

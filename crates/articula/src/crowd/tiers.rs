@@ -23,6 +23,8 @@ pub(crate) struct Tier {
     pub(crate) shared: f64,
     /// Characters between two clips.
     pub(crate) blended: f64,
+    /// Characters whose cached palettes the GPU blends, by 16 bytes each.
+    pub(crate) records: f64,
     /// Greatest error of the level over the clips, millimetres: 95th percentile over vertices.
     pub(crate) error_mm: f32,
     /// The same in pixels for the nearest who shows it, over all frames; null where everyone is
@@ -77,9 +79,24 @@ struct Sums {
     poses: usize,
     shared: usize,
     blended: usize,
+    records: usize,
     groups: usize,
     most_px: f32,
     is_unbounded: bool,
+}
+
+impl Sums {
+    /// Adds what one character shows.
+    fn see(&mut self, stage: &Stage<'_>, level: usize, character: usize) {
+        let player = stage.crowd.player(character);
+        self.blended += usize::from(player.fade() > 0.0);
+        let from = player.voice().clip();
+        let to = player.next().map_or(from, |v| v.clip());
+        let error = stage.cast.model.error_metres(from, to, level);
+        let density = stage.crowd.seen(character).pixels_per_metre;
+        self.is_unbounded |= density == f32::MAX;
+        self.most_px = self.most_px.max(error * density);
+    }
 }
 
 impl Tally {
@@ -109,15 +126,16 @@ impl Tally {
             let several = runs().map(<[u32]>::len).filter(|n| *n > 1);
             sums.shared += several.sum::<usize>();
             for draw in draws {
-                let character = draw.character as usize;
-                let player = crowd.player(character);
-                sums.blended += usize::from(player.fade() > 0.0);
-                let from = player.voice().clip();
-                let to = player.next().map_or(from, |v| v.clip());
-                let error = stage.cast.model.error_metres(from, to, group.level);
-                let density = crowd.seen(character).pixels_per_metre;
-                sums.is_unbounded |= density == f32::MAX;
-                sums.most_px = sums.most_px.max(error * density);
+                sums.see(stage, group.level, draw.character as usize);
+            }
+        }
+        for group in crowd.record_groups() {
+            let sums = &mut self.levels[group.level];
+            sums.groups += 1;
+            sums.records += group.records.len();
+            sums.characters += group.records.len();
+            for record in &crowd.records()[group.records.clone()] {
+                sums.see(stage, group.level, record.character as usize);
             }
         }
     }
@@ -154,6 +172,7 @@ impl Tally {
             poses: mean(sums.poses),
             shared: mean(sums.shared),
             blended: mean(sums.blended),
+            records: mean(sums.records),
             error_mm: 1e3 * error_metres,
             error_bound_px: (!sums.is_unbounded).then_some(sums.most_px),
             error_px: errors.last().map(|max| TierError { p95, max: *max }),

@@ -5,6 +5,7 @@ mod report;
 use crate::arguments::{CharacterArgs, field_of_view, not_negative, positive, size};
 use crate::console::Console;
 use crate::crowd::cast::{Cast, CastOptions, Levels, Matrices};
+use crate::crowd::in_place::{self, Way};
 use crate::crowd::run::{self, Run};
 use crate::crowd::stage::{DISPLAY_HZ, Settings, Wanted};
 use crate::crowd::{picture, scene_file};
@@ -17,6 +18,7 @@ use articula_build::character::Asset;
 use articula_build::scene::{PLAZA_COUNT, Phases, Scene, plaza, plaza_2};
 use articula_core::Backend;
 use articula_core::clip_set::Storage;
+use articula_core::crowd::CacheUse;
 use articula_core::loa::Expression;
 use articula_core::palette::PaletteForm;
 use articula_flat::codec;
@@ -52,7 +54,7 @@ pub(crate) struct CrowdArgs {
     /// the budget; an expression such as "loa(Low) + zone(hands)": these joints of everyone in view
     #[arg(long, value_name = "full|auto|EXPR", default_value = "auto")]
     level: String,
-    /// plaza, plaza-2 (moving camera, a fifth in cross-fades), plaza-2-in-step (the same with all
+    /// Who stands where; clips that travel are played on the spot: plaza, plaza-2 (moving camera, a fifth in cross-fades), plaza-2-in-step (the same with all
     /// phases equal), or a scene file
     #[arg(long, value_name = "NAME|F.json", default_value = "plaza")]
     scene: String,
@@ -74,6 +76,9 @@ pub(crate) struct CrowdArgs {
     /// Let characters share poses where nobody can see the difference
     #[arg(long)]
     share: bool,
+    /// Also work out everyone's way over the ground, of clips that travel; nobody takes it here
+    #[arg(long)]
+    root_steps: bool,
     /// Which clips are played (repeatable) [default: all]
     #[arg(long, value_name = "NAME|all")]
     clip: Vec<String>,
@@ -108,9 +113,14 @@ struct StorageArgs {
     /// How palettes are written: 48, 24, 32 or 16 bytes a matrix
     #[arg(long, value_enum, default_value = "matrix")]
     form: FormName,
-    /// Which matrices: of joints, or of the skin's bindings with their inverse bind
-    #[arg(long, value_enum, default_value = "joints")]
-    palette: MatricesName,
+    /// Which matrices: of joints, or of the skin's bindings with their inverse bind [default:
+    /// joints; skin with a cache]
+    #[arg(long, value_enum)]
+    palette: Option<MatricesName>,
+    /// Poses cached for all characters of a clip and level: blended by the CPU, or left to the
+    /// GPU as 16-byte records
+    #[arg(long, value_enum, default_value = "never")]
+    cache: CacheName,
     /// Instruction set; all give the same bits [default: the best]
     #[arg(long, value_name = "NAME", value_parser = backend)]
     backend: Option<Backend>,
@@ -136,11 +146,38 @@ enum MatricesName {
     Skin,
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum CacheName {
+    Never,
+    Cpu,
+    Gpu,
+}
+
+impl StorageArgs {
+    /// Which matrices; a cache holds those of the skin.
+    fn palette(&self) -> MatricesName {
+        let usual = match self.cache {
+            CacheName::Never => MatricesName::Joints,
+            _ => MatricesName::Skin,
+        };
+        self.palette.unwrap_or(usual)
+    }
+
+    fn cache(&self) -> CacheUse {
+        match self.cache {
+            CacheName::Never => CacheUse::Never,
+            CacheName::Cpu => CacheUse::Cpu,
+            CacheName::Gpu => CacheUse::Gpu,
+        }
+    }
+}
+
 /// What is played: everything that was asked for, read and checked.
 struct Piece {
     cast: Cast,
     scene: Scene,
     scene_name: String,
+    in_place: Vec<String>,
     settings: Settings,
 }
 
@@ -148,12 +185,19 @@ struct Piece {
 pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     let wanted = args.wanted()?;
     args.check_outputs()?;
-    let prepared = Prepared::new(&args.character)?;
+    args.check_cache()?;
+    let mut prepared = Prepared::new(&args.character)?;
     let place = prepared.loaded.place();
     let mut warnings = prepared.loaded.warnings();
-    let asset = args.asset(prepared).context(place.clone())?;
+    let (ways, faults) = in_place::put_in_place(&mut prepared.loaded);
+    warnings.extend(faults);
+    if ways.iter().any(Option::is_some) {
+        prepared = Prepared::from_loaded(prepared.loaded)?;
+    }
+    let (asset, ways) = args.asset(prepared, ways).context(place.clone())?;
     let options = args.options()?;
-    let cast = Cast::new(asset, &options, console).context(place.clone())?;
+    let paths = if args.root_steps { &ways[..] } else { &[] };
+    let cast = Cast::new(asset, paths, &options, console).context(place.clone())?;
     warnings.extend(cast.warnings.iter().cloned());
     if args.picture.is_some() && !cast.has_mesh {
         anyhow::bail!("{place}: no mesh, so there is nothing to draw; leave --picture out");
@@ -162,10 +206,14 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     let settings = Settings {
         wanted,
         share: args.share,
+        cache: args.storage.cache(),
         threads: args.threads,
         frames: args.frames(&scene)?,
     };
+    let travels = cast.asset.clips.iter().zip(&ways);
+    let travels = travels.filter(|(_, way)| way.is_some());
     let piece = Piece {
+        in_place: travels.map(|(clip, _)| clip.name.clone()).collect(),
         cast,
         scene,
         scene_name: args.scene.clone(),
@@ -215,21 +263,27 @@ impl CrowdArgs {
     }
 
     /// The character with the clips that are played, in the order of the file.
-    fn asset(&self, prepared: Prepared) -> anyhow::Result<Asset> {
+    fn asset(
+        &self,
+        prepared: Prepared,
+        mut ways: Vec<Option<Way>>,
+    ) -> anyhow::Result<(Asset, Vec<Option<Way>>)> {
         let mut asset = prepared.asset;
         let names: Vec<String> = asset.clips.iter().map(|c| c.name.clone()).collect();
         let names = || names.iter().map(String::as_str);
         let all = |name: &String| name == "all" && !names().any(|n| n == "all");
         if self.clip.is_empty() || self.clip.iter().any(all) {
-            return Ok(asset);
+            return Ok((asset, ways));
         }
         let mut kept = vec![false; asset.clips.len()];
         for name in &self.clip {
             kept[load::choose("clip", name, names())?] = true;
         }
-        let mut kept = kept.into_iter();
-        asset.clips.retain(|_| kept.next().unwrap_or(false));
-        Ok(asset)
+        let mut each = kept.iter().copied();
+        asset.clips.retain(|_| each.next().unwrap_or(false));
+        let mut each = kept.iter().copied();
+        ways.retain(|_| each.next().unwrap_or(false));
+        Ok((asset, ways))
     }
 
     fn options(&self) -> anyhow::Result<CastOptions> {
@@ -243,7 +297,7 @@ impl CrowdArgs {
         };
         Ok(CastOptions {
             levels,
-            matrices: match self.storage.palette {
+            matrices: match self.storage.palette() {
                 MatricesName::Joints => Matrices::Joints,
                 MatricesName::Skin => Matrices::Skin,
             },
@@ -259,7 +313,25 @@ impl CrowdArgs {
             },
             backend: self.storage.backend.unwrap_or_else(Backend::best),
             seed: self.seed,
+            is_cached: self.storage.cache() != CacheUse::Never,
         })
+    }
+
+    /// A cache is of whole matrices of the skin, and its error is weighed against a tolerance.
+    fn check_cache(&self) -> anyhow::Result<()> {
+        if self.storage.cache() == CacheUse::Never {
+            return Ok(());
+        }
+        let mend = if self.level != "auto" || self.budget_ms.is_some() {
+            "goes with --level auto and no budget"
+        } else if self.storage.palette() == MatricesName::Joints {
+            "holds matrices of the skin; leave --palette out"
+        } else if !matches!(self.storage.form, FormName::Matrix | FormName::Half) {
+            "blends --form matrix or half"
+        } else {
+            return Ok(());
+        };
+        Err(fault::usage(format!("--cache {mend}")))
     }
 
     fn scene(&self, cast: &Cast) -> anyhow::Result<Scene> {

@@ -26,6 +26,10 @@ pub(super) struct Report {
     pub(super) display_hz: f64,
     pub(super) threads: usize,
     pub(super) share: bool,
+    pub(super) cache: String,
+    pub(super) root_steps: bool,
+    /// Clips that travel and are played on the spot.
+    pub(super) clips_in_place: Vec<String>,
     pub(super) epsilon_px: f32,
     pub(super) viewport_px: [f32; 2],
     pub(super) fov_deg: f32,
@@ -90,6 +94,9 @@ impl Report {
             display_hz: super::DISPLAY_HZ,
             threads: args.threads,
             share: args.share,
+            cache: name_of(args.storage.cache),
+            root_steps: args.root_steps,
+            clips_in_place: piece.in_place.clone(),
             epsilon_px: args.epsilon_px,
             viewport_px: [viewport.width_px, viewport.height_px],
             fov_deg: viewport.fov_y_radians.to_degrees(),
@@ -101,7 +108,7 @@ impl Report {
                 .name(),
             storage: name_of(args.storage.storage),
             form: name_of(args.storage.form),
-            palette: name_of(args.storage.palette),
+            palette: name_of(args.storage.palette()),
             ns_per_character: Spread {
                 median: frame_ns(run.frame_ms.median),
                 p95: frame_ns(run.frame_ms.p95),
@@ -220,13 +227,18 @@ impl Report {
             self.error_px.near
         ));
         text.push_str(&format!(
-            "poses  {:.0} own ({:.0} blended), {:.0} shared by {:.0}\n",
-            self.poses.own, self.poses.blended, self.poses.shared, self.poses.followers
+            "poses  {:.0} own ({:.0} blended), {:.0} shared by {:.0}, {:.0} from the cache\n",
+            self.poses.own,
+            self.poses.blended,
+            self.poses.shared,
+            self.poses.followers,
+            self.poses.cached
         ));
         text.push_str(&format!(
-            "memory {:.2} MB written a frame; clips {:.2} MB, palettes {:.2} MB, state {:.2} MB ({} bytes a character); meshes {:.2} MB\n",
+            "memory {:.2} MB written a frame; clips {:.2} MB, cache {:.2} MB, palettes {:.2} MB, state {:.2} MB ({} bytes a character); meshes {:.2} MB\n",
             self.written_mb.median,
             self.working_set.clips_bytes as f64 / 1e6,
+            self.working_set.cache_bytes as f64 / 1e6,
             self.working_set.output_bytes as f64 / 1e6,
             self.working_set.state_bytes as f64 / 1e6,
             self.working_set.state_bytes_per_character,

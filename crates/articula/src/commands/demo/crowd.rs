@@ -11,6 +11,7 @@ use articula_build::character::Asset;
 use articula_build::scene::{Scene, plaza};
 use articula_core::Backend;
 use articula_core::clip_set::Storage;
+use articula_core::crowd::CacheUse;
 use articula_core::palette::PaletteForm;
 use articula_flat::codec;
 use serde::Serialize;
@@ -51,7 +52,7 @@ pub(super) fn of(
     console: &Console,
 ) -> anyhow::Result<Crowd> {
     let scene = plaza(COUNT, asset.clips.len(), SEED);
-    let cast = |levels| Cast::new(asset.clone(), &options(levels), console);
+    let cast = |levels| Cast::new(asset.clone(), &[], &options(levels), console);
     let (whole, merged) = (cast(Levels::Whole)?, cast(Levels::Merged)?);
     let tolerance = Wanted::Tolerance(epsilon_px);
     let full = play(&whole, &scene, settings(Wanted::Full, false), console)?;
@@ -80,6 +81,7 @@ fn options(levels: Levels) -> CastOptions {
         storage: Storage::Float,
         backend: Backend::best(),
         seed: SEED,
+        is_cached: false,
     }
 }
 
@@ -87,6 +89,7 @@ fn settings(wanted: Wanted, share: bool) -> Settings {
     Settings {
         wanted,
         share,
+        cache: CacheUse::Never,
         threads: 1,
         frames: FRAMES,
     }
