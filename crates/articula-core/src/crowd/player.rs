@@ -246,3 +246,28 @@ impl Player {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fade_under_way_arrives_when_its_time_is_over() {
+        let voice = |clip| Voice {
+            secs: 0.0,
+            speed: 1.0,
+            clip,
+            wrap: Wrap::Loop,
+        };
+        let mut player = Player::fading(voice(0), voice(1), 0.25, 2.0);
+        assert_eq!((player.fade(), player.clips()), (0.25, (0, 1)));
+        player.advance_fade(1.0);
+        assert_eq!(player.fade(), 0.75);
+        player.advance_fade(0.5);
+        assert_eq!(player, Player::from(voice(1)));
+        // From the very beginning it is a fade too; without a time there is nothing to fade.
+        assert!(Player::fading(voice(0), voice(1), f32::NAN, 1.0).is_fading());
+        let at_once = Player::fading(voice(0), voice(1), 0.5, 0.0);
+        assert_eq!(at_once, Player::from(voice(1)));
+    }
+}
