@@ -73,7 +73,7 @@ impl<'a> BatchEvaluator<'a> {
     ///
     /// # Errors
     /// A [`Mismatch`] if the palette is of a ladder with other levels, or a rigid form is asked
-    /// of a rig with scale or of bind matrices that are not rigid.
+    /// of joints that scale reaches or of bind matrices that are not rigid.
     pub fn new(
         clips: &'a ClipSet,
         map: &'a PaletteMap,
@@ -85,7 +85,8 @@ impl<'a> BatchEvaluator<'a> {
             let what = "the palette was made for another ladder";
             return Err(Mismatch::new("map", what));
         }
-        if form.is_rigid() && (clips.is_scaled() || !map.is_rigid()) {
+        let scaled = map.places().any(|place| clips.scaled()[place]);
+        if form.is_rigid() && (scaled || !map.is_rigid()) {
             let what = "rotation and translation cannot hold scale; take a matrix form";
             return Err(Mismatch::new("form", what));
         }

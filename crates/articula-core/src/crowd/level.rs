@@ -46,6 +46,23 @@ pub(crate) fn level_within(
     level
 }
 
+/// The pixels per metre from which on a level is coarse enough, and from which on too coarse:
+/// between them [`level_within`] keeps it.
+#[inline]
+pub(crate) fn kept_between(errors_metres: &[f32], level: usize, px: f32) -> [f32; 2] {
+    // Full detail is never too coarse, the coarsest level never too fine. A tolerance that is no
+    // number keeps nothing.
+    let most = px / errors_metres[level];
+    let least = errors_metres
+        .get(level + 1)
+        .map_or(0.0, |next| px * HYSTERESIS / next);
+    if px > 0.0 {
+        [least, most]
+    } else {
+        [f32::INFINITY, 0.0]
+    }
+}
+
 /// The coarsest level whose cached palettes stay within a tolerance, at most `coarsest`, and
 /// their error with the level's own.
 #[inline]
@@ -95,5 +112,26 @@ mod tests {
         assert_eq!(level(0.02, Some(1)), 1);
         assert_eq!(level(0.026, Some(1)), 2);
         assert_eq!(level(0.019, Some(2)), 1);
+    }
+
+    #[test]
+    fn a_level_is_kept_just_where_it_would_be_chosen_again() {
+        let errors = [0.0, 0.01, 0.02, 0.02, 0.04];
+        for (px, level) in [0.5, 1.0, 2.0]
+            .into_iter()
+            .flat_map(|px| (0..5).map(move |l| (px, l)))
+        {
+            let [least, most] = kept_between(&errors, level, px);
+            for density in (1..4000).map(|i| i as f32 * 0.1) {
+                let again = level_within(px / density, Some(level), 4, |l| errors[l]);
+                let kept = (least..most).contains(&density);
+                let at_border = [least, most].iter().any(|b| (b - density).abs() < 1e-3 * b);
+                assert!(
+                    at_border || kept == (again == level),
+                    "{px} px, {density} px/m, {level}"
+                );
+            }
+        }
+        assert_eq!(kept_between(&errors, 1, f32::NAN), [f32::INFINITY, 0.0]);
     }
 }

@@ -246,6 +246,11 @@ impl CrowdModel {
         self.paths.iter().any(Option::is_some)
     }
 
+    /// Whether any clip has stretches that are looked at more closely, or less.
+    pub(crate) fn has_attention(&self) -> bool {
+        self.attention.iter().any(Option::is_some)
+    }
+
     pub(crate) fn attention(&self, clip: usize) -> Option<&Attention> {
         self.attention[clip].as_ref()
     }

@@ -1,7 +1,7 @@
 //! One frame of a crowd, from clocks to palettes.
 
 use super::frame::{CacheUse, CrowdReport, Detail, Frame, Notice, Sight};
-use super::level::{Choice, attention, cached_within, level_within};
+use super::level::{Choice, attention, cached_within, kept_between, level_within};
 use super::model::CrowdModel;
 use super::plan::{Batch, Draw, DrawGroup, Kind, Plan, Poser, RecordGroup};
 use super::player::{Player, Voice};
@@ -27,12 +27,40 @@ const BOUND_SECS: f32 = 1.0;
 
 /// Level of a character that is not shown.
 const HIDDEN: u8 = u8::MAX;
+/// A level to be chosen anew.
+const ANEW: [f32; 2] = [f32::INFINITY, 0.0];
+/// Level of a character before its first frame.
+const NEW: u8 = u8::MAX - 1;
+
+/// A tolerance that is the same for everyone, so that levels may be kept while sizes on screen
+/// hardly change.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Kept {
+    px: f32,
+}
+
+impl Kept {
+    /// If nothing but the size on screen and the clip decides on a level.
+    fn of(model: &CrowdModel, frame: &Frame<'_>) -> Option<Self> {
+        let Detail::Tolerance { px } = frame.detail else {
+            return None;
+        };
+        let alike = frame.importance.is_empty() && frame.scales.is_empty();
+        let plain = alike && !model.has_attention() && !frame.share;
+        (plain && frame.cache == CacheUse::Never).then_some(Self { px })
+    }
+}
 
 /// The characters of one rig.
 #[derive(Debug, Clone)]
 pub struct Crowd {
     players: Vec<Player>,
     levels: Vec<u8>,
+    /// Pixels per metre between which each keeps its level: at least the first, below the
+    /// second. Nothing lies between if the level is to be chosen anew.
+    keeps: Vec<[f32; 2]>,
+    /// What `keeps` was made for.
+    kept_for: Option<Kept>,
     /// Model-space bound of each, and how much longer it holds.
     bounds: Vec<Sphere>,
     bound_secs: Vec<f32>,
@@ -55,7 +83,9 @@ impl Crowd {
         let levels = model.levels();
         Self {
             players: vec![player; characters],
-            levels: vec![HIDDEN; characters],
+            levels: vec![NEW; characters],
+            keeps: vec![ANEW; characters],
+            kept_for: None,
             bounds: vec![Sphere::default(); characters],
             // Spread, so that bounds are not all looked up in one frame; below 0: at once.
             bound_secs: vec![-1.0; characters],
@@ -72,8 +102,11 @@ impl Crowd {
     }
 
     /// Bytes of state that a character takes, without budget and output.
-    pub const BYTES_PER_CHARACTER: usize =
-        size_of::<Player>() + size_of::<u8>() + size_of::<Sphere>() + size_of::<f32>();
+    pub const BYTES_PER_CHARACTER: usize = size_of::<Player>()
+        + size_of::<u8>()
+        + size_of::<[f32; 2]>()
+        + size_of::<Sphere>()
+        + size_of::<f32>();
 
     /// Number of characters.
     pub fn len(&self) -> usize {
@@ -94,12 +127,14 @@ impl Crowd {
     pub fn play(&mut self, character: usize, player: Player) {
         self.players[character] = player;
         self.bound_secs[character] = -1.0;
+        self.keeps[character] = ANEW;
     }
 
     /// Starts a character's fade to another clip; see [`Player::fade_to`].
     pub fn fade_to(&mut self, character: usize, voice: Voice, secs: f32) {
         self.players[character].fade_to(voice, secs);
         self.bound_secs[character] = -1.0;
+        self.keeps[character] = ANEW;
     }
 
     /// Gives every level of every clip its price, so that [`Detail::Budget`] can be asked for.
@@ -180,8 +215,10 @@ impl Crowd {
             if *left < 0.0 {
                 let (bound, secs) = bound_of(model, player);
                 self.bounds[character] = bound;
-                // Spread over the frames in which they hold.
-                *left = secs * ((character % 32 + 1) as f32 / 32.0);
+                // The first ones are spread, so that they do not all end in one frame.
+                let first = self.levels[character] == NEW;
+                let part = (character % 32 + 1) as f32 / 32.0;
+                *left = if first { secs * part } else { secs };
             }
         }
     }
@@ -226,19 +263,57 @@ impl Crowd {
             report.budget =
                 Some(purse.spend(cost, &self.players, &self.seen, &self.bounds, &weight));
         }
+        let (mut unchanged, mut bound_part) = (0, 0f32);
+        let kept = Kept::of(model, frame);
+        if kept != self.kept_for {
+            self.keeps.fill(ANEW);
+            self.kept_for = kept;
+        }
         for character in 0..self.len() {
             let seen = self.seen[character];
+            let [least, most] = self.keeps[character];
+            if seen.visibility == Visibility::Visible
+                && (least..most).contains(&seen.pixels_per_metre)
+            {
+                // By far the most frequent: seen as before, about as large as before.
+                unchanged += 1;
+                bound_part = bound_part.max(seen.pixels_per_metre / most);
+                let level = usize::from(self.levels[character]);
+                self.plan
+                    .add(level, Kind::Clip, Poser::Character(character));
+                continue;
+            }
             if seen.visibility != Visibility::Visible {
                 report.near += usize::from(seen.visibility == Visibility::Near);
-                self.set_level(model, character, None, tell);
+                if self.levels[character] != HIDDEN {
+                    self.set_level(model, character, None, tell);
+                    self.keeps[character] = ANEW;
+                }
                 continue;
             }
             report.visible += 1;
             let choice = self.choice(model, frame, character);
             self.set_level(model, character, Some(choice.level), tell);
+            self.keeps[character] = self.keeping(model, character, choice.level);
             self.show(model, frame, character, choice, &mut report);
         }
+        report.visible += unchanged;
+        report.own += unchanged;
+        if let Some(Kept { px }) = kept {
+            report.bound_px = report.bound_px.max(bound_part * px);
+        }
         report
+    }
+
+    /// The pixels per metre between which a level need not be chosen anew.
+    fn keeping(&self, model: &CrowdModel, character: usize, level: usize) -> [f32; 2] {
+        let player = &self.players[character];
+        match self.kept_for {
+            Some(Kept { px }) if !player.is_fading() => {
+                kept_between(model.errors_of(player.from.clip()), level, px)
+            }
+            _ => ANEW,
+        }
     }
 
     /// The level of a visible character, and what it may be wrong by.
@@ -370,6 +445,7 @@ impl Crowd {
     ) {
         let now = level.map_or(HIDDEN, |l| l as u8);
         let before = std::mem::replace(&mut self.levels[character], now);
+        let before = if before == NEW { HIDDEN } else { before };
         if before == now {
             return;
         }
@@ -392,7 +468,7 @@ impl Crowd {
 
     /// The level at which a character is shown.
     pub fn level(&self, character: usize) -> Option<usize> {
-        Some(usize::from(self.levels[character])).filter(|l| *l != usize::from(HIDDEN))
+        Some(usize::from(self.levels[character])).filter(|l| *l < usize::from(NEW))
     }
 
     /// What the views see of a character.
