@@ -3,6 +3,7 @@
 use anyhow::{Context, Result, bail};
 use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
+use articula_build::scene::put_in_place;
 use articula_formats::{Limits, gltf, profile};
 use std::path::{Path, PathBuf};
 
@@ -25,6 +26,15 @@ pub(crate) fn folder(given: Option<&Path>) -> Result<Option<PathBuf>> {
 
 /// Reads a character of the data folder, maps its joints by name, and builds it.
 pub(crate) fn asset(data: &Path, name: &str) -> Result<Asset> {
+    built(data, name, Place::AsAuthored)
+}
+
+/// The same with clips that travel played on the spot.
+pub(crate) fn asset_on_the_spot(data: &Path, name: &str) -> Result<Asset> {
+    built(data, name, Place::OnTheSpot)
+}
+
+fn built(data: &Path, name: &str, place: Place) -> Result<Asset> {
     let path = data.join(name);
     let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
     let folder = path.parent().unwrap_or(data).to_owned();
@@ -33,10 +43,19 @@ pub(crate) fn asset(data: &Path, name: &str) -> Result<Asset> {
         .with_context(|| path.display().to_string())?
         .value;
     let mapping = profile::map(&file.character.skeleton, profile::builtin(), None);
-    character(
-        &file.character,
-        Some(mapping.articulation),
-        &ClipOptions::default(),
-    )
-    .with_context(|| path.display().to_string())
+    let mut source = file.character;
+    if place == Place::OnTheSpot {
+        put_in_place(&mut source, mapping.articulation.clone(), &[]);
+    }
+    character(&source, Some(mapping.articulation), &ClipOptions::default())
+        .with_context(|| path.display().to_string())
+}
+
+/// What becomes of clips that travel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Place {
+    /// They travel.
+    AsAuthored,
+    /// They are played on the spot.
+    OnTheSpot,
 }

@@ -3,8 +3,10 @@
 //! [`plaza`] and [`plaza_2`] make the default scenes from a seed; a scene file is read into the
 //! same [`Scene`]. Nothing here opens a file or knows how a pose is evaluated.
 
+mod in_place;
 mod plaza;
 
+pub use in_place::{Way, put_in_place, root_path};
 pub use plaza::{EYE_METRES, PLAZA_COUNT, Phases, SPACING_METRES, plaza, plaza_2};
 
 use crate::evaluate::{CameraKey, camera_at};

@@ -1,6 +1,5 @@
 //! The character of a crowd: its levels, their skins and errors, its bounds, ready to be played.
 
-use super::in_place::{Way, root_path};
 use crate::console::Console;
 use anyhow::Context;
 use articula_build::character::Asset;
@@ -10,6 +9,7 @@ use articula_build::ladder::{
 };
 use articula_build::motion_bounds::motion_bounds;
 use articula_build::pose_cache::{CacheOptions, cached_poses};
+use articula_build::scene::{Way, root_path};
 use articula_core::Backend;
 use articula_core::clip::{Clip, Tracks};
 use articula_core::clip_set::{ClipSet, Storage};

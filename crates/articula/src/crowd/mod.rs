@@ -4,7 +4,6 @@
 //! looks at what the first has shown: true errors, levels, a hash of every palette.
 //!
 //! - [`cast`]: the character with its levels, ready for a crowd
-//! - [`in_place`]: clips that travel, played on the spot
 //! - [`scene_file`]: who stands where, read from a file or saved to one
 //! - [`stage`]: one frame after the other, on one thread or several
 //! - [`output`]: the memory that palettes are written to, and reading them again
@@ -16,7 +15,6 @@
 //! - [`picture`]: the same to look at, coloured by level
 
 pub(crate) mod cast;
-pub(crate) mod in_place;
 pub(crate) mod output;
 pub(crate) mod picture;
 pub(crate) mod pixel_error;

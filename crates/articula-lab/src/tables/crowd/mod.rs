@@ -121,7 +121,7 @@ impl Report {
 
 /// Runs all sections and writes the page.
 pub(crate) fn write(run: &Run) -> Result<()> {
-    let asset = data::asset(&run.data, FILE)?;
+    let asset = data::asset_on_the_spot(&run.data, FILE)?;
     let clip = asset.clips.iter().position(|c| c.name == CLIP);
     let bench = Bench {
         clip: clip.with_context(|| format!("{FILE} has no clip called {CLIP}"))?,

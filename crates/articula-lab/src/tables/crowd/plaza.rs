@@ -4,7 +4,7 @@ use super::stage::{Outcome, Play, Stage, percentile};
 use super::{Bench, Report, SEED};
 use anyhow::Result;
 use articula_build::scene::{PLAZA_COUNT, Phases, Scene, plaza, plaza_2};
-use articula_core::crowd::Detail;
+use articula_core::crowd::{CacheUse, Detail};
 
 /// Frames that are looked back on to tell a budget's overrun.
 const OVERRUN: f64 = 0.95;
@@ -50,6 +50,7 @@ pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<AtOnePixel> {
     let at = |detail, share| Play {
         detail,
         share,
+        cache: CacheUse::Never,
         frames: if bench.small { 8 } else { 240 },
         look_at_one_of: if bench.small { 40 } else { 97 },
     };
@@ -62,6 +63,18 @@ pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<AtOnePixel> {
     ] {
         let outcome = stage.play(&still, at(detail, share))?;
         row(report, count, &format!("plaza, {name}"), &outcome);
+    }
+    for (name, cache) in [
+        ("blended by the CPU", CacheUse::Cpu),
+        ("blended by the GPU from records", CacheUse::Gpu),
+    ] {
+        let play = Play {
+            cache,
+            ..at(one, false)
+        };
+        let outcome = stage.play(&still, play)?;
+        let name = format!("plaza, merged levels and cached poses within 1 px, {name}");
+        row(report, count, &name, &outcome);
     }
     for (name, phases) in [("distinct", Phases::Distinct), ("equal", Phases::Equal)] {
         let moving = plaza_2(count, clips, SEED, phases);
@@ -145,6 +158,7 @@ fn budget(
                 cost: (1e6 * budget_ms) as f32,
             },
             share: false,
+            cache: CacheUse::Never,
             frames: if bench.small { 8 } else { 240 },
             look_at_one_of: if bench.small { 40 } else { 97 },
         };

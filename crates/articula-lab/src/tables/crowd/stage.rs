@@ -3,8 +3,9 @@
 use super::Bench;
 use crate::measure::thread_ns;
 use anyhow::{Context, Result};
-use articula_build::ladder::{LevelOptions, LevelSkins, merged_levels};
+use articula_build::ladder::{LevelOptions, merged_levels};
 use articula_build::motion_bounds::motion_bounds;
+use articula_build::pose_cache::{CacheOptions, cached_poses};
 use articula_build::scene::{Member, Scene};
 use articula_core::Backend;
 use articula_core::blend::blend;
@@ -17,6 +18,7 @@ use articula_core::hierarchy::local_to_model;
 use articula_core::mesh::Mesh;
 use articula_core::palette::{PaletteForm, PaletteRows};
 use articula_core::pose::ModelPose;
+use articula_core::pose_cache::CachedRows;
 use articula_core::sample::{Wrap, sample};
 use articula_core::skin::{palette, skin_points};
 use articula_core::view::Camera;
@@ -86,12 +88,14 @@ impl Outcome {
 pub(super) struct Play {
     pub(super) detail: Detail,
     pub(super) share: bool,
+    pub(super) cache: CacheUse,
     pub(super) frames: usize,
     /// Characters that are looked at in every eighth frame: one of so many.
     pub(super) look_at_one_of: usize,
 }
 
 /// What is on the screen in a frame.
+#[derive(Clone, Copy)]
 struct Shown<'a> {
     /// Which of the frames that are looked at.
     number: usize,
@@ -126,23 +130,29 @@ impl<'a> Stage<'a> {
     pub(super) fn new(bench: &'a Bench) -> Result<Self> {
         let asset = &bench.asset;
         let levels = merged_levels(asset, &LevelOptions::default())?;
-        let LevelSkins { palette, .. } = &levels.skins;
-        let palette = palette.clone();
         let count = levels.ladder.levels();
         let meshes = (0..count).map(|l| levels.skins.mesh(l, &asset.mesh));
         let step = (asset.mesh.len() / POINTS).max(1);
+        let clips = ClipSet::new(
+            &asset.rig,
+            levels.ladder.clone(),
+            &asset.clips,
+            Storage::Float,
+        )?;
+        let cached = cached_poses(asset, &levels, &clips, &CacheOptions::default())?;
+        let model = CrowdModel::new(CrowdParts {
+            clips,
+            palette: levels.skins.palette.clone(),
+            form: PaletteForm::Matrix,
+            backend: Backend::best(),
+            errors: levels.errors.clone(),
+            bounds: motion_bounds(asset, 0.0)?,
+        })?;
         Ok(Self {
             bench,
             meshes: meshes.collect(),
             vertices: (0..asset.mesh.len() as u32).step_by(step).collect(),
-            model: CrowdModel::new(CrowdParts {
-                clips: ClipSet::new(&asset.rig, levels.ladder, &asset.clips, Storage::Float)?,
-                palette,
-                form: PaletteForm::Matrix,
-                backend: Backend::best(),
-                errors: levels.errors,
-                bounds: motion_bounds(asset, 0.0)?,
-            })?,
+            model: model.with_cache(cached.cache)?,
         })
     }
 
@@ -182,7 +192,7 @@ impl<'a> Stage<'a> {
                 sight: Sight::Views(&views),
                 detail: play.detail,
                 share: play.share,
-                cache: CacheUse::Never,
+                cache: play.cache,
             };
             let start = thread_ns();
             let report = crowd.tick(&self.model, &frame, &mut |_| {});
@@ -205,7 +215,8 @@ impl<'a> Stage<'a> {
             }
             outcome.select_ms.push(1e-6 * (selected - start) as f64);
             outcome.evaluate_ms.push(1e-6 * (evaluated - ready) as f64);
-            outcome.add(&report, 16 * wanted, play.frames);
+            let records = size_of_val(crowd.records());
+            outcome.add(&report, 16 * wanted + records, play.frames);
             if number.is_multiple_of(8) {
                 let now = Shown {
                     number: number / 8,
@@ -214,9 +225,13 @@ impl<'a> Stage<'a> {
                     rows: &rows,
                 };
                 self.look(scene, &now, play.look_at_one_of, &mut errors);
+                self.look_at_records(scene, &now, play.look_at_one_of, &mut errors);
             }
         }
-        let state = Crowd::BYTES_PER_CHARACTER * count + self.model.clips().bytes();
+        let mut state = Crowd::BYTES_PER_CHARACTER * count + self.model.clips().bytes();
+        if let (true, Some(cache)) = (play.cache != CacheUse::Never, self.model.cache()) {
+            state += cache.bytes();
+        }
         outcome.resident_mb = 1e-6 * (state + 16 * rows.len()) as f64;
         outcome.near_px = errors.near_px;
         outcome.p95_px = percentile_px(errors.drawn);
@@ -274,6 +289,39 @@ impl<'a> Stage<'a> {
                     let from = 3 * draw.first_matrix as usize;
                     let matrices = &now.rows[from..from + 3 * group.matrices];
                     let shown = self.shown_points(group.level, matrices);
+                    let truth = self.true_points(now.crowd.player(who));
+                    let px = distance_px(&now.camera, member, &shown, &truth);
+                    errors.add(px, metres, drawn);
+                }
+            }
+        }
+    }
+
+    /// The same of those that the GPU blends.
+    fn look_at_records(
+        &self,
+        scene: &Scene,
+        now: &Shown<'_>,
+        look_at_one_of: usize,
+        errors: &mut Errors,
+    ) {
+        let Some(CachedRows::Float(cached)) = self.model.cache().map(|c| c.rows()) else {
+            return;
+        };
+        for group in now.crowd.record_groups() {
+            for record in &now.crowd.records()[group.records.clone()] {
+                let who = record.character as usize;
+                let member = &scene.members[who];
+                let metres = member.position.distance(now.camera.eye);
+                let drawn = who % look_at_one_of == now.number % look_at_one_of;
+                if metres < NEAR_METRES || drawn {
+                    let of = |first: u32| &cached[3 * first as usize..][..3 * group.matrices];
+                    let ends = of(record.before).iter().zip(of(record.after));
+                    let mix = |(a, b): (&[f32; 4], &[f32; 4])| {
+                        std::array::from_fn(|i| a[i] + (b[i] - a[i]) * record.blend)
+                    };
+                    let blended: Vec<[f32; 4]> = ends.map(mix).collect();
+                    let shown = self.shown_points(group.level, &blended);
                     let truth = self.true_points(now.crowd.player(who));
                     let px = distance_px(&now.camera, member, &shown, &truth);
                     errors.add(px, metres, drawn);

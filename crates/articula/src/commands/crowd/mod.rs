@@ -5,17 +5,17 @@ mod report;
 use crate::arguments::{CharacterArgs, field_of_view, not_negative, positive, size};
 use crate::console::Console;
 use crate::crowd::cast::{Cast, CastOptions, Levels, Matrices};
-use crate::crowd::in_place::{self, Way};
 use crate::crowd::run::{self, Run};
 use crate::crowd::stage::{DISPLAY_HZ, Settings, Wanted};
 use crate::crowd::{picture, scene_file};
+use crate::load::Loaded;
 use crate::play::camera_path;
 use crate::play::plots::{Plot, stacked};
-use crate::prepared::Prepared;
+use crate::prepared::{Prepared, articulation_of};
 use crate::{fault, files, load};
 use anyhow::Context;
 use articula_build::character::Asset;
-use articula_build::scene::{PLAZA_COUNT, Phases, Scene, plaza, plaza_2};
+use articula_build::scene::{PLAZA_COUNT, Phases, Scene, Way, plaza, plaza_2, put_in_place};
 use articula_core::Backend;
 use articula_core::clip_set::Storage;
 use articula_core::crowd::CacheUse;
@@ -189,7 +189,13 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     let mut prepared = Prepared::new(&args.character)?;
     let place = prepared.loaded.place();
     let mut warnings = prepared.loaded.warnings();
-    let (ways, faults) = in_place::put_in_place(&mut prepared.loaded);
+    let articulation = articulation_of(&prepared.loaded);
+    let Loaded {
+        character,
+        end_sites,
+        ..
+    } = &mut prepared.loaded;
+    let (ways, faults) = put_in_place(character, articulation, end_sites);
     warnings.extend(faults);
     if ways.iter().any(Option::is_some) {
         prepared = Prepared::from_loaded(prepared.loaded)?;

@@ -4,16 +4,13 @@
 //! at the end of each lap. What stays within [`ROOM_METRES`] of where it begins is left alone: the
 //! sway and the steps of a dance belong to it.
 
-use crate::load::Loaded;
-use crate::prepared::articulation_of;
-use articula_build::clip_edit::Subject;
-use articula_build::clip_edit::root_motion::{
-    RootMotionMode, RootMotionOptions, TrajectoryKey, split,
-};
-
+use crate::clip_edit::Subject;
+use crate::clip_edit::root_motion::{RootMotionMode, RootMotionOptions, TrajectoryKey, split};
 use articula_core::Mismatch;
+use articula_core::articulation::Articulation;
 use articula_core::clip::Clip;
 use articula_core::crowd::{RootPath, RootStep};
+use articula_core::source::Character;
 use glam::Vec3;
 
 /// How far a clip may carry its character from the first frame: half the way to its neighbour on
@@ -24,13 +21,17 @@ const ROOM_METRES: f32 = 1.0;
 const SMOOTH_SECS: f32 = 1.0;
 
 /// The way of a clip, from its start on.
-pub(crate) type Way = Vec<TrajectoryKey>;
+pub type Way = Vec<TrajectoryKey>;
 
-/// Puts clips that travel on the spot; gives the way of each clip that did, and warnings.
-pub(crate) fn put_in_place(loaded: &mut Loaded) -> (Vec<Option<Way>>, Vec<String>) {
-    let mut clips = std::mem::take(&mut loaded.character.clips);
-    let articulation = articulation_of(loaded);
-    let subject = Subject::new(&loaded.character, articulation, &loaded.end_sites);
+/// Puts clips that travel on the spot; gives the way of each clip that did, and warnings on
+/// clips that travel and could not be put. `end_sites` as [`Subject::new`] takes them.
+pub fn put_in_place(
+    character: &mut Character,
+    articulation: Articulation,
+    end_sites: &[(usize, Vec3)],
+) -> (Vec<Option<Way>>, Vec<String>) {
+    let mut clips = std::mem::take(&mut character.clips);
+    let subject = Subject::new(character, articulation, end_sites);
     let mut warnings = Vec::new();
     let mut ways = vec![None; clips.len()];
     // A character without a figure to split has clips that stay as they are.
@@ -53,7 +54,7 @@ pub(crate) fn put_in_place(loaded: &mut Loaded) -> (Vec<Option<Way>>, Vec<String
             }
         }
     }
-    loaded.character.clips = clips;
+    character.clips = clips;
     (ways, warnings)
 }
 
@@ -63,7 +64,10 @@ fn farthest(way: &[TrajectoryKey]) -> f32 {
 }
 
 /// The way at the frames of a clip.
-pub(crate) fn root_path(way: &[TrajectoryKey], clip: &Clip) -> Result<RootPath, Mismatch> {
+///
+/// # Errors
+/// A [`Mismatch`] if the way holds numbers that are not finite.
+pub fn root_path(way: &[TrajectoryKey], clip: &Clip) -> Result<RootPath, Mismatch> {
     let rate = clip.rate_hz();
     let places = (0..clip.frames()).map(|frame| place(way, frame as f32 / rate));
     RootPath::new(rate, places.collect())
