@@ -84,6 +84,11 @@ const KEPT: f64 = 0.98;
 const FIRST_WEIGHT: f64 = 1e-6;
 /// Share of a new observation in the mean spread.
 const GAIN: f64 = 0.05;
+/// Share of observations that keep within what is spendable, and how fast that is learnt.
+const LATE_SHARE: f64 = 0.95;
+const LATE_STEP: f64 = 0.01;
+/// However unsteady times are, half the budget is spent.
+const MOST_LATE: f64 = 2.0;
 /// Spread that is expected before anything was seen.
 const FIRST_SPREAD: f64 = 1.0;
 /// An observation is out of line if it is off by so many mean deviations, and by half at least.
@@ -122,6 +127,8 @@ pub struct CostModel {
     rejected: u32,
     /// Mean of how far observations are off, as a factor less one.
     spread: f64,
+    /// Measured over expected time that one observation in twenty exceeds.
+    late: f64,
 }
 
 impl CostModel {
@@ -145,6 +152,7 @@ impl CostModel {
             out_of_line: 0,
             rejected: 0,
             spread: FIRST_SPREAD,
+            late: 1.0,
         }
     }
 
@@ -172,6 +180,12 @@ impl CostModel {
         }
     }
 
+    /// What may be planned so that only one stretch of work in twenty takes longer than `budget_ns`:
+    /// times spread around what is expected of them.
+    pub fn spendable_ns(&self, budget_ns: f64) -> f64 {
+        budget_ns / self.late.max(1.0)
+    }
+
     /// Observations that were not believed so far.
     pub fn rejected(&self) -> u32 {
         self.rejected
@@ -186,6 +200,16 @@ impl CostModel {
         if !(self.learns && sound) {
             return false;
         }
+        // A step up for each late one and a nineteenth of it down for each other keeps the 95th
+        // percentile (Robbins and Monro, 1951). One interrupted frame is one step, however long.
+        let is_late = measured_ns > expected * self.late;
+        self.late += LATE_STEP
+            * if is_late {
+                LATE_SHARE
+            } else {
+                LATE_SHARE - 1.0
+            };
+        self.late = self.late.clamp(1.0, MOST_LATE);
         // The same for twice as long and for half as long.
         let off = (measured_ns / expected).max(expected / measured_ns) - 1.0;
         if off > (DEVIATIONS * self.spread).max(LEAST_DEVIATION) {
@@ -275,6 +299,33 @@ fn dot(a: &[f64; 4], b: &[f64; 4]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn one_in_twenty_takes_longer_than_what_is_spendable() {
+        let mut model = CostModel::default();
+        let work = Work {
+            characters: 100,
+            fk_joints: 3000,
+            sampled_joints: 3000,
+            matrices: 3000,
+        };
+        let fair = model.cost_ns(&work);
+        // Times spread evenly over a tenth up and a tenth down, in a fixed shuffle.
+        let ratio = |i: usize| 0.9 + 0.2 * ((i * 37) % 100) as f64 / 100.0;
+        for i in 0..4000 {
+            model.observe(&work, fair * ratio(i));
+        }
+        let planned = model.spendable_ns(1e6);
+        let late = (0..1000).filter(|i| {
+            let measured = planned / model.cost_ns(&work) * fair * ratio(*i);
+            measured > 1e6
+        });
+        let late = late.count();
+        assert!((10..=100).contains(&late), "{late} of 1000");
+        // Fixed costs are taken at their word.
+        let fixed = CostModel::fixed(model.unit_costs());
+        assert_eq!(fixed.spendable_ns(1e6), 1e6);
+    }
 
     const TRUE: UnitCosts = UnitCosts {
         character_ns: 30.0,

@@ -4,7 +4,7 @@
 //! for hidden characters too.
 
 use crate::Mismatch;
-use glam::{Quat, Vec3};
+use glam::Vec3;
 
 /// A place on the ground: offset and turn about +Y, seen from where the clip began.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -20,7 +20,7 @@ impl RootStep {
     #[must_use]
     pub fn then(self, next: Self) -> Self {
         Self {
-            offset: self.offset + Quat::from_rotation_y(self.yaw_radians) * next.offset,
+            offset: self.offset + turned(next.offset, self.yaw_radians),
             yaw_radians: self.yaw_radians + next.yaw_radians,
         }
     }
@@ -29,7 +29,7 @@ impl RootStep {
     #[must_use]
     pub fn inverse(self) -> Self {
         Self {
-            offset: Quat::from_rotation_y(-self.yaw_radians) * -self.offset,
+            offset: turned(-self.offset, -self.yaw_radians),
             yaw_radians: -self.yaw_radians,
         }
     }
@@ -40,6 +40,15 @@ impl RootStep {
             yaw_radians: self.yaw_radians + (other.yaw_radians - self.yaw_radians) * t,
         }
     }
+}
+
+/// A vector turned about +Y.
+fn turned(v: Vec3, radians: f32) -> Vec3 {
+    if radians == 0.0 {
+        return v;
+    }
+    let (sin, cos) = radians.sin_cos();
+    Vec3::new(cos * v.x + sin * v.z, v.y, cos * v.z - sin * v.x)
 }
 
 /// The way of one clip, at a uniform rate from its first to its last frame.
@@ -80,15 +89,19 @@ impl RootPath {
 
     /// The way from one time to another, passing the end so many times (negative: backwards).
     pub fn step(&self, from_secs: f32, to_secs: f32, laps: i32) -> RootStep {
-        let lap = self.places[self.places.len() - 1];
-        let lap = self.places[0].inverse().then(lap);
-        let to = self.places[0].inverse().then(self.at(to_secs));
-        let mut way = self.places[0].inverse().then(self.at(from_secs)).inverse();
-        let whole = if laps < 0 { lap.inverse() } else { lap };
-        for _ in 0..laps.unsigned_abs() {
-            way = way.then(whole);
+        let back = self.at(from_secs).inverse();
+        if laps == 0 {
+            return back.then(self.at(to_secs));
         }
-        way.then(to)
+        let start = self.places[0];
+        let lap = start.inverse().then(self.places[self.places.len() - 1]);
+        let lap = if laps < 0 { lap.inverse() } else { lap };
+        // Back to the start, round and round, and on to where it led.
+        let mut way = back.then(start);
+        for _ in 0..laps.unsigned_abs() {
+            way = way.then(lap);
+        }
+        way.then(start.inverse().then(self.at(to_secs)))
     }
 }
 

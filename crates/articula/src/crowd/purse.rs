@@ -52,8 +52,9 @@ impl Purse {
     pub(crate) fn decide(&mut self) -> Decision {
         let renew = self.frames > 0 && self.frames.is_multiple_of(REPRICE_FRAMES);
         self.frames += 1;
+        let left = self.budget_ns - self.tick_ns.unwrap_or(0.0);
         Decision {
-            cost: (self.budget_ns - self.tick_ns.unwrap_or(0.0)).max(0.0) as f32,
+            cost: self.costs.spendable_ns(left.max(0.0)) as f32,
             prices: renew.then(|| self.costs.clone()),
         }
     }

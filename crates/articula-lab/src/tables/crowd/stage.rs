@@ -190,7 +190,12 @@ impl<'a> Stage<'a> {
                 wake_metres: &[],
                 importance: &[],
                 sight: Sight::Views(&views),
-                detail: play.detail,
+                detail: match play.detail {
+                    Detail::Budget { cost } => Detail::Budget {
+                        cost: costs.spendable_ns(f64::from(cost)) as f32,
+                    },
+                    other => other,
+                },
                 share: play.share,
                 cache: play.cache,
             };
