@@ -3,8 +3,9 @@
 use articula_core::budget::{CostModel, Work};
 use articula_core::crowd::{Crowd, CrowdModel};
 
-/// Prices are renewed every so many frames.
+/// Prices are looked at every so many frames, and renewed if they are off by more than this part.
 const REPRICE_FRAMES: usize = 8;
+const STALE: f64 = 0.05;
 
 /// Share of a new frame in the mean cost of what is not evaluation.
 const GAIN: f64 = 0.1;
@@ -32,6 +33,8 @@ impl Decision {
 pub(crate) struct Purse {
     budget_ns: f64,
     costs: CostModel,
+    /// What the crowd's prices were made from.
+    given: CostModel,
     /// Mean of what a frame costs besides evaluation.
     tick_ns: Option<f64>,
     frames: usize,
@@ -43,6 +46,7 @@ impl Purse {
         Self {
             budget_ns: f64::from(budget_ms) * 1e6,
             costs: CostModel::default(),
+            given: CostModel::default(),
             tick_ns: None,
             frames: 0,
         }
@@ -50,7 +54,12 @@ impl Purse {
 
     /// What the next frame may spend.
     pub(crate) fn decide(&mut self) -> Decision {
-        let renew = self.frames > 0 && self.frames.is_multiple_of(REPRICE_FRAMES);
+        let due = self.frames > 0 && self.frames.is_multiple_of(REPRICE_FRAMES);
+        // New prices place everyone anew, which is dear itself.
+        let renew = due && is_stale(&self.given, &self.costs);
+        if renew {
+            self.given = self.costs.clone();
+        }
         self.frames += 1;
         let left = self.budget_ns - self.tick_ns.unwrap_or(0.0);
         Decision {
@@ -66,6 +75,20 @@ impl Purse {
         // A frame that was interrupted does not count for more than twice the mean.
         self.tick_ns = Some(mean + GAIN * (tick_ns.min(2.0 * mean) - mean));
     }
+}
+
+/// Whether a pose of few or of many joints costs something else by now.
+fn is_stale(given: &CostModel, now: &CostModel) -> bool {
+    [8, 64].into_iter().any(|joints| {
+        let pose = Work {
+            characters: 1,
+            sampled_joints: joints,
+            fk_joints: joints,
+            matrices: joints,
+        };
+        let ratio = now.cost_ns(&pose) / given.cost_ns(&pose);
+        !(1.0 - STALE..=1.0 + STALE).contains(&ratio)
+    })
 }
 
 #[cfg(test)]

@@ -135,6 +135,8 @@ impl<'a> Stage<'a> {
         if let Wanted::Budget { cap_px, .. } = settings.wanted {
             let policy = Policy {
                 cap_px,
+                // Everyone is posed in every frame, so nobody waits.
+                patience_frames: 0,
                 ..Policy::default()
             };
             crowd.set_budget(model, policy, &CostModel::default())?;

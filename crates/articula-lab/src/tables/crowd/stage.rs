@@ -9,7 +9,7 @@ use articula_build::pose_cache::{CacheOptions, cached_poses};
 use articula_build::scene::{Member, Scene};
 use articula_core::Backend;
 use articula_core::blend::blend;
-use articula_core::budget::CostModel;
+use articula_core::budget::{CostModel, Policy};
 use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::crowd::{
     CacheUse, Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, Player, Sight, Voice,
@@ -168,7 +168,11 @@ impl<'a> Stage<'a> {
         let mut crowd = self.crowd(scene);
         let mut costs = CostModel::default();
         if matches!(play.detail, Detail::Budget { .. }) {
-            crowd.set_budget(&self.model, Default::default(), &costs)?;
+            let nobody_waits = Policy {
+                patience_frames: 0,
+                ..Policy::default()
+            };
+            crowd.set_budget(&self.model, nobody_waits, &costs)?;
         }
         let positions: Vec<Vec3> = scene.members.iter().map(|m| m.position).collect();
         let turn = |m: &Member| Quat::from_rotation_y(m.yaw_radians);
