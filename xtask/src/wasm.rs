@@ -22,6 +22,11 @@ pub(crate) fn check() -> Result<Outcome> {
     run(cargo()
         .args(words)
         .args(["-p", "articula-core", "-p", "articula-formats"]))?;
+    // The core has vector code of its own for modules that are compiled for it.
+    run(cargo()
+        .args(words)
+        .args(["-p", "articula-core"])
+        .env("RUSTFLAGS", "-C target-feature=+simd128"))?;
     Ok(Outcome::Done)
 }
 

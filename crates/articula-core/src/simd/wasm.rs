@@ -96,27 +96,27 @@ impl Lanes for Simd128 {
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self.each(other, f32x4_add)
+        self.each(other, |a, b| f32x4_add(a, b))
     }
 
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        self.each(other, f32x4_sub)
+        self.each(other, |a, b| f32x4_sub(a, b))
     }
 
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self.each(other, f32x4_mul)
+        self.each(other, |a, b| f32x4_mul(a, b))
     }
 
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        self.each(other, f32x4_div)
+        self.each(other, |a, b| f32x4_div(a, b))
     }
 
     #[inline(always)]
     fn sqrt(self) -> Self {
-        Self(self.0.map(f32x4_sqrt))
+        Self(self.0.map(|v| f32x4_sqrt(v)))
     }
 
     #[inline(always)]
@@ -127,7 +127,7 @@ impl Lanes for Simd128 {
 
     #[inline(always)]
     fn weights(weights: &[f32; LANES]) -> [v128; LANES] {
-        weights.map(f32x4_splat)
+        weights.map(|w| f32x4_splat(w))
     }
 
     #[inline(always)]

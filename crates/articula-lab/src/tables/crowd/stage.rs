@@ -40,6 +40,14 @@ const NEAR_PLANE_METRES: f32 = 0.1;
 /// Nearer than this a character is near.
 pub(super) const NEAR_METRES: f32 = 20.0;
 
+/// Everyone is posed in every frame, so nobody waits.
+const NOBODY_WAITS: Policy = Policy {
+    cap_px: 1.0,
+    enough_px: 0.0,
+    patience_frames: 0,
+    hold_frames: 0,
+};
+
 /// What all runs on scenes share.
 pub(super) struct Stage<'a> {
     bench: &'a Bench,
@@ -168,11 +176,7 @@ impl<'a> Stage<'a> {
         let mut crowd = self.crowd(scene);
         let mut costs = CostModel::default();
         if matches!(play.detail, Detail::Budget { .. }) {
-            let nobody_waits = Policy {
-                patience_frames: 0,
-                ..Policy::default()
-            };
-            crowd.set_budget(&self.model, nobody_waits, &costs)?;
+            crowd.set_budget(&self.model, NOBODY_WAITS, &costs)?;
         }
         let positions: Vec<Vec3> = scene.members.iter().map(|m| m.position).collect();
         let turn = |m: &Member| Quat::from_rotation_y(m.yaw_radians);
@@ -194,12 +198,7 @@ impl<'a> Stage<'a> {
                 wake_metres: &[],
                 importance: &[],
                 sight: Sight::Views(&views),
-                detail: match play.detail {
-                    Detail::Budget { cost } => Detail::Budget {
-                        cost: costs.spendable_ns(f64::from(cost)) as f32,
-                    },
-                    other => other,
-                },
+                detail: within(play.detail, &costs),
                 share: play.share,
                 cache: play.cache,
             };
@@ -383,6 +382,16 @@ impl Outcome {
         self.visible += report.visible as f64 / frames;
         self.poses += (report.own + report.leaders) as f64 / frames;
         self.written_mb += 1e-6 * written as f64 / frames;
+    }
+}
+
+/// A budget with room for late frames.
+fn within(detail: Detail, costs: &CostModel) -> Detail {
+    match detail {
+        Detail::Budget { cost } => Detail::Budget {
+            cost: costs.spendable_ns(f64::from(cost)) as f32,
+        },
+        other => other,
     }
 }
 
