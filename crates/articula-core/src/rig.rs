@@ -238,6 +238,33 @@ pub(crate) mod tests {
     }
 
     #[test]
+    fn a_rig_beyond_the_limit_is_refused_and_one_at_it_is_not() {
+        let of = |count: usize| {
+            let joint = |j: usize| Joint {
+                name: String::new(),
+                parent: j.checked_sub(1),
+                rest: Transform::IDENTITY,
+                in_skin: true,
+            };
+            let skeleton = Skeleton {
+                joints: (0..count).map(joint).collect(),
+            };
+            let known = JointArticulation {
+                hanim: None,
+                level: 0,
+                region: Region::Torso,
+            };
+            let articulation = Articulation {
+                profile: String::new(),
+                joints: vec![known; count],
+            };
+            Rig::new(&skeleton, articulation)
+        };
+        assert_eq!(of(MAX_JOINTS).unwrap().len(), MAX_JOINTS);
+        assert_eq!(of(MAX_JOINTS + 1).unwrap_err().at, "joints");
+    }
+
+    #[test]
     fn level_order_keeps_parents_first_and_levels_as_prefixes() {
         // 0 root(0) ─ 1 sacrum(2) ─ 2 hip(0) ; 0 ─ 3 finger(5) ; 0 ─ 4 neck(1)
         let rig = rig_of(&[

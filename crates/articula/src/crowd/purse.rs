@@ -104,10 +104,12 @@ mod tests {
             ..Work::default()
         };
         purse.observe(&work, 200_000.0, 1000.0);
-        assert_eq!(purse.decide().cost, 800_000.0);
+        // A little less where times were seen to spread.
+        let about = |cost: f32, left: f32| cost <= left && cost > 0.97 * left;
+        assert!(about(purse.decide().cost, 800_000.0));
         // A tenth of the way, and no farther than twice the mean.
         purse.observe(&work, 9e9, 1000.0);
-        assert_eq!(purse.decide().cost, 780_000.0);
+        assert!(about(purse.decide().cost, 780_000.0));
         assert!(Purse::new(0.1).decide().prices.is_none());
         let mut poor = Purse::new(0.1);
         poor.observe(&work, 5e5, 1000.0);
