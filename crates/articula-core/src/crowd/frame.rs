@@ -66,7 +66,7 @@ pub enum Detail {
         /// Pixels.
         px: f32,
     },
-    /// The least visible error that a cost allows; see [`Crowd::set_budget`].
+    /// The least visible error that a cost allows; see [`set_budget`](super::Crowd::set_budget).
     Budget {
         /// Cost, in the units of the cost model (nanoseconds).
         cost: f32,
