@@ -16,8 +16,8 @@ pub enum PaletteForm {
     Matrix,
     /// Three rows of a 3x4 matrix, half floats: 24 bytes; exact to 1/2048 of each number.
     HalfMatrix,
-    /// Unit quaternion (x, y, z, w), then translation and a one, f32: 32 bytes. Rigs without
-    /// scale only.
+    /// Unit quaternion (x, y, z, w), then translation and a one, f32: 32 bytes. Only where no
+    /// scale reaches the joints.
     Rigid,
     /// The same in half floats: 16 bytes.
     HalfRigid,

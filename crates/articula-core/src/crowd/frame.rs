@@ -66,7 +66,8 @@ pub enum Detail {
         /// Pixels.
         px: f32,
     },
-    /// The least visible error that a cost allows; see [`set_budget`](super::Crowd::set_budget).
+    /// The least visible error that a cost allows, after [`set_budget`](super::Crowd::set_budget);
+    /// everyone at the coarsest level before it.
     Budget {
         /// Cost, in the units of the cost model (nanoseconds).
         cost: f32,

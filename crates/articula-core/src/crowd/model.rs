@@ -204,7 +204,9 @@ impl CrowdModel {
         BatchEvaluator::checked(&self.clips, &self.palette, self.form, self.backend)
     }
 
-    /// Error of a level in metres while one clip plays, or while two are blended: the greater.
+    /// Error of a level in metres, as levels are chosen by it, while one clip plays, or while two
+    /// are blended: the greater. Of a clip it is the greater of the 95th percentile over vertices
+    /// and half of the worst vertex (`docs/metrics.md`).
     ///
     /// # Panics
     /// If there is no such clip or level.

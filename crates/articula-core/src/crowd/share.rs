@@ -5,7 +5,7 @@
 //! bucket follows its leader, whose phase is the middle. Leaders run with the clock, so a
 //! follower that plays at the clip's own speed never changes its bucket and shows no step.
 
-/// Fewest buckets of a clip: below so many distinct leaders a crowd looks copied (McDonnell et
+/// Fewest buckets of a clip, as a power of two: with fewer distinct leaders a crowd looks copied (McDonnell et
 /// al., "Clone attack!", 2008).
 const FEWEST: u32 = 3;
 /// Most buckets, as a power of two: more are as dear as evaluating everyone.
@@ -17,7 +17,6 @@ const ENTRIES: usize = 1 << (MOST + 1);
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Leader {
     pub(crate) clip: u16,
-    pub(crate) level: u8,
     pub(crate) secs: f32,
 }
 
@@ -130,7 +129,6 @@ impl Sharing {
             *leader = self.leaders.len() as u32;
             self.leaders.push(Leader {
                 clip: clip as u16,
-                level: level as u8,
                 secs: leads,
             });
         }

@@ -165,8 +165,7 @@ impl Crowd {
     ///
     /// # Panics
     /// If a slice of the frame has not one entry for each character (or none, where that is
-    /// allowed), the model is not the one that the crowd was made for, or a budget is asked for
-    /// that was not set.
+    /// allowed), or the model is not the one that the crowd was made for.
     pub fn tick(
         &mut self,
         model: &CrowdModel,
@@ -228,8 +227,12 @@ impl Crowd {
         let count = self.len();
         let scales = or_all(frame.scales, &self.ones);
         let wakes = or_all(frame.wake_metres, &self.zeros);
-        for slice in [frame.positions.len(), frame.rotations.len(), scales.len()] {
-            assert_eq!(slice, count, "one place for each character");
+        let importance = or_all(frame.importance, &self.ones);
+        for slice in [scales, wakes, importance] {
+            assert_eq!(slice.len(), count, "one entry for each character");
+        }
+        for places in [frame.positions.len(), frame.rotations.len()] {
+            assert_eq!(places, count, "one place for each character");
         }
         match frame.sight {
             Sight::Everyone => self.seen.fill(Seen {
@@ -603,7 +606,7 @@ impl Crowd {
         match poser {
             Poser::Character(c) => self.players[c].shown(model.clips()),
             Poser::Leader(l) => {
-                let Leader { clip, secs, .. } = self.sharing.leaders()[l];
+                let Leader { clip, secs } = self.sharing.leaders()[l];
                 model.clips().cursor(usize::from(clip), secs).into()
             }
         }
