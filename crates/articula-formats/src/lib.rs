@@ -6,6 +6,7 @@
 //!
 //! - [`gltf`]: GLB and glTF 2.0, VRM files as such, in and out
 //! - [`meshopt`]: the codec of compressed glTF buffer views, decoding only
+//! - [`mesh_codec`]: the codec of mesh levels on the wire
 //! - [`acclaim`]: ASF skeletons and AMC motions, in and out
 //! - [`bva`]: Biovision animation, segments without a hierarchy, in
 //! - [`bvh`]: Biovision hierarchical motion, in and out
@@ -24,6 +25,7 @@ mod euler;
 pub mod gltf;
 pub mod limits;
 pub mod loa_profile;
+pub mod mesh_codec;
 pub mod meshopt;
 pub mod motion_table;
 pub mod mpeg4;

@@ -1,0 +1,76 @@
+//! A mesh as it is coded: whole numbers, and every corner told apart into point and wedge.
+//!
+//! Source: `spec/clustered-mesh.md` 5 and 8.1. A *point* is a distinct position with its skin and
+//! its morph offsets: what the surface is made of. A *wedge* is a point with the values that may
+//! differ from face to face (normal, texture coordinates, colour): what a GPU calls a vertex.
+
+/// Bits of each kind of value, and which kinds there are; one for all levels of an object.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Layout {
+    /// Bits of each position coordinate, 1 to 20; one grid for all levels.
+    pub position_bits: u8,
+    /// Bits of each octahedral coordinate of a normal, 2 to 16; 0 without normals.
+    pub normal_bits: u8,
+    /// Bits of each texture coordinate, 1 to 20; 0 without.
+    pub texcoord_bits: u8,
+    /// Whether wedges have colours of four bytes.
+    pub has_colors: bool,
+    /// Joints of the skin; 0 without one.
+    pub joints: u16,
+    /// Morph targets, and whether each has normals.
+    pub morphs: Vec<MorphLayout>,
+}
+
+/// What a morph target moves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MorphLayout {
+    /// Whether normals change too.
+    pub has_normals: bool,
+}
+
+/// One level of one object in whole numbers.
+///
+/// Points are distinct in (position, skin, morphs), wedges in (point, normal, texture
+/// coordinates, colour, morph normals), faces up to rotation; no face names a point twice. Lists
+/// of a kind that the [`Layout`] leaves out are empty.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct QuantisedMesh {
+    /// Position of each point, each coordinate from 0 to 2^bits - 1.
+    pub positions: Vec<[i32; 3]>,
+    /// Skin of each point: (joint, weight) by falling weight, then rising joint; no weight is 0,
+    /// their sum is 255, each joint stands once.
+    pub skins: Vec<Vec<(u16, u8)>>,
+    /// For each morph target the offset of each point, in steps of the position grid.
+    pub morphs: Vec<Vec<[i32; 3]>>,
+    /// Point of each wedge.
+    pub wedge_points: Vec<u32>,
+    /// Octahedral normal of each wedge, each coordinate from 0 to 2^bits - 1.
+    pub normals: Vec<[i32; 2]>,
+    /// Texture coordinates of each wedge, each from 0 to 2^bits - 1.
+    pub texcoords: Vec<[i32; 2]>,
+    /// Colour of each wedge.
+    pub colors: Vec<[u8; 4]>,
+    /// For each morph target the change of each wedge's normal, in 1/127; an empty list for a
+    /// target without normals.
+    pub morph_normals: Vec<Vec<[i32; 3]>>,
+    /// Counter-clockwise faces of wedges.
+    pub faces: Vec<[u32; 3]>,
+}
+
+impl QuantisedMesh {
+    /// Number of points.
+    pub fn points(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Number of wedges.
+    pub fn wedges(&self) -> usize {
+        self.wedge_points.len()
+    }
+
+    /// The faces as points.
+    pub fn point_faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        let point = |w: u32| self.wedge_points[w as usize];
+        self.faces.iter().map(move |f| f.map(point))
+    }
+}

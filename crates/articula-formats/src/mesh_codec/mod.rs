@@ -1,0 +1,22 @@
+//! The codec of meshes on the wire: one level alone, or what one level adds to a coarser one.
+//!
+//! Source: `spec/clustered-mesh.md` 8.1, scheme RT (each finer level is traversed again and its
+//! vertices are matched with those of the coarser level: no attribute is sent twice). In the
+//! order of the line:
+//!
+//! - [`mesh`]: a mesh in whole numbers
+//! - `range_coder`, `number`: decisions and numbers as bytes
+
+pub mod mesh;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "the walks that use it come next")
+)]
+mod number;
+#[cfg_attr(
+    not(test),
+    expect(dead_code, reason = "the walks that use it come next")
+)]
+mod range_coder;
+
+pub use mesh::{Layout, MorphLayout, QuantisedMesh};

@@ -1,0 +1,303 @@
+//! Adaptive binary range coding: one bit at a time, each with a model of its own.
+//!
+//! Source: `spec/clustered-mesh.md` 8.1 (g); G. N. N. Martin, "Range encoding", 1979, with the
+//! carry handling of LZMA. Differs: probabilities are learnt by counting, at a
+//! rate that falls to 1/96. Integers alone, so that all platforms give the same bytes.
+
+/// What a coder knows of one binary decision.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bit {
+    /// Probability of a 0, in 1/[`ONE`].
+    zero: u32,
+    /// Decisions seen, up to the slowest rate.
+    seen: u8,
+}
+
+/// Decisions after which a model no longer learns more slowly.
+const SLOWEST: u8 = 95;
+/// Certainty; finer than what is learnt, so that the smallest step is not rounded away.
+const ONE: i32 = 1 << 24;
+/// Least probability of either outcome, in 1/[`ONE`].
+const LEAST: i32 = 24 << 8;
+
+impl Default for Bit {
+    fn default() -> Self {
+        Self {
+            zero: ONE as u32 / 2,
+            seen: 0,
+        }
+    }
+}
+
+impl Bit {
+    fn learn(&mut self, bit: bool) {
+        let goal = if bit { LEAST } else { ONE - LEAST };
+        // 1 / (seen + 1.5), so that the first decision counts for two thirds.
+        let step = (goal - self.zero as i32) * 2 / (2 * i32::from(self.seen) + 3);
+        self.zero = (self.zero as i32 + step).clamp(LEAST, ONE - LEAST) as u32;
+        self.seen = (self.seen + 1).min(SLOWEST);
+    }
+
+    /// The part of a range that belongs to a 0; at least 1 and less than `range`.
+    fn split(self, range: u32) -> u32 {
+        ((u64::from(range) * u64::from(self.zero)) >> 24) as u32
+    }
+}
+
+/// Either side of a coder. An encoder writes what it is given and gives it back; a decoder
+/// gives what was written, whatever it is given: one walk serves both.
+pub(super) trait Coder {
+    /// One decision.
+    fn bit(&mut self, model: &mut Bit, bit: bool) -> bool;
+
+    /// The lowest `count` (at most 32) bits of a value, all outcomes equally likely.
+    fn raw(&mut self, count: u32, value: u32) -> u32;
+
+    /// Whether more was read than there is: what is decoded from then on means nothing.
+    fn is_exhausted(&self) -> bool;
+}
+
+const TOP: u32 = 1 << 24;
+
+/// Writes decisions.
+#[derive(Debug)]
+pub(super) struct Encoder {
+    low: u64,
+    range: u32,
+    /// The last byte that a carry may still change, and how many 255 follow it.
+    pending: Option<u8>,
+    pending_full: u64,
+    bytes: Vec<u8>,
+}
+
+impl Encoder {
+    pub(super) fn new() -> Self {
+        Self {
+            low: 0,
+            range: u32::MAX,
+            pending: None,
+            pending_full: 0,
+            bytes: Vec::new(),
+        }
+    }
+
+    fn shift(&mut self) {
+        let carry = (self.low >> 32) as u8;
+        let byte = (self.low >> 24) as u8;
+        if carry == 1 || byte != 0xff {
+            if let Some(pending) = self.pending {
+                self.bytes.push(pending.wrapping_add(carry));
+            }
+            for _ in 0..self.pending_full {
+                self.bytes.push(0xffu8.wrapping_add(carry));
+            }
+            self.pending_full = 0;
+            self.pending = Some(byte);
+        } else {
+            self.pending_full += 1;
+        }
+        self.low = (self.low & 0x00ff_ffff) << 8;
+    }
+
+    fn settle(&mut self) {
+        while self.range < TOP {
+            self.range <<= 8;
+            self.shift();
+        }
+    }
+
+    /// The bytes of all decisions; trailing zeros are left out, a decoder reads zeros past the
+    /// end.
+    pub(super) fn finish(mut self) -> Vec<u8> {
+        // Any value in [low, low + range) will do: the one with the most zeros at its end.
+        let end = self.low + u64::from(self.range) - 1;
+        for bits in (0..32).rev() {
+            let round = (end >> bits) << bits;
+            if round >= self.low {
+                self.low = round;
+                break;
+            }
+        }
+        for _ in 0..5 {
+            self.shift();
+        }
+        while self.bytes.last() == Some(&0) {
+            self.bytes.pop();
+        }
+        self.bytes
+    }
+}
+
+impl Coder for Encoder {
+    fn bit(&mut self, model: &mut Bit, bit: bool) -> bool {
+        let zero = model.split(self.range);
+        if bit {
+            self.low += u64::from(zero);
+            self.range -= zero;
+        } else {
+            self.range = zero;
+        }
+        model.learn(bit);
+        self.settle();
+        bit
+    }
+
+    fn raw(&mut self, count: u32, value: u32) -> u32 {
+        for i in (0..count).rev() {
+            let half = self.range >> 1;
+            if value >> i & 1 == 1 {
+                self.low += u64::from(half);
+                self.range -= half;
+            } else {
+                self.range = half;
+            }
+            self.settle();
+        }
+        value
+    }
+
+    fn is_exhausted(&self) -> bool {
+        false
+    }
+}
+
+/// Zeros that a decoder may read past the end of its bytes before it counts as exhausted: those
+/// that [`Encoder::finish`] leaves out, with room for the four bytes that are read ahead.
+const SPARE_BYTES: usize = 16;
+
+/// Reads decisions.
+#[derive(Debug)]
+pub(super) struct Decoder<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    code: u32,
+    range: u32,
+}
+
+impl<'a> Decoder<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        let mut decoder = Self {
+            bytes,
+            at: 0,
+            code: 0,
+            range: u32::MAX,
+        };
+        for _ in 0..4 {
+            decoder.take();
+        }
+        decoder
+    }
+
+    fn take(&mut self) {
+        let byte = self.bytes.get(self.at).copied().unwrap_or(0);
+        self.code = self.code << 8 | u32::from(byte);
+        self.at += 1;
+    }
+
+    fn settle(&mut self) {
+        while self.range < TOP {
+            self.range <<= 8;
+            self.take();
+        }
+    }
+}
+
+impl Coder for Decoder<'_> {
+    fn bit(&mut self, model: &mut Bit, _: bool) -> bool {
+        let zero = model.split(self.range);
+        let bit = self.code >= zero;
+        if bit {
+            self.code -= zero;
+            self.range -= zero;
+        } else {
+            self.range = zero;
+        }
+        model.learn(bit);
+        self.settle();
+        bit
+    }
+
+    fn raw(&mut self, count: u32, _: u32) -> u32 {
+        let mut value = 0;
+        for _ in 0..count {
+            let half = self.range >> 1;
+            let bit = self.code >= half;
+            if bit {
+                self.code -= half;
+                self.range -= half;
+            } else {
+                self.range = half;
+            }
+            value = value << 1 | u32::from(bit);
+            self.settle();
+        }
+        value
+    }
+
+    fn is_exhausted(&self) -> bool {
+        self.at > self.bytes.len() + SPARE_BYTES
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn written(decisions: &[(u8, bool)]) -> Vec<u8> {
+        let mut models = [Bit::default(); 256];
+        let mut encoder = Encoder::new();
+        for &(model, bit) in decisions {
+            encoder.bit(&mut models[usize::from(model)], bit);
+        }
+        encoder.finish()
+    }
+
+    #[test]
+    fn likely_decisions_cost_little() {
+        let all_alike = vec![(0, true); 80_000];
+        // 80,000 decisions at -log2(1 - 24/65536) = 0.00053 bits are 5.3 bytes.
+        assert!(written(&all_alike).len() <= 12);
+    }
+
+    #[test]
+    fn a_carry_runs_through_full_bytes() {
+        let mut encoder = Encoder::new();
+        let values = [u32::MAX, u32::MAX, 0, u32::MAX, 1, 0x8000_0000];
+        for value in values {
+            encoder.raw(32, value);
+        }
+        let bytes = encoder.finish();
+        let mut decoder = Decoder::new(&bytes);
+        assert_eq!(values.map(|_| decoder.raw(32, 0)), values);
+        assert!(!decoder.is_exhausted());
+    }
+
+    proptest! {
+        #[test]
+        fn decisions_come_back(
+            decisions in prop::collection::vec((0u8..5, prop::bool::weighted(0.9)), 0..3000),
+            raw in prop::collection::vec((0u32..=32, any::<u32>()), 0..40),
+        ) {
+            let mut models = [Bit::default(); 5];
+            let mut encoder = Encoder::new();
+            for &(model, bit) in &decisions {
+                encoder.bit(&mut models[usize::from(model)], bit);
+            }
+            let low = |count: u32, value: u32| (u64::from(value) & ((1 << count) - 1)) as u32;
+            for &(count, value) in &raw {
+                encoder.raw(count, low(count, value));
+            }
+            let bytes = encoder.finish();
+            let mut models = [Bit::default(); 5];
+            let mut decoder = Decoder::new(&bytes);
+            for &(model, bit) in &decisions {
+                prop_assert_eq!(decoder.bit(&mut models[usize::from(model)], false), bit);
+            }
+            for &(count, value) in &raw {
+                prop_assert_eq!(decoder.raw(count, 0), low(count, value));
+            }
+            prop_assert!(!decoder.is_exhausted());
+        }
+    }
+}
