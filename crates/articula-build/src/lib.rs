@@ -11,6 +11,7 @@
 //! - [`motion_error`]: levers, error matrices, key tables for every metric
 //! - [`occluders`]: what of a body hides others through a clip
 //! - [`pose_cache`]: pose keys of all clips and levels, baked into one cache
+//! - [`poses`]: poses to simplify a mesh by, and others to measure it on
 //! - [`reduce`]: a motion saved at a level of articulation
 //! - [`retarget`]: a motion of one skeleton put onto another
 //! - [`evaluate`]: a clip played under a method, its gain and its error in pixels
@@ -30,6 +31,7 @@ pub mod motion_bounds;
 pub mod motion_error;
 pub mod occluders;
 pub mod pose_cache;
+pub mod poses;
 pub mod reduce;
 pub mod retarget;
 pub mod scene;

@@ -99,7 +99,7 @@ impl Mean {
 }
 
 /// Eigenvector of the greatest eigenvalue, by squaring the matrix until one direction is left.
-fn principal(outer: DMat4, fallback: Quat) -> Quat {
+pub(crate) fn principal(outer: DMat4, fallback: Quat) -> Quat {
     let mut m = outer;
     for _ in 0..48 {
         let size = m

@@ -27,12 +27,14 @@ mod plan;
 mod prefixes;
 mod skins;
 #[cfg(test)]
-mod test_figures;
+pub(crate) mod test_figures;
 mod watch;
 
 pub use errors::level_errors;
 pub use far::{FarLevels, far_levels};
 pub use mean_pose::mean_pose;
+pub(crate) use mean_pose::principal;
+pub(crate) use moments::{share_frames, spread_frames};
 pub use skins::{LevelSkin, LevelSkins, level_skins};
 pub use watch::skin_of;
 
@@ -227,7 +229,7 @@ pub fn named_ladder(
 }
 
 /// Checks that clips and mesh are of the rig.
-fn check(asset: &Asset) -> Result<(), Mismatch> {
+pub(crate) fn check(asset: &Asset) -> Result<(), Mismatch> {
     let joints = asset.rig.len();
     if let Some(c) = asset.clips.iter().position(|c| c.joints() != joints) {
         let what = format!("{} joints, the rig has {joints}", asset.clips[c].joints());

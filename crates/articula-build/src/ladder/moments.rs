@@ -8,7 +8,7 @@ use articula_core::sample::{Wrap, sample};
 
 /// Frames of a clip, spread evenly from the first to the last; all of them if there are no more
 /// than `count`, the middle one if only one is asked for.
-pub(super) fn spread_frames(frames: usize, count: usize) -> Vec<usize> {
+pub(crate) fn spread_frames(frames: usize, count: usize) -> Vec<usize> {
     let last = frames - 1;
     match count.min(frames) {
         0 | 1 => vec![last / 2],
@@ -18,7 +18,7 @@ pub(super) fn spread_frames(frames: usize, count: usize) -> Vec<usize> {
 
 /// How many frames of each clip are looked at, so that all clips together have about `total`:
 /// every clip the same number, what short ones leave over goes to the long ones.
-pub(super) fn share_frames(clips: &[Clip], total: usize) -> Vec<usize> {
+pub(crate) fn share_frames(clips: &[Clip], total: usize) -> Vec<usize> {
     let mut by_length: Vec<usize> = (0..clips.len()).collect();
     by_length.sort_by_key(|&c| clips[c].frames());
     let mut counts = vec![0; clips.len()];

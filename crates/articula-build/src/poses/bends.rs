@@ -1,0 +1,182 @@
+//! Random poses for a character without motion: every joint bent within its limits.
+//!
+//! Limits are round numbers below the ranges of motion that clinical tables give for adults
+//! (American Academy of Orthopaedic Surgeons, Joint Motion, 1965), so that most poses look
+//! possible. Elbows and knees bend about their hinge and to one side only; a character faces +Z.
+
+use super::skin_pose::{Origin, SkinPose};
+use crate::character::Asset;
+use crate::split_mix::SplitMix;
+use articula_core::articulation::{JointArticulation, Region};
+use articula_core::hierarchy::local_to_model;
+use articula_core::pose::ModelPose;
+use glam::{Quat, Vec3};
+
+/// Mapped joints from which on a rig counts as a human.
+const LEAST_MAPPED: usize = 10;
+
+/// Limit of a joint of which nothing is known, degrees.
+const ANY_DEGREES: f32 = 40.0;
+
+/// Limit of a joint of a human that the standard does not have: a twist, a lock of hair.
+const HELPER_DEGREES: f32 = 10.0;
+
+/// How a joint bends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Bend {
+    /// About any axis, to at most so many radians.
+    Ball(f32),
+    /// About one axis in the joint's own frame, one way.
+    Hinge(Vec3, f32),
+}
+
+/// Makes poses.
+#[derive(Debug)]
+pub(super) struct Bends {
+    joints: Vec<Bend>,
+    random: SplitMix,
+    count: usize,
+}
+
+impl Bends {
+    pub(super) fn new(asset: &Asset, seed: u64) -> Self {
+        let rig = &asset.rig;
+        let is_human = rig.articulation().mapped() >= LEAST_MAPPED;
+        let mut model = ModelPose::new(rig.len());
+        local_to_model(rig, rig.rest_pose(), &mut model);
+        let bend = |joint: usize| {
+            if rig.is_at_or_below(rig.root(), joint) {
+                return Bend::Ball(0.0);
+            }
+            let known = &rig.articulation().joints[joint];
+            let degrees = if is_human {
+                limit_degrees(known)
+            } else {
+                ANY_DEGREES
+            };
+            let limit = degrees.to_radians();
+            let axis = front_of_hinge(known).and_then(|front| hinge(asset, &model, joint, front));
+            match axis {
+                Some(axis) if is_human => Bend::Hinge(axis, limit),
+                _ => Bend::Ball(limit),
+            }
+        };
+        Self {
+            joints: (0..rig.len()).map(bend).collect(),
+            random: SplitMix(seed),
+            count: 0,
+        }
+    }
+
+    /// The next pose.
+    pub(super) fn next(&mut self, asset: &Asset) -> SkinPose {
+        let mut pose = SkinPose::rest(asset);
+        let number = self.count;
+        pose.origin = Origin::Bend { number };
+        self.count += 1;
+        for (rotation, bend) in pose.joints.rotations.iter_mut().zip(&self.joints) {
+            let turn = match bend {
+                Bend::Ball(limit) => *limit * in_ball(&mut self.random),
+                Bend::Hinge(axis, limit) => *axis * *limit * self.random.unit(),
+            };
+            if turn != Vec3::ZERO {
+                *rotation = (*rotation * Quat::from_scaled_axis(turn)).normalize();
+            }
+        }
+        pose
+    }
+}
+
+/// A random point of the unit ball, by rejection.
+fn in_ball(random: &mut SplitMix) -> Vec3 {
+    loop {
+        let mut side = || 2.0 * random.unit() - 1.0;
+        let point = Vec3::new(side(), side(), side());
+        if point.length_squared() <= 1.0 {
+            return point;
+        }
+    }
+}
+
+fn limit_degrees(joint: &JointArticulation) -> f32 {
+    let Some(name) = joint.hanim.as_deref() else {
+        return HELPER_DEGREES;
+    };
+    match name.trim_start_matches("l_").trim_start_matches("r_") {
+        "shoulder" => 80.0,
+        "elbow" => 120.0,
+        "wrist" => 50.0,
+        "hip" => 70.0,
+        "knee" => 110.0,
+        "ankle" => 25.0,
+        "skullbase" => 25.0,
+        "sternoclavicular" | "acromioclavicular" => 15.0,
+        _ => match joint.region {
+            Region::Hands => 45.0,
+            Region::Feet => 20.0,
+            Region::Face => 15.0,
+            _ => 8.0,
+        },
+    }
+}
+
+/// Which way the far end of a hinge goes when it bends; `None` for what is no hinge.
+fn front_of_hinge(joint: &JointArticulation) -> Option<Vec3> {
+    match joint.hanim.as_deref()? {
+        "l_elbow" | "r_elbow" => Some(Vec3::Z),
+        "l_knee" | "r_knee" => Some(Vec3::NEG_Z),
+        _ => None,
+    }
+}
+
+/// The axis, in the joint's own frame at rest, about which its first child goes towards `front`.
+fn hinge(asset: &Asset, model: &ModelPose, joint: usize, front: Vec3) -> Option<Vec3> {
+    let child = (0..asset.rig.len()).find(|c| asset.rig.parent(*c) == Some(joint))?;
+    let along = model.position(child) - model.position(joint);
+    let axis = along.try_normalize()?.cross(front);
+    let (_, turned, _) = model.matrices[joint].to_scale_rotation_translation();
+    let axis = turned.inverse() * axis.try_normalize()?;
+    axis.is_finite().then_some(axis)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::human::{HumanOptions, human};
+    use articula_core::math::angle_between;
+
+    fn someone() -> Asset {
+        let source = human(&HumanOptions { triangles: 2000 }).unwrap();
+        crate::character::character(&source, None, &Default::default()).unwrap()
+    }
+
+    #[test]
+    fn elbows_bend_forwards_knees_backwards_and_nobody_beyond_a_limit() {
+        let asset = someone();
+        let rig = &asset.rig;
+        let mut bends = Bends::new(&asset, 3);
+        let at = |name: &str| rig.find(name).unwrap();
+        let (elbow, wrist) = (at("l_elbow"), at("l_wrist"));
+        let (knee, ankle) = (at("r_knee"), at("r_ankle"));
+        for _ in 0..20 {
+            let pose = bends.next(&asset);
+            for j in 0..rig.len() {
+                let turned = angle_between(pose.joints.rotations[j], rig.rest_pose().rotations[j]);
+                let limit = limit_degrees(&rig.articulation().joints[j]).to_radians();
+                assert!(turned <= limit + 1e-4, "{} {turned}", rig.name(j));
+            }
+            // Bent alone, the far end comes forwards or goes back.
+            let alone = |joint: usize, end: usize| {
+                let mut local = rig.rest_pose().clone();
+                let mut model = ModelPose::new(rig.len());
+                local_to_model(rig, &local, &mut model);
+                let before = model.position(end);
+                local.rotations[joint] = pose.joints.rotations[joint];
+                local_to_model(rig, &local, &mut model);
+                (model.position(end) - before).z
+            };
+            assert!(alone(elbow, wrist) >= 0.0);
+            assert!(alone(knee, ankle) <= 0.0);
+        }
+    }
+}

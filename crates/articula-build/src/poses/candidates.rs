@@ -1,0 +1,125 @@
+//! The poses that are chosen from.
+
+use super::bends::Bends;
+use super::shape::{Sample, Shape};
+use super::skin_pose::{Origin, SkinPose};
+use crate::character::Asset;
+use crate::ladder::{share_frames, spread_frames};
+use articula_core::mesh::Morph;
+
+/// Frames looked at, over all clips.
+const MOST_FRAMES: usize = 600;
+
+/// Random bends of a character that no clip moves.
+const BENDS: usize = 64;
+
+/// Morph targets that move no vertex by this part of what the largest moves are left out.
+const SMALL_MORPH: f32 = 0.1;
+
+/// A pose with its shape.
+#[derive(Debug, Clone)]
+pub(super) struct Candidate {
+    pub(super) pose: SkinPose,
+    pub(super) shape: Shape,
+    /// What it shares with others: the clip that it is from.
+    pub(super) group: usize,
+}
+
+/// Poses that are chosen from.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Candidates {
+    pub(super) list: Vec<Candidate>,
+    groups: usize,
+}
+
+impl Candidates {
+    /// Frames of all clips; each clip is a group.
+    pub(super) fn of_clips(asset: &Asset, sample: &Sample) -> Self {
+        let mut all = Self::default();
+        let counts = share_frames(&asset.clips, MOST_FRAMES);
+        for (clip, count) in counts.into_iter().enumerate() {
+            for frame in spread_frames(asset.clips[clip].frames(), count) {
+                all.push(asset, sample, SkinPose::of_clip(asset, clip, frame));
+            }
+            all.groups += 1;
+        }
+        all
+    }
+
+    /// Seeded random bends, one group.
+    pub(super) fn of_bends(asset: &Asset, sample: &Sample, seed: u64) -> Self {
+        let mut all = Self::default();
+        let mut bends = Bends::new(asset, seed);
+        for _ in 0..BENDS {
+            let pose = bends.next(asset);
+            all.push(asset, sample, pose);
+        }
+        all.groups = 1;
+        all
+    }
+
+    /// Each big morph target at weight 1, one group; none if a clip drives morph targets.
+    pub(super) fn of_morphs(asset: &Asset, sample: &Sample) -> Self {
+        let mut all = Self::default();
+        if asset.clips.iter().any(|c| !c.morphs().is_empty()) {
+            return all;
+        }
+        let mut sizes = vec![0.0f32; asset.mesh.morph_weights.len()];
+        for morph in &asset.mesh.morphs {
+            let size = &mut sizes[usize::from(morph.slot)];
+            *size = size.max(farthest(morph));
+        }
+        let largest = sizes.iter().fold(0.0, |a: f32, b| a.max(*b));
+        for (slot, size) in sizes.iter().enumerate() {
+            if largest > 0.0 && *size >= SMALL_MORPH * largest {
+                let mut pose = SkinPose::rest(asset);
+                pose.origin = Origin::Morph { slot: slot as u16 };
+                pose.morphs[slot] = 1.0;
+                all.push(asset, sample, pose);
+            }
+        }
+        all.groups = 1;
+        all
+    }
+
+    /// Whether some two of them differ by at least so much.
+    pub(super) fn differ(&self, least_metres: f32) -> bool {
+        let Some(first) = self.list.first() else {
+            return false;
+        };
+        let apart = |c: &Candidate| first.shape.apart_metres(&c.shape);
+        // Half of the widest distance is not above the distance from any one of them.
+        self.list.iter().any(|c| apart(c) >= 0.5 * least_metres)
+    }
+
+    /// These and others, whose groups are others.
+    pub(super) fn and(mut self, others: Self) -> Self {
+        let first = self.groups;
+        let moved = others.list.into_iter().map(|c| Candidate {
+            group: first + c.group,
+            ..c
+        });
+        self.list.extend(moved);
+        self.groups += others.groups;
+        self
+    }
+
+    /// Number of groups.
+    pub(super) fn groups(&self) -> usize {
+        self.groups
+    }
+
+    /// Adds a pose to the group that is being filled, unless it is not finite.
+    fn push(&mut self, asset: &Asset, sample: &Sample, pose: SkinPose) {
+        if let Some(shape) = sample.shape(asset, &pose) {
+            let group = self.groups;
+            self.list.push(Candidate { pose, shape, group });
+        }
+    }
+}
+
+/// The farthest that a morph target moves a vertex.
+fn farthest(morph: &Morph) -> f32 {
+    let lengths = morph.positions.iter().map(|p| p.length());
+    lengths.filter(|l| l.is_finite()).fold(0.0, f32::max)
+}

@@ -1,0 +1,315 @@
+//! Poses that stand for how a character moves: some to simplify its mesh by, others to measure on.
+//!
+//! Source: `spec/clustered-mesh.md` 6 and 9; pose-summed quadrics after Mohr and Gleicher
+//! (Deformation Sensitive Decimation, 2003) and DeCoro and Rusinkiewicz (Pose-independent
+//! Simplification of Articulated Meshes, 2005). Differs: poses are those of the character's own
+//! clips that differ most in shape (farthest-point sampling, Gonzalez 1985), and what is measured
+//! on is kept apart from them.
+//!
+//! Two poses are as far apart as their skins are once one is laid onto the other by the best
+//! rigid motion (root mean square over a seeded sample of vertices), so that the way of a
+//! character through the world does not count.
+
+mod bends;
+mod candidates;
+mod shape;
+mod skin_pose;
+mod spread;
+
+pub use skin_pose::{Origin, SkinPose, positions};
+
+use crate::character::Asset;
+use crate::ladder;
+use articula_core::Mismatch;
+use candidates::Candidates;
+use shape::Sample;
+use spread::Picked;
+
+/// Poses closer than this part of the skin's diagonal at rest count as one.
+const SAME_SHAPE: f32 = 0.0025;
+
+/// How many poses are looked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PoseOptions {
+    /// Poses to simplify by, besides the rest pose.
+    pub shaping: usize,
+    /// Further ones of single morph targets, where no clip drives any.
+    pub morphs: usize,
+    /// Poses to measure on.
+    pub measuring: usize,
+    /// Seed of the watched vertices and of bends.
+    pub seed: u64,
+}
+
+impl Default for PoseOptions {
+    /// 5 and at most 3 to simplify by, 24 to measure on.
+    fn default() -> Self {
+        Self {
+            shaping: 5,
+            morphs: 3,
+            measuring: 24,
+            seed: 1,
+        }
+    }
+}
+
+/// Where the poses of a character come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PoseSource {
+    /// Its clips.
+    Clips,
+    /// Random bends of its joints within what a human can do, since no clip changes its shape.
+    Bends,
+    /// Its morph targets alone: neither clips nor joints change its shape.
+    Morphs,
+    /// Nothing changes its shape: the rest pose is all there is.
+    Rest,
+}
+
+/// Poses of a character.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Poses {
+    /// Where they come from.
+    pub source: PoseSource,
+    /// What a mesh is simplified by: the rest pose, then those that differ most in shape.
+    pub shaping: Vec<SkinPose>,
+    /// What it is measured on: spread over all clips, none of them like one of `shaping`.
+    pub measuring: Vec<SkinPose>,
+    /// Shape distance that the two sets keep at least, metres; infinite if one is empty.
+    pub apart_metres: f32,
+}
+
+impl Poses {
+    /// Number of different clips that are measured on.
+    pub fn clips_measured(&self) -> usize {
+        let clips = self.measuring.iter().filter_map(|p| match p.origin {
+            Origin::Clip { clip, .. } => Some(clip),
+            _ => None,
+        });
+        clips.collect::<std::collections::BTreeSet<_>>().len()
+    }
+}
+
+/// Chooses poses of a character; fewer than asked for if there are not as many different ones.
+///
+/// The same asset and options give the same poses. O(frames looked at, which are limited, times
+/// watched vertices times poses).
+///
+/// # Errors
+/// A [`Mismatch`] if a clip, the mesh or a morph target is of another character.
+pub fn poses(asset: &Asset, opts: &PoseOptions) -> Result<Poses, Mismatch> {
+    check(asset)?;
+    let mut picked = Picked::new(opts);
+    let rest = SkinPose::rest(asset);
+    let sample = Sample::draw(&asset.mesh, opts.seed);
+    let Some(rest_shape) = sample.shape(asset, &rest) else {
+        return Ok(alone(rest));
+    };
+    let least_metres = SAME_SHAPE * sample.diagonal_metres();
+    picked.known.push(rest_shape);
+    picked.least_metres = least_metres;
+
+    let mut moving = Candidates::of_clips(asset, &sample);
+    let mut source = PoseSource::Clips;
+    if !moving.differ(least_metres) {
+        moving = Candidates::of_bends(asset, &sample, opts.seed);
+        source = PoseSource::Bends;
+    }
+    let morphs = Candidates::of_morphs(asset, &sample);
+    let mut shaping = picked.farthest(&moving, opts.shaping);
+    if shaping.is_empty() {
+        source = PoseSource::Morphs;
+    }
+    let most = if shaping.is_empty() {
+        opts.shaping.max(opts.morphs)
+    } else {
+        opts.morphs
+    };
+    shaping.extend(picked.farthest(&morphs, most));
+
+    let all = moving.and(morphs);
+    let mut measuring = picked.held_out(&all, opts.measuring);
+    if measuring.is_empty() && source == PoseSource::Clips {
+        let bends = Candidates::of_bends(asset, &sample, opts.seed);
+        measuring = picked.held_out(&bends, opts.measuring);
+    }
+    if shaping.is_empty() && measuring.is_empty() {
+        return Ok(alone(rest));
+    }
+    shaping.insert(0, rest);
+    Ok(Poses {
+        source,
+        shaping,
+        measuring,
+        apart_metres: picked.apart_metres,
+    })
+}
+
+fn alone(rest: SkinPose) -> Poses {
+    Poses {
+        source: PoseSource::Rest,
+        shaping: vec![rest],
+        measuring: Vec::new(),
+        apart_metres: f32::INFINITY,
+    }
+}
+
+fn check(asset: &Asset) -> Result<(), Mismatch> {
+    ladder::check(asset)?;
+    let mesh = &asset.mesh;
+    let slots = mesh.morph_weights.len();
+    let outside = |m: &articula_core::mesh::Morph| usize::from(m.slot) >= slots;
+    if let Some(m) = mesh.morphs.iter().position(outside) {
+        let what = format!("slot {} of {slots}", mesh.morphs[m].slot);
+        return Err(Mismatch::new(format!("mesh.morphs[{m}]"), what));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ladder::test_figures::{arm, moving};
+    use articula_core::clip::{Clip, Track, Tracks};
+    use articula_core::mesh::Morph;
+    use glam::{Quat, Vec3};
+
+    /// An arm of three joints whose middle one swings by up to `radians` in 61 frames.
+    fn swinging(radians: f32) -> Asset {
+        let mut asset = arm(3);
+        let turn = |i: usize| Quat::from_rotation_z(radians * i as f32 / 60.0);
+        asset.clips = vec![moving(3, 1, &(0..61).map(turn).collect::<Vec<_>>())];
+        asset
+    }
+
+    fn secs(pose: &SkinPose) -> f64 {
+        match pose.origin {
+            Origin::Clip { secs, .. } => secs,
+            _ => panic!("{:?}", pose.origin),
+        }
+    }
+
+    #[test]
+    fn the_farthest_frame_comes_first_and_then_the_middle() {
+        let asset = swinging(2.0);
+        let found = poses(&asset, &PoseOptions::default()).unwrap();
+        assert_eq!(found.source, PoseSource::Clips);
+        assert_eq!(found.shaping[0].origin, Origin::Rest);
+        assert_eq!(found.shaping.len(), 6);
+        assert_eq!(secs(&found.shaping[1]), 2.0, "the last frame bends most");
+        assert!((secs(&found.shaping[2]) - 1.0).abs() < 0.2);
+        // Every other frame is another pose: as many as asked for.
+        assert_eq!((found.measuring.len(), found.clips_measured()), (24, 1));
+        let used: Vec<f64> = found.shaping[1..].iter().map(secs).collect();
+        assert!(found.measuring.iter().all(|p| !used.contains(&secs(p))));
+        assert!(found.apart_metres > 0.0 && found.apart_metres.is_finite());
+        assert_eq!(poses(&asset, &PoseOptions::default()).unwrap(), found);
+    }
+
+    #[test]
+    fn every_clip_is_measured_on_before_one_is_twice() {
+        let mut asset = swinging(2.0);
+        for joint in [1, 2, 1, 2] {
+            let turn = |i: usize| Quat::from_rotation_x(0.02 * (i + joint) as f32);
+            let frames: Vec<Quat> = (0..61).map(turn).collect();
+            asset.clips.push(moving(3, joint, &frames));
+        }
+        let opts = PoseOptions {
+            measuring: 5,
+            ..PoseOptions::default()
+        };
+        let found = poses(&asset, &opts).unwrap();
+        assert_eq!((found.measuring.len(), found.clips_measured()), (5, 5));
+    }
+
+    #[test]
+    fn walking_through_the_world_changes_no_shape() {
+        let mut asset = arm(3);
+        let tracks = Tracks {
+            translations: vec![Track {
+                target: 0,
+                step: false,
+                values: (0..50).map(|i| Vec3::X * i as f32).collect(),
+            }],
+            rotations: vec![Track {
+                target: 0,
+                step: false,
+                values: (0..50)
+                    .map(|i| Quat::from_rotation_y(0.1 * i as f32))
+                    .collect(),
+            }],
+            ..Tracks::default()
+        };
+        asset.clips = vec![Clip::new("walk", 30.0, 50, 3, tracks).unwrap()];
+        let found = poses(&asset, &PoseOptions::default()).unwrap();
+        assert_eq!(found.source, PoseSource::Bends, "the clip bends nothing");
+        assert_eq!((found.shaping.len(), found.measuring.len()), (6, 24));
+        let root = asset.rig.root();
+        for pose in found.shaping.iter().chain(&found.measuring) {
+            assert_eq!(pose.joints.get(root), asset.rig.rest_pose().get(root));
+        }
+        let walked = SkinPose::of_clip(&asset, 0, 30);
+        assert!(walked.positions(&asset)[0].length() < 0.2, "on the spot");
+    }
+
+    #[test]
+    fn a_face_without_clips_shows_its_morphs() {
+        let mut asset = arm(1);
+        let corner = |slot: u16, size: f32| Morph {
+            slot,
+            vertices: vec![u32::from(slot)],
+            positions: vec![Vec3::X * size],
+            normals: vec![Vec3::ZERO],
+        };
+        // The last one is small and does not count.
+        let sizes = [0.2, 0.3, 0.25, 0.1, 0.2, 0.001];
+        let morphs = sizes
+            .iter()
+            .enumerate()
+            .map(|(s, size)| corner(s as u16, *size));
+        asset.mesh.morphs = morphs.collect();
+        asset.mesh.morph_weights = vec![0.0; 6];
+        let opts = PoseOptions {
+            shaping: 3,
+            ..PoseOptions::default()
+        };
+        let found = poses(&asset, &opts).unwrap();
+        assert_eq!(found.source, PoseSource::Morphs);
+        let origins: Vec<Origin> = found.shaping.iter().map(|p| p.origin).collect();
+        assert_eq!(origins[1], Origin::Morph { slot: 1 }, "the largest");
+        assert_eq!((found.shaping.len(), found.measuring.len()), (4, 2));
+        let moved = found.shaping[1].positions(&asset)[1] - asset.mesh.positions[1];
+        assert!((moved - Vec3::X * 0.3).length() < 1e-6);
+    }
+
+    #[test]
+    fn what_cannot_move_has_its_rest_pose() {
+        let mut asset = arm(1);
+        let rest = poses(&asset, &PoseOptions::default()).unwrap();
+        assert_eq!(rest.source, PoseSource::Rest);
+        assert_eq!((rest.shaping.len(), rest.measuring.len()), (1, 0));
+        asset.mesh = articula_core::mesh::Mesh::default();
+        let empty = poses(&asset, &PoseOptions::default()).unwrap();
+        assert_eq!(positions(&asset, &empty.shaping), [Vec::<Vec3>::new()]);
+    }
+
+    #[test]
+    fn what_is_no_number_is_left_out_and_another_rig_refused() {
+        let mut asset = swinging(1.0);
+        asset.mesh.positions[0].x = f32::NAN;
+        let bad = Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0);
+        asset.clips.push(moving(3, 1, &[bad; 4]));
+        let found = poses(&asset, &PoseOptions::default()).unwrap();
+        let clips = found.shaping[1..].iter().chain(&found.measuring);
+        assert!(clips.clone().all(|p| p.joints.rotations[1].is_finite()));
+        asset.mesh.positions.fill(Vec3::NAN);
+        let nothing = poses(&asset, &PoseOptions::default()).unwrap();
+        assert_eq!(nothing.source, PoseSource::Rest);
+        let other = Asset {
+            clips: vec![moving(4, 1, &[Quat::IDENTITY])],
+            ..arm(3)
+        };
+        let refused = poses(&other, &PoseOptions::default()).unwrap_err();
+        assert_eq!(refused.at, "clips[0]");
+    }
+}

@@ -1,0 +1,182 @@
+//! The shape of the skin in a pose, and how far two shapes are apart.
+//!
+//! Source: Horn, Closed-form solution of absolute orientation using unit quaternions (1987):
+//! the best rotation is the eigenvector of the greatest eigenvalue of a symmetric 4 x 4 matrix.
+
+use super::skin_pose::SkinPose;
+use crate::character::Asset;
+use crate::evaluate::draw_vertices;
+use crate::ladder::principal;
+use articula_core::mesh::{Mesh, Morph};
+use glam::{DMat3, DMat4, DVec3, DVec4, Quat, Vec3};
+
+/// Vertices that stand for the whole skin.
+const WATCHED: usize = 512;
+
+/// Watched vertices of a mesh, as a mesh of their own.
+#[derive(Debug)]
+pub(super) struct Sample {
+    mesh: Mesh,
+}
+
+/// Watched vertices in one pose, around their mean.
+#[derive(Debug, Clone)]
+pub(super) struct Shape {
+    points: Vec<DVec3>,
+    /// Sum of squared lengths.
+    size: f64,
+}
+
+impl Sample {
+    /// Draws finite vertices; those that morph targets move are among them as they are among all.
+    pub(super) fn draw(mesh: &Mesh, seed: u64) -> Self {
+        let mut vertices = draw_vertices(mesh.len(), WATCHED, seed);
+        vertices.retain(|v| mesh.positions[*v as usize].is_finite());
+        let at = |v: &u32| *v as usize * mesh.influences..(*v as usize + 1) * mesh.influences;
+        let each = |of: &dyn Fn(usize) -> Vec3| vertices.iter().map(|v| of(*v as usize)).collect();
+        let mesh = Mesh {
+            positions: each(&|v| mesh.positions[v]),
+            normals: each(&|v| mesh.normals[v]),
+            influences: mesh.influences,
+            binding_indices: vertices
+                .iter()
+                .flat_map(|v| mesh.binding_indices[at(v)].iter().copied())
+                .collect(),
+            weights: vertices
+                .iter()
+                .flat_map(|v| mesh.weights[at(v)].iter().copied())
+                .collect(),
+            bindings: mesh.bindings.clone(),
+            morphs: mesh.morphs.iter().map(|m| part(m, &vertices)).collect(),
+            morph_weights: mesh.morph_weights.clone(),
+            ..Mesh::default()
+        };
+        Self { mesh }
+    }
+
+    /// The shape in a pose; `None` if there is no vertex or one is not finite.
+    pub(super) fn shape(&self, asset: &Asset, pose: &SkinPose) -> Option<Shape> {
+        if self.mesh.is_empty() {
+            return None;
+        }
+        let points = pose.positions_of(asset, &self.mesh);
+        let points: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
+        let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+        let points: Vec<DVec3> = points.iter().map(|p| *p - mean).collect();
+        let size: f64 = points.iter().map(|p| p.length_squared()).sum();
+        size.is_finite().then_some(Shape { points, size })
+    }
+
+    /// Diagonal of the box around the watched vertices, each in its own mesh's space.
+    pub(super) fn diagonal_metres(&self) -> f32 {
+        let far = Vec3::splat(f32::INFINITY);
+        let points = self.mesh.positions.iter();
+        let (lo, hi) = points.fold((far, -far), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+        (hi - lo).length()
+    }
+}
+
+impl Shape {
+    /// Root mean square distance to another shape of the same sample, laid onto this one by the
+    /// best rotation; metres.
+    pub(super) fn apart_metres(&self, other: &Self) -> f32 {
+        let mut sum = DMat3::ZERO;
+        for (a, b) in self.points.iter().zip(&other.points) {
+            sum += DMat3::from_cols(*a * b.x, *a * b.y, *a * b.z);
+        }
+        let horn = horn(&sum);
+        // The trace is 0: shifted by its size the matrix has no negative eigenvalue, so that the
+        // greatest one is the greatest in size too.
+        let shift = self.size + other.size;
+        let q = principal(horn + DMat4::IDENTITY * shift, Quat::IDENTITY);
+        let q = DVec4::from_array(q.to_array().map(f64::from)).normalize();
+        let greatest = q.dot(horn * q);
+        let squares = self.size + other.size - 2.0 * greatest;
+        (squares.max(0.0) / self.points.len() as f64).sqrt() as f32
+    }
+}
+
+/// The matrix whose quadratic form is the sum of `a . (q b)` over all pairs, for a unit
+/// quaternion (x, y, z, w); `sum` is that of the products `a bᵀ`.
+fn horn(sum: &DMat3) -> DMat4 {
+    // s(i, j): component i of a times component j of b.
+    let s = |i: usize, j: usize| sum.col(j)[i];
+    let (yz, zx, xy) = (s(2, 1) - s(1, 2), s(0, 2) - s(2, 0), s(1, 0) - s(0, 1));
+    let (x, y, z) = (s(0, 0), s(1, 1), s(2, 2));
+    let (pxy, pyz, pzx) = (s(0, 1) + s(1, 0), s(1, 2) + s(2, 1), s(2, 0) + s(0, 2));
+    DMat4::from_cols(
+        DVec4::new(x - y - z, pxy, pzx, yz),
+        DVec4::new(pxy, y - x - z, pyz, zx),
+        DVec4::new(pzx, pyz, z - x - y, xy),
+        DVec4::new(yz, zx, xy, x + y + z),
+    )
+}
+
+/// What a morph target moves of some vertices (rising), by their places among them.
+fn part(morph: &Morph, vertices: &[u32]) -> Morph {
+    let mut out = Morph {
+        slot: morph.slot,
+        vertices: Vec::new(),
+        positions: Vec::new(),
+        normals: Vec::new(),
+    };
+    for (i, v) in morph.vertices.iter().enumerate() {
+        if let Ok(place) = vertices.binary_search(v) {
+            out.vertices.push(place as u32);
+            out.positions.push(morph.positions[i]);
+            out.normals.push(morph.normals[i]);
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn shape(points: &[DVec3]) -> Shape {
+        let mean = points.iter().sum::<DVec3>() / points.len() as f64;
+        let points: Vec<DVec3> = points.iter().map(|p| *p - mean).collect();
+        let size = points.iter().map(|p| p.length_squared()).sum();
+        Shape { points, size }
+    }
+
+    #[test]
+    fn by_hand() {
+        let line = |half: f64| shape(&[DVec3::X * half, DVec3::X * -half]);
+        assert!((line(1.0).apart_metres(&line(1.5)) - 0.5).abs() < 1e-6);
+        let upright = shape(&[DVec3::Y * 1.5, DVec3::Y * -1.5]);
+        assert!(
+            (line(1.0).apart_metres(&upright) - 0.5).abs() < 1e-6,
+            "turned"
+        );
+        // Mirrored shapes are not one: the best rotation leaves the third axis wrong.
+        let cross = |z: f64| {
+            let ends = [DVec3::X * 3.0, DVec3::Y * 2.0, DVec3::Z * z];
+            shape(&[ends[0], ends[1], ends[2], -ends[0] - ends[1] - ends[2]])
+        };
+        assert!(cross(1.0).apart_metres(&cross(-1.0)) > 0.1);
+    }
+
+    proptest! {
+        #[test]
+        fn a_rigid_motion_is_no_distance_and_a_shift_of_one_point_is(
+            points in prop::collection::vec(prop::array::uniform3(-1.0f64..1.0), 8..20),
+            turn in prop::array::uniform3(-3.0f64..3.0),
+            way in prop::array::uniform3(-50.0f64..50.0),
+            push in 0.01f64..0.5,
+        ) {
+            let points: Vec<DVec3> = points.into_iter().map(DVec3::from_array).collect();
+            let q = glam::DQuat::from_scaled_axis(DVec3::from_array(turn));
+            let mut moved: Vec<DVec3> = points.iter().map(|p| q * *p + DVec3::from_array(way)).collect();
+            let here = shape(&points);
+            prop_assert!(here.apart_metres(&shape(&moved)) < 1e-5);
+            moved[0].x += push;
+            let apart = here.apart_metres(&shape(&moved));
+            // Of all motions the one that leaves the others alone is no better than the best.
+            prop_assert!(apart <= (push * push / points.len() as f64).sqrt() as f32 + 1e-5);
+            prop_assert!((apart - shape(&moved).apart_metres(&here)).abs() < 1e-5);
+        }
+    }
+}

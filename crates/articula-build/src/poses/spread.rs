@@ -1,0 +1,94 @@
+//! Farthest-point choice: each pose that is picked is the farthest from all picked before.
+
+use super::PoseOptions;
+use super::candidates::Candidates;
+use super::shape::Shape;
+use super::skin_pose::SkinPose;
+
+/// What was picked so far.
+#[derive(Debug)]
+pub(super) struct Picked {
+    /// Shapes that further ones keep away from.
+    pub(super) known: Vec<Shape>,
+    /// Distance below which two poses count as one.
+    pub(super) least_metres: f32,
+    /// Least distance of a held-out pose to one that was picked before.
+    pub(super) apart_metres: f32,
+}
+
+impl Picked {
+    pub(super) fn new(opts: &PoseOptions) -> Self {
+        Self {
+            known: Vec::with_capacity(1 + opts.shaping + opts.morphs),
+            least_metres: 0.0,
+            apart_metres: f32::INFINITY,
+        }
+    }
+
+    /// The farthest from all that are known, `count` times or until all others are like one.
+    pub(super) fn farthest(&mut self, from: &Candidates, count: usize) -> Vec<SkinPose> {
+        let mut nearest = self.nearest(from);
+        let mut poses = Vec::new();
+        while poses.len() < count {
+            let Some(best) = greatest(&nearest, |i| nearest[i] >= self.least_metres) else {
+                break;
+            };
+            let picked = &from.list[best];
+            approach(&mut nearest, from, &picked.shape);
+            self.known.push(picked.shape.clone());
+            poses.push(picked.pose.clone());
+        }
+        poses
+    }
+
+    /// Poses unlike all that are known: each time the farthest, of the groups that have the
+    /// fewest so far.
+    pub(super) fn held_out(&mut self, from: &Candidates, count: usize) -> Vec<SkinPose> {
+        let known = self.nearest(from);
+        let is_new = |i: usize| known[i] >= self.least_metres;
+        let mut nearest = known.clone();
+        let mut taken = vec![false; known.len()];
+        let mut of_group = vec![0usize; from.groups()];
+        let mut poses = Vec::new();
+        while poses.len() < count {
+            let open = |i: &usize| is_new(*i) && !taken[*i];
+            let groups = (0..known.len()).filter(open).map(|i| from.list[i].group);
+            let Some(fewest) = groups.map(|g| of_group[g]).min() else {
+                break;
+            };
+            let fits = |i: usize| open(&i) && of_group[from.list[i].group] == fewest;
+            let Some(best) = greatest(&nearest, fits) else {
+                break;
+            };
+            let picked = &from.list[best];
+            approach(&mut nearest, from, &picked.shape);
+            taken[best] = true;
+            of_group[picked.group] += 1;
+            self.apart_metres = self.apart_metres.min(known[best]);
+            poses.push(picked.pose.clone());
+        }
+        poses
+    }
+
+    /// Distance of each candidate to the nearest known shape.
+    fn nearest(&self, from: &Candidates) -> Vec<f32> {
+        let mut nearest = vec![f32::INFINITY; from.list.len()];
+        for shape in &self.known {
+            approach(&mut nearest, from, shape);
+        }
+        nearest
+    }
+}
+
+fn approach(nearest: &mut [f32], from: &Candidates, shape: &Shape) {
+    for (near, candidate) in nearest.iter_mut().zip(&from.list) {
+        *near = near.min(shape.apart_metres(&candidate.shape));
+    }
+}
+
+/// Place of the greatest among those that fit; the first of equal ones.
+fn greatest(values: &[f32], fits: impl Fn(usize) -> bool) -> Option<usize> {
+    (0..values.len())
+        .filter(|i| fits(*i))
+        .reduce(|a, b| if values[b] > values[a] { b } else { a })
+}
