@@ -6,6 +6,7 @@
 //!
 //! - [`source`]: the editable nouns that readers give and builders take
 //! - [`rig`], [`clip`], [`mesh`]: the read-only nouns of the frame
+//! - [`clustered`]: the levels of a mesh as ranges of one index list
 //! - [`articulation`]: H-Anim level and region of every joint
 //! - [`hanim_table`], [`fap_table`]: the joints of the standard humanoid, and the parameters of
 //!   its face
@@ -42,6 +43,7 @@ pub mod budget;
 pub mod capsule;
 pub mod clip;
 pub mod clip_set;
+pub mod clustered;
 pub mod crowd;
 pub mod drift;
 pub mod fap_table;

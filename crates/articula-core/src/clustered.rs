@@ -1,0 +1,296 @@
+//! Which stored triangles each level of a mesh shows: ranges that are copied, never computed.
+//!
+//! Every triangle lives through an interval of levels. Triangles with the same interval (and
+//! region of the body) lie together as one [`Cluster`], so a level is a short list of ranges of
+//! one index list, and its vertices are a prefix of one vertex list. A finer level only adds to
+//! what a coarser one has; a coarser one needs nothing new.
+//!
+//! Source: thesis 3.1.2, `spec/clustered-mesh.md` 3 and 4. Different from both: a noun that takes
+//! its clusters in any order; how many ranges a level has is decided by who orders them
+//! (`articula_build::clusters`): at most one for each level up to it.
+
+use crate::Mismatch;
+use std::ops::Range;
+
+/// Triangles that are shown from one level to another.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Cluster {
+    /// Coarsest level that shows them.
+    pub first_level: u16,
+    /// Finest level that shows them.
+    pub last_level: u16,
+    /// Region whose level decides, below [`Clusters::regions`].
+    pub region: u16,
+    /// Where they lie in the index list, in triangles.
+    pub triangles: Range<u32>,
+}
+
+impl Cluster {
+    /// Whether `level` shows these triangles.
+    pub fn is_shown_at(&self, level: usize) -> bool {
+        usize::from(self.first_level) <= level && level <= usize::from(self.last_level)
+    }
+}
+
+/// The levels of one object: how many vertices each has, and where its triangles lie.
+///
+/// ```
+/// use articula_core::clustered::{Cluster, Clusters};
+///
+/// // A square of two triangles that level 1 cuts into four around its centre.
+/// let cluster = |level, triangles| Cluster {
+///     first_level: level,
+///     last_level: level,
+///     region: 0,
+///     triangles,
+/// };
+/// let square = Clusters::new(vec![4, 5], vec![cluster(0, 0..2), cluster(1, 2..6)])?;
+/// assert_eq!(square.ranges(0).collect::<Vec<_>>(), [0..2]);
+/// assert_eq!(square.ranges(1).collect::<Vec<_>>(), [2..6]);
+/// assert_eq!(square.vertices(0), 4);
+/// # Ok::<(), articula_core::Mismatch>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub struct Clusters {
+    vertices: Vec<u32>,
+    clusters: Vec<Cluster>,
+    regions: usize,
+}
+
+impl Clusters {
+    /// Checks and takes the vertex count of each level, coarsest first, and the clusters in the
+    /// order of the index list.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if there is no level, vertex counts fall, levels of a cluster are turned
+    /// round or not there, or the clusters do not follow each other from triangle 0.
+    pub fn new(vertices: Vec<u32>, clusters: Vec<Cluster>) -> Result<Self, Mismatch> {
+        if vertices.is_empty() || vertices.len() > usize::from(u16::MAX) + 1 {
+            let what = format!("{} levels, expected 1 to 65536", vertices.len());
+            return Err(Mismatch::new("vertices", what));
+        }
+        if let Some(i) = vertices.windows(2).position(|w| w[1] < w[0]) {
+            let what = format!(
+                "{} after {}, a finer level has more",
+                vertices[i + 1],
+                vertices[i]
+            );
+            return Err(Mismatch::new(format!("vertices[{}]", i + 1), what));
+        }
+        let mut end = 0;
+        for (c, cluster) in clusters.iter().enumerate() {
+            let (first, last) = (cluster.first_level, cluster.last_level);
+            if first > last || usize::from(last) >= vertices.len() {
+                let what = format!("levels {first} to {last} of {}", vertices.len());
+                return Err(Mismatch::new(format!("clusters[{c}]"), what));
+            }
+            let Range { start, end: after } = cluster.triangles;
+            if start != end || after < start {
+                let what = format!("{start}..{after}, expected to begin at {end}");
+                return Err(Mismatch::new(format!("clusters[{c}].triangles"), what));
+            }
+            end = after;
+        }
+        let regions = clusters.iter().map(|c| usize::from(c.region) + 1).max();
+        Ok(Self {
+            vertices,
+            clusters,
+            regions: regions.unwrap_or(1),
+        })
+    }
+
+    /// Number of levels, at least 1. Level 0 is the coarsest, `levels() - 1` the original.
+    pub fn levels(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Number of regions that may be at levels of their own, at least 1.
+    pub fn regions(&self) -> usize {
+        self.regions
+    }
+
+    /// The clusters in the order of the index list.
+    pub fn clusters(&self) -> &[Cluster] {
+        &self.clusters
+    }
+
+    /// Number of triangles in the index list, those of all levels together.
+    pub fn stored_triangles(&self) -> u32 {
+        self.clusters.last().map_or(0, |c| c.triangles.end)
+    }
+
+    /// Number of vertices of a level: it uses no index from here on. A level above the finest is
+    /// the finest, here and below.
+    pub fn vertices(&self, level: usize) -> u32 {
+        self.vertices[level.min(self.levels() - 1)]
+    }
+
+    /// Vertex counts of all levels, coarsest first.
+    pub fn vertex_counts(&self) -> &[u32] {
+        &self.vertices
+    }
+
+    /// Number of triangles that a level shows.
+    pub fn triangles(&self, level: usize) -> u32 {
+        self.ranges(level).map(|r| r.end - r.start).sum()
+    }
+
+    /// The triangles of a level as ranges of the index list: rising, disjoint, neighbours merged,
+    /// none empty. Allocates nothing.
+    pub fn ranges(&self, level: usize) -> impl Iterator<Item = Range<u32>> + '_ {
+        let level = level.min(self.levels() - 1);
+        merged(self.clusters.iter().filter(move |c| c.is_shown_at(level)))
+    }
+
+    /// The triangles when every region has a level of its own. Allocates nothing.
+    ///
+    /// Where two regions touch, whoever made the levels keeps the seam whole
+    /// (`articula_build::clusters` says which levels may be mixed).
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if there is not one level for each region.
+    pub fn ranges_of<'a>(
+        &'a self,
+        levels: &'a [u16],
+    ) -> Result<impl Iterator<Item = Range<u32>> + 'a, Mismatch> {
+        if levels.len() != self.regions {
+            let what = format!("{} levels for {} regions", levels.len(), self.regions);
+            return Err(Mismatch::new("levels", what));
+        }
+        let finest = self.levels() - 1;
+        let shown = move |c: &&Cluster| {
+            c.is_shown_at(usize::from(levels[usize::from(c.region)]).min(finest))
+        };
+        Ok(merged(self.clusters.iter().filter(shown)))
+    }
+
+    /// Number of vertices that are needed when every region has a level of its own: those of the
+    /// finest.
+    pub fn vertices_of(&self, levels: &[u16]) -> u32 {
+        self.vertices(levels.iter().max().map_or(0, |l| usize::from(*l)))
+    }
+
+    /// The greatest number of ranges of any one level: how large a caller's buffer must be.
+    pub fn most_ranges(&self) -> usize {
+        let counts = (0..self.levels()).map(|level| self.ranges(level).count());
+        counts.max().unwrap_or(0)
+    }
+}
+
+/// Joins ranges that touch. The clusters rise.
+fn merged<'a>(
+    clusters: impl Iterator<Item = &'a Cluster> + 'a,
+) -> impl Iterator<Item = Range<u32>> + 'a {
+    let mut ranges = clusters
+        .map(|c| c.triangles.clone())
+        .filter(|r| !r.is_empty())
+        .peekable();
+    std::iter::from_fn(move || {
+        let mut range = ranges.next()?;
+        while let Some(next) = ranges.next_if(|next| next.start == range.end) {
+            range.end = next.end;
+        }
+        Some(range)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    #![expect(
+        clippy::single_range_in_vec_init,
+        reason = "lists of ranges, some of one"
+    )]
+    use super::*;
+
+    fn cluster(first_level: u16, last_level: u16, region: u16, triangles: Range<u32>) -> Cluster {
+        Cluster {
+            first_level,
+            last_level,
+            region,
+            triangles,
+        }
+    }
+
+    /// The worked example of the specification: C(0,1) | C(1,2) C(1,1) | C(2,2).
+    fn example() -> Clusters {
+        let clusters = vec![
+            cluster(0, 0, 0, 0..2),
+            cluster(1, 1, 0, 2..4),
+            cluster(1, 2, 0, 4..6),
+            cluster(2, 2, 0, 6..10),
+        ];
+        Clusters::new(vec![4, 5, 6], clusters).unwrap()
+    }
+
+    #[test]
+    fn levels_of_the_worked_example() {
+        let mesh = example();
+        let ranges = |level| mesh.ranges(level).collect::<Vec<_>>();
+        assert_eq!(ranges(0), [0..2]);
+        assert_eq!(ranges(1), [2..6]);
+        assert_eq!(ranges(2), [4..10]);
+        assert_eq!(ranges(7), [4..10], "above the finest is the finest");
+        assert_eq!(mesh.vertex_counts(), [4, 5, 6]);
+        assert_eq!([0, 1, 2].map(|i| mesh.triangles(i)), [2, 4, 6]);
+        assert_eq!((mesh.stored_triangles(), mesh.most_ranges()), (10, 1));
+    }
+
+    #[test]
+    fn empty_clusters_neither_show_nor_part_their_neighbours() {
+        let clusters = vec![
+            cluster(0, 1, 0, 0..3),
+            cluster(0, 0, 0, 3..3),
+            cluster(1, 1, 0, 3..4),
+            cluster(0, 0, 0, 4..5),
+            cluster(0, 1, 0, 5..6),
+        ];
+        let mesh = Clusters::new(vec![3, 3], clusters).unwrap();
+        assert_eq!(mesh.ranges(1).collect::<Vec<_>>(), [0..4, 5..6]);
+        assert_eq!(mesh.ranges(0).collect::<Vec<_>>(), [0..3, 4..6]);
+        assert_eq!(mesh.most_ranges(), 2);
+        let nothing = Clusters::new(vec![0], vec![]).unwrap();
+        assert_eq!(
+            (nothing.stored_triangles(), nothing.ranges(0).count()),
+            (0, 0)
+        );
+    }
+
+    #[test]
+    fn each_region_at_its_level() {
+        let clusters = vec![
+            cluster(0, 0, 0, 0..2),
+            cluster(0, 0, 1, 2..4),
+            cluster(1, 1, 0, 4..8),
+            cluster(1, 1, 1, 8..12),
+        ];
+        let mesh = Clusters::new(vec![4, 9], clusters).unwrap();
+        assert_eq!(mesh.regions(), 2);
+        let of = |levels: &[u16]| mesh.ranges_of(levels).unwrap().collect::<Vec<_>>();
+        assert_eq!(of(&[1, 0]), [2..8]);
+        assert_eq!(of(&[0, 1]), [0..2, 8..12]);
+        assert_eq!(of(&[1, 1]), mesh.ranges(1).collect::<Vec<_>>());
+        assert_eq!(
+            [mesh.vertices_of(&[0, 0]), mesh.vertices_of(&[0, 1])],
+            [4, 9]
+        );
+        assert_eq!(mesh.ranges_of(&[0]).map(|_| ()).unwrap_err().at, "levels");
+    }
+
+    #[test]
+    fn refuses_what_cannot_be_drawn() {
+        let at = |vertices: &[u32], clusters: &[Cluster]| {
+            Clusters::new(vertices.to_vec(), clusters.to_vec())
+                .unwrap_err()
+                .at
+        };
+        assert_eq!(at(&[], &[]), "vertices");
+        assert_eq!(at(&[3, 2], &[]), "vertices[1]");
+        assert_eq!(at(&[3], &[cluster(0, 1, 0, 0..1)]), "clusters[0]");
+        assert_eq!(at(&[3, 3], &[cluster(1, 0, 0, 0..1)]), "clusters[0]");
+        let gap = [cluster(0, 0, 0, 0..1), cluster(0, 0, 0, 2..3)];
+        assert_eq!(at(&[3], &gap), "clusters[1].triangles");
+        #[expect(clippy::reversed_empty_ranges, reason = "what a broken file may say")]
+        let back = [cluster(0, 0, 0, 0..3), cluster(0, 0, 0, 3..1)];
+        assert_eq!(at(&[3], &back), "clusters[1].triangles");
+    }
+}
