@@ -5,6 +5,7 @@
 //! order of the line:
 //!
 //! - [`mesh`]: a mesh in whole numbers
+//! - `surface`: what is known of a level when its values are coded
 //! - `range_coder`, `number`: decisions and numbers as bytes
 
 pub mod mesh;
@@ -18,5 +19,7 @@ mod number;
     expect(dead_code, reason = "the walks that use it come next")
 )]
 mod range_coder;
+#[expect(dead_code, reason = "the walks that use it come next")]
+mod surface;
 
 pub use mesh::{Layout, MorphLayout, QuantisedMesh};
