@@ -3,6 +3,7 @@
 //! - [`character`]: the recipe, from a source character to rig, mesh and clips
 //! - [`clip`]: keyed channels to a uniform rate
 //! - [`clip_edit`]: source clips trimmed, looped, thinned out before anything else
+//! - [`clusters`]: the levels of a mesh put together as ranges of one object
 //! - [`expression`]: expressions written out as morph weights and joint transforms
 //! - [`human`]: the procedural reference human
 //! - [`influences`]: fewer joints for each vertex
@@ -22,6 +23,7 @@
 pub mod character;
 pub mod clip;
 pub mod clip_edit;
+pub mod clusters;
 pub mod evaluate;
 pub mod expression;
 pub mod human;

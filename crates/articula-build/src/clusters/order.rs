@@ -1,0 +1,35 @@
+//! In which order clusters lie, so that what a level shows is few ranges.
+
+/// A place in the list of clusters.
+pub(super) type Place = (u8, u16, u16, u16);
+
+/// The order of clusters in the index list.
+///
+/// `C(k,j)` are the triangles that levels `k` to `j - 1` show, `C(k,k)` those that live to the
+/// finest level `n`. Inside each, regions rise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// What each level adds, coarsest first: `C(0,1) .. C(0,n) C(0,0) | C(1,2) .. C(1,1) | ..`.
+    /// Any first chunks make a mesh; of chunk `k` a level shows one suffix, so level `i` has at
+    /// most `i + 1` ranges.
+    Chunks,
+    /// The finest level in one piece, then what only coarser levels show, so that who knows
+    /// nothing of levels draws the first piece:
+    /// `C(n,n) .. C(0,0) | C(0,n) .. C(0,1) | C(1,2) .. C(1,n) | C(2,n) .. C(2,3) | ..`.
+    ///
+    /// What a level shows of each list is a prefix of those that fall and a suffix of those that
+    /// rise, so they meet: level `i` has at most `1 + (i + 1) / 2` ranges, the finest one.
+    Store,
+}
+
+impl Order {
+    /// Where triangles lie that live from level `first` to `last` of `finest`.
+    pub(super) fn place(self, first: u16, last: u16, region: u16, finest: u16) -> Place {
+        match self {
+            Self::Chunks => (0, first, last, region),
+            Self::Store if last == finest => (0, finest - first, 0, region),
+            Self::Store if first.is_multiple_of(2) => (1, first, finest - last, region),
+            Self::Store => (1, first, last, region),
+        }
+    }
+}
