@@ -6,14 +6,18 @@
 //!
 //! - [`mesh`]: a mesh in whole numbers
 //! - `surface`: what is known of a level when its values are coded
+//! - [`quantise`]: from floating point to whole numbers and back
+//! - `check`: whether a mesh holds to its layout
 //! - `range_coder`, `number`: decisions and numbers as bytes
 
+mod check;
 pub mod mesh;
 #[cfg_attr(
     not(test),
     expect(dead_code, reason = "the walks that use it come next")
 )]
 mod number;
+pub mod quantise;
 #[cfg_attr(
     not(test),
     expect(dead_code, reason = "the walks that use it come next")
@@ -23,3 +27,4 @@ mod range_coder;
 mod surface;
 
 pub use mesh::{Layout, MorphLayout, QuantisedMesh};
+pub use quantise::{Grid, Precision, Quantised, Scale, TexcoordGrid, quantise, restore};

@@ -1,0 +1,180 @@
+//! Whether a mesh holds to its layout: asked of a caller's mesh before it is coded, and of every
+//! mesh that was decoded.
+
+use super::mesh::{Layout, QuantisedMesh};
+use super::quantise::{LARGEST_OFFSET, LARGEST_TURN};
+use articula_core::Mismatch;
+use std::cmp::Ordering;
+
+impl Layout {
+    /// # Errors
+    /// A [`Mismatch`] if a number of bits is out of range.
+    pub fn check(&self) -> Result<(), Mismatch> {
+        let ranges = [
+            ("position_bits", self.position_bits, 1, 20, false),
+            ("normal_bits", self.normal_bits, 2, 16, true),
+            ("texcoord_bits", self.texcoord_bits, 1, 20, true),
+        ];
+        for (at, bits, least, most, may_lack) in ranges {
+            let is_left_out = may_lack && bits == 0;
+            if !(is_left_out || (least..=most).contains(&bits)) {
+                let what = format!("{bits} bits, not {least} to {most}");
+                return Err(Mismatch::new(at, what));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl QuantisedMesh {
+    /// Whether all that the documentation of the fields says is so, O(n log n).
+    ///
+    /// # Errors
+    /// A [`Mismatch`] that names the first thing that is not.
+    pub fn check(&self, layout: &Layout) -> Result<(), Mismatch> {
+        layout.check()?;
+        self.check_lengths(layout)?;
+        self.check_topology()?;
+        self.check_ranges(layout)?;
+        self.check_skins(layout)?;
+        self.check_distinct()
+    }
+
+    fn check_lengths(&self, layout: &Layout) -> Result<(), Mismatch> {
+        let (points, wedges) = (self.points(), self.wedges());
+        if points.max(wedges).max(self.faces.len()) > i32::MAX as usize {
+            return Err(Mismatch::new("positions", "more than 2^31 of them"));
+        }
+        let count = |has: bool, n: usize| if has { n } else { 0 };
+        length("skins", self.skins.len(), count(layout.joints > 0, points))?;
+        let has_normals = layout.normal_bits > 0;
+        length("normals", self.normals.len(), count(has_normals, wedges))?;
+        let has_texcoords = layout.texcoord_bits > 0;
+        let texcoords = count(has_texcoords, wedges);
+        length("texcoords", self.texcoords.len(), texcoords)?;
+        let colors = count(layout.has_colors, wedges);
+        length("colors", self.colors.len(), colors)?;
+        length("morphs", self.morphs.len(), layout.morphs.len())?;
+        let normals = self.morph_normals.len();
+        length("morph_normals", normals, layout.morphs.len())?;
+        for (m, morph) in layout.morphs.iter().enumerate() {
+            length("a morph", self.morphs[m].len(), points)?;
+            let expected = count(morph.has_normals, wedges);
+            length("a morph's normals", self.morph_normals[m].len(), expected)?;
+        }
+        Ok(())
+    }
+
+    fn check_topology(&self) -> Result<(), Mismatch> {
+        let (points, wedges) = (self.points() as u32, self.wedges() as u32);
+        if let Some(w) = self.wedge_points.iter().position(|p| *p >= points) {
+            return Err(wrong("wedge_points", w, "a point that there is not"));
+        }
+        for (f, face) in self.faces.iter().enumerate() {
+            if face.iter().any(|w| *w >= wedges) {
+                return Err(wrong("faces", f, "a wedge that there is not"));
+            }
+            let [a, b, c] = face.map(|w| self.wedge_points[w as usize]);
+            if a == b || b == c || c == a {
+                return Err(wrong("faces", f, "a point twice"));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_ranges(&self, layout: &Layout) -> Result<(), Mismatch> {
+        let within = |bits: u8| 0..=((1i32 << bits) - 1);
+        range("positions", &self.positions, within(layout.position_bits))?;
+        range("normals", &self.normals, within(layout.normal_bits))?;
+        range("texcoords", &self.texcoords, within(layout.texcoord_bits))?;
+        for (offsets, turns) in self.morphs.iter().zip(&self.morph_normals) {
+            range("morphs", offsets, -LARGEST_OFFSET..=LARGEST_OFFSET)?;
+            range("morph_normals", turns, -LARGEST_TURN..=LARGEST_TURN)?;
+        }
+        Ok(())
+    }
+
+    fn check_skins(&self, layout: &Layout) -> Result<(), Mismatch> {
+        for (p, skin) in self.skins.iter().enumerate() {
+            if skin.iter().map(|i| u32::from(i.1)).sum::<u32>() != 255 {
+                return Err(wrong("skins", p, "weights that do not sum to 255"));
+            }
+            let order = |i: &(u16, u8)| (std::cmp::Reverse(i.1), i.0);
+            let is_sorted = skin.is_sorted_by_key(order);
+            let is_known = skin.iter().all(|i| i.1 > 0 && i.0 < layout.joints);
+            let mut joints: Vec<u16> = skin.iter().map(|i| i.0).collect();
+            joints.sort_unstable();
+            if !is_sorted || !is_known || joints.windows(2).any(|j| j[0] == j[1]) {
+                return Err(wrong("skins", p, "joints unknown, twice or out of order"));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_distinct(&self) -> Result<(), Mismatch> {
+        if let Some(p) = repeated(self.points(), |a, b| self.compare_points(a, b)) {
+            return Err(wrong("positions", p, "the values of another point"));
+        }
+        if let Some(w) = repeated(self.wedges(), |a, b| self.compare_wedges(a, b)) {
+            return Err(wrong("wedge_points", w, "the values of another wedge"));
+        }
+        let face = |f: usize| {
+            let mut face = self.faces[f];
+            let least = (0..3).min_by_key(|i| face[*i]).unwrap_or(0);
+            face.rotate_left(least);
+            face
+        };
+        match repeated(self.faces.len(), |a, b| face(a).cmp(&face(b))) {
+            Some(f) => Err(wrong("faces", f, "the same as another face")),
+            None => Ok(()),
+        }
+    }
+
+    fn compare_points(&self, a: usize, b: usize) -> Ordering {
+        let offsets = |p: usize| self.morphs.iter().map(move |m| m[p]);
+        self.positions[a]
+            .cmp(&self.positions[b])
+            .then_with(|| self.skins.get(a).cmp(&self.skins.get(b)))
+            .then_with(|| offsets(a).cmp(offsets(b)))
+    }
+
+    fn compare_wedges(&self, a: usize, b: usize) -> Ordering {
+        let point = |w: usize| self.wedge_points[w];
+        let turns = |w: usize| self.morph_normals.iter().map(move |m| m.get(w));
+        (point(a).cmp(&point(b)))
+            .then_with(|| self.normals.get(a).cmp(&self.normals.get(b)))
+            .then_with(|| self.texcoords.get(a).cmp(&self.texcoords.get(b)))
+            .then_with(|| self.colors.get(a).cmp(&self.colors.get(b)))
+            .then_with(|| turns(a).cmp(turns(b)))
+    }
+}
+
+/// One of two equal items, if there are any.
+fn repeated(count: usize, compare: impl Fn(usize, usize) -> Ordering) -> Option<usize> {
+    let mut order: Vec<usize> = (0..count).collect();
+    order.sort_unstable_by(|a, b| compare(*a, *b));
+    let twice = order.windows(2).find(|w| compare(w[0], w[1]).is_eq());
+    twice.map(|w| w[1])
+}
+
+fn wrong(list: &str, index: usize, what: &str) -> Mismatch {
+    Mismatch::new(format!("{list}[{index}]"), what)
+}
+
+fn length(at: &str, found: usize, expected: usize) -> Result<(), Mismatch> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(Mismatch::new(at, format!("{found}, not {expected}")))
+}
+
+fn range<const N: usize>(
+    at: &str,
+    values: &[[i32; N]],
+    may: std::ops::RangeInclusive<i32>,
+) -> Result<(), Mismatch> {
+    match values.iter().flatten().position(|v| !may.contains(v)) {
+        Some(i) => Err(wrong(at, i / N, "a number out of its range")),
+        None => Ok(()),
+    }
+}
