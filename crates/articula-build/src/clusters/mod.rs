@@ -235,6 +235,10 @@ fn mixable_from(lives: &[Life], regions: &[u16], levels: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
+    #![expect(
+        clippy::single_range_in_vec_init,
+        reason = "lists of ranges, some of one"
+    )]
     use super::*;
 
     /// The worked example of the specification, coarsest level first.
