@@ -5,6 +5,7 @@
 use super::place::Place;
 use super::reader::Reader;
 use crate::error::ReadError;
+use std::collections::BTreeMap;
 
 /// How one number is stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,6 +126,36 @@ impl Accessor<'_> {
 
     pub(super) fn place(&self) -> &Place<'_> {
         &self.place
+    }
+
+    /// Bytes of one element.
+    pub(super) fn element_size(&self) -> usize {
+        self.component.size() * self.width
+    }
+
+    /// An element as it is stored, without what is sparse; `None` where that is zeros.
+    pub(super) fn stored(&self, element: usize) -> Option<&[u8]> {
+        let base = self.base?;
+        Some(&base.bytes[element * base.stride..][..self.element_size()])
+    }
+
+    /// What is sparse: element and its bytes, of several for one the last.
+    pub(super) fn overlay(&self) -> Result<BTreeMap<usize, &[u8]>, ReadError> {
+        let mut found = BTreeMap::new();
+        let Some(sparse) = self.sparse else {
+            return Ok(found);
+        };
+        for i in 0..sparse.count {
+            let at = &sparse.indices.bytes[i * sparse.indices.stride..];
+            let element = sparse.index_component.unsigned(at) as usize;
+            if element >= self.count {
+                let what = format!("sparse index {element}, but there are {}", self.count);
+                return Err(self.place.malformed(what));
+            }
+            let bytes = &sparse.values.bytes[i * sparse.values.stride..];
+            found.insert(element, &bytes[..self.element_size()]);
+        }
+        Ok(found)
     }
 }
 

@@ -128,14 +128,8 @@ fn read_primitives(
 ) -> Result<Vec<Primitive>, ReadError> {
     let mut out: Vec<Primitive> = Vec::new();
     let places = mesh.entries("primitives")?;
-    let mut seen = HashSet::new();
-    let mut shared = HashSet::new();
-    for positions in places.iter().map(positions_of) {
-        if !seen.insert(positions) {
-            shared.insert(positions);
-        }
-    }
-    for place in places {
+    let shares = sharing(&places);
+    for (place, shares) in places.into_iter().zip(shares) {
         reader.charge(place.at(), 0)?;
         let Some(mut primitive) = primitive::read(reader, &place, joint_count, texcoords)? else {
             continue;
@@ -148,12 +142,25 @@ fn read_primitives(
             let what = format!("{found} morph targets, but {morphs} in the primitive before");
             return Err(place.malformed(what));
         }
-        if shared.contains(&positions_of(&place)) {
+        if shares {
             primitive::keep_used_vertices(&mut primitive);
         }
         out.push(primitive);
     }
     Ok(out)
+}
+
+/// Whether each primitive has its positions in common with another.
+pub(super) fn sharing(primitives: &[Place<'_>]) -> Vec<bool> {
+    let mut seen = HashSet::new();
+    let mut shared = HashSet::new();
+    for positions in primitives.iter().map(positions_of) {
+        if !seen.insert(positions) {
+            shared.insert(positions);
+        }
+    }
+    let is_shared = |place| shared.contains(&positions_of(place));
+    primitives.iter().map(is_shared).collect()
 }
 
 /// Accessor of a primitive's positions.

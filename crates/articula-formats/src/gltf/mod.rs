@@ -10,6 +10,7 @@
 //! - `extension`: which required extensions are read
 //! - `node`, `skeleton`, `skin`: from nodes to joints
 //! - `material`, `texcoord`, `mesh`, `primitive`, `influences`, `lod`: what is seen
+//! - `origin`: from a part of a mesh back to the document
 //! - `animation`, `pointer`: what moves
 //! - `vrm`, `khr_character`, `credits`: what is said of a human, and who made it
 //! - [`articulation`]: the extension `ARTICULA_articulation`
@@ -37,6 +38,7 @@ mod lod;
 mod material;
 mod mesh;
 mod node;
+mod origin;
 mod place;
 mod pointer;
 mod primitive;

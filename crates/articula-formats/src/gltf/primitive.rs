@@ -55,6 +55,24 @@ pub(super) fn read(
     }))
 }
 
+/// Number of vertices and triangles of a primitive that [`read`] takes; `None` for others.
+pub(super) fn outline(
+    reader: &mut Reader<'_>,
+    place: &Place<'_>,
+) -> Result<Option<(usize, Vec<[u32; 3]>)>, ReadError> {
+    let mode = place.whole_or("mode", 4)?;
+    let positions = place.dig(&["attributes", "POSITION"]);
+    let Some(positions) = positions.filter(|_| matches!(mode, 4..=6)) else {
+        return Ok(None);
+    };
+    let count = reader.accessor(&positions)?.count;
+    if count == 0 {
+        return Ok(None);
+    }
+    let triangles = triangles(reader, place, mode, count)?;
+    Ok((!triangles.is_empty()).then_some((count, triangles)))
+}
+
 /// An attribute of three floats; empty if absent.
 fn vec3s(
     reader: &mut Reader<'_>,

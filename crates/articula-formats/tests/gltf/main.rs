@@ -17,5 +17,6 @@ mod levels;
 mod mutated;
 mod quantized;
 mod tiny;
+mod vertex_classes;
 mod vrm;
 mod written;

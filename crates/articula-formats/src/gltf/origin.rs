@@ -1,0 +1,96 @@
+//! From the parts of a mesh as read back to the primitives of the document that they came from.
+
+use super::document::Document;
+use super::mesh::sharing;
+use super::place::Place;
+use super::primitive;
+use super::reader::{Notes, Reader};
+use crate::error::ReadError;
+use crate::limits::Limits;
+use std::collections::HashMap;
+
+/// Where a part of a mesh stands in the document.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Origin {
+    /// Index among the primitives of the mesh.
+    pub(super) primitive: usize,
+    /// Place of each vertex in the primitive's arrays.
+    pub(super) vertices: Vec<u32>,
+}
+
+/// The parts that [`read`](super::read) makes of the mesh of a node, in their order.
+pub(super) fn origins(reader: &mut Reader<'_>, mesh: &Place<'_>) -> Result<Vec<Origin>, ReadError> {
+    let places = mesh.entries("primitives")?;
+    let mut out = Vec::new();
+    for (p, (place, shares)) in places.iter().zip(sharing(&places)).enumerate() {
+        let Some((count, triangles)) = primitive::outline(reader, place)? else {
+            continue;
+        };
+        reader.charge(place.at(), count as u64)?;
+        let mut is_used = vec![!shares; count];
+        for v in triangles.as_flattened() {
+            is_used[*v as usize] = true;
+        }
+        let used = |v: &u32| is_used[*v as usize];
+        out.push(Origin {
+            primitive: p,
+            vertices: (0..count as u32).filter(used).collect(),
+        });
+    }
+    Ok(out)
+}
+
+/// The mesh that a node names.
+pub(super) fn mesh_of<'a>(reader: &Reader<'a>, node: usize) -> Result<Place<'a>, ReadError> {
+    let missing = || ReadError::malformed(format!("nodes[{node}]"), "no such node with a mesh");
+    let index = reader.root.entry("nodes", node);
+    let index = index.and_then(|n| n.get("mesh")).ok_or_else(missing)?;
+    let mesh = index.index_below(reader.root.count("meshes"))?;
+    reader.root.entry("meshes", mesh).ok_or_else(missing)
+}
+
+impl Document {
+    /// Which vertices of a part of a node's mesh are alike in every byte that the document has of
+    /// them: all attributes, also those that a character does not hold (tangents, further
+    /// texture coordinates and colours, custom ones), and all morph targets. Each vertex gets
+    /// the lowest number of those like it. Parts and vertices are those of [`read`](super::read).
+    ///
+    /// # Errors
+    /// [`ReadError`] if there is no such node or part, or the document is broken.
+    pub fn vertex_classes(&self, node: usize, part: usize) -> Result<Vec<u32>, ReadError> {
+        let limits = Limits::default();
+        let mut reader = Reader::new(self, &limits, Notes::default());
+        let mesh = mesh_of(&reader, node)?;
+        let parts = origins(&mut reader, &mesh)?;
+        let none = || mesh.malformed(format!("no part {part}, there are {}", parts.len()));
+        let origin = parts.get(part).ok_or_else(none)?;
+        let primitive = mesh.entry("primitives", origin.primitive);
+        let primitive = primitive.ok_or_else(none)?;
+        let mut classes = vec![0; origin.vertices.len()];
+        for index in vertex_arrays(&primitive)? {
+            let accessor = reader.accessor(&index)?;
+            let overlay = accessor.overlay()?;
+            // One map at a time: what was alike so far, and this array's bytes.
+            let mut first = HashMap::new();
+            for ((v, class), raw) in (0u32..).zip(&mut classes).zip(&origin.vertices) {
+                let raw = *raw as usize;
+                if raw >= accessor.count {
+                    return Err(index.malformed("fewer elements than vertices"));
+                }
+                let bytes = overlay.get(&raw).copied().or_else(|| accessor.stored(raw));
+                // Zeros that are stored are those that are not.
+                let bytes = bytes.filter(|b| b.iter().any(|byte| *byte != 0));
+                *class = *first.entry((*class, bytes)).or_insert(v);
+            }
+        }
+        Ok(classes)
+    }
+}
+
+/// The members of a primitive that name an array with an element for each vertex.
+pub(super) fn vertex_arrays<'a>(primitive: &Place<'a>) -> Result<Vec<Place<'a>>, ReadError> {
+    let mut owners = vec![primitive.require("attributes")?];
+    owners.extend(primitive.entries("targets")?);
+    let arrays = owners.iter().flat_map(Place::members);
+    Ok(arrays.map(|(_, index)| index).collect())
+}
