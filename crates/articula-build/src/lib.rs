@@ -17,6 +17,7 @@
 //! - [`retarget`]: a motion of one skeleton put onto another
 //! - [`evaluate`]: a clip played under a method, its gain and its error in pixels
 //! - [`scene`]: who stands where in a crowd, and where its camera goes
+//! - [`surface_distance`]: how far a mesh level lies from the original surface, at rest and in motion
 //!
 //! What is deliberately absent: files, clocks, and any call from a frame.
 
@@ -37,5 +38,6 @@ pub mod poses;
 pub mod reduce;
 pub mod retarget;
 pub mod scene;
+pub mod surface_distance;
 
 mod split_mix;

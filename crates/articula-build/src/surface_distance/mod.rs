@@ -1,0 +1,323 @@
+//! How far the surface of a mesh level lies from the original surface, at rest and in motion.
+//!
+//! Source: the one-sided distance of Metro (Cignoni, Rocchini and Scopigno, Metro: measuring error
+//! on simplified surfaces, 1998), from points of the original to the closest point of the level.
+//! Differs: both surfaces are posed alike, pose after pose, and points are the original's vertices
+//! and face centres. Definition and example: `docs/metrics.md`.
+//!
+//! What a pose does to a surface is local, so one tree of boxes is built over the triangles of a
+//! level at rest and only fitted anew for each pose, and the search for each point starts at the
+//! triangle that was closest in the pose before.
+
+mod tree;
+mod triangle;
+
+pub use tree::SurfaceTree;
+
+use crate::evaluate::{draw_vertices, percentile};
+use articula_core::Mismatch;
+use glam::Vec3;
+use tree::NO_TRIANGLE;
+
+/// Which points distances are taken at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct DistanceOptions {
+    /// Most vertices of the original; if it has more, a seeded sample of them.
+    pub vertices: usize,
+    /// Most face centres of the original, likewise.
+    pub face_centres: usize,
+    /// Whether the way back is measured too, from face centres and edge midpoints of the level to
+    /// the original surface; each number is then the greater of both ways. It finds a level that
+    /// spans a gap, such as a web between fingers.
+    pub both_ways: bool,
+    /// Seed of the samples.
+    pub seed: u64,
+}
+
+impl Default for DistanceOptions {
+    /// Up to 100,000 vertices and 10,000 face centres, one way.
+    fn default() -> Self {
+        Self {
+            vertices: 100_000,
+            face_centres: 10_000,
+            both_ways: false,
+            seed: 1,
+        }
+    }
+}
+
+/// Distances of points to a surface, metres. All infinite for a level without triangles.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Distances {
+    /// The greatest.
+    pub max_metres: f32,
+    /// 99th percentile.
+    pub p99_metres: f32,
+    /// 95th percentile.
+    pub p95_metres: f32,
+    /// Mean.
+    pub mean_metres: f32,
+}
+
+/// Distances of one level.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LevelDistances {
+    /// At rest.
+    pub rest: Distances,
+    /// In motion: the greatest over all poses, percentiles over the points of all poses together,
+    /// the mean of the means. Those at rest if there is no pose.
+    pub motion: Distances,
+    /// The same for each pose.
+    pub poses: Vec<Distances>,
+}
+
+/// Distance from the original surface to each of some levels, whose triangles are of the same
+/// vertices; at rest and in poses, each given as the positions of all vertices.
+///
+/// A point that is not finite in a pose does not count there, and a triangle with such a corner is
+/// not there. A triangle without area is the segment or point that is left of it. Points are
+/// vertices in use, not area: dense parts count more. O(points · log(triangles)) for each pose.
+///
+/// # Errors
+/// A [`Mismatch`] if a pose has another number of vertices than the rest pose, or a triangle
+/// names a vertex that is not there.
+pub fn surface_distances(
+    original: &[[u32; 3]],
+    levels: &[&[[u32; 3]]],
+    rest: &[Vec3],
+    motion: &[Vec<Vec3>],
+    opts: &DistanceOptions,
+) -> Result<Vec<LevelDistances>, Mismatch> {
+    check("original", original, rest.len())?;
+    for (l, level) in levels.iter().enumerate() {
+        check(&format!("levels[{l}]"), level, rest.len())?;
+    }
+    if let Some(p) = motion.iter().position(|p| p.len() != rest.len()) {
+        let what = format!("{} vertices, {} at rest", motion[p].len(), rest.len());
+        return Err(Mismatch::new(format!("motion[{p}]"), what));
+    }
+    let points = Points::of(original, rest.len(), opts);
+    let mut there: Vec<Search> = levels
+        .iter()
+        .map(|l| Search::new(SurfaceTree::new(l, rest), l, points.clone(), rest.len()))
+        .collect();
+    let mut tallies: Vec<Tally> = levels.iter().map(|_| Tally::default()).collect();
+    for pose in std::iter::once(rest).chain(motion.iter().map(Vec::as_slice)) {
+        for (search, tally) in there.iter_mut().zip(&mut tallies) {
+            search.tree.refit(pose);
+            tally.add(search.distances(pose));
+        }
+    }
+    let mut found: Vec<LevelDistances> = tallies.into_iter().map(Tally::level).collect();
+    if opts.both_ways {
+        let back = way_back(original, levels, rest, motion);
+        for (level, back) in found.iter_mut().zip(&back) {
+            level.raise(back);
+        }
+    }
+    Ok(found)
+}
+
+/// From points of each level to the original.
+fn way_back(
+    original: &[[u32; 3]],
+    levels: &[&[[u32; 3]]],
+    rest: &[Vec3],
+    motion: &[Vec<Vec3>],
+) -> Vec<LevelDistances> {
+    let mut tree = SurfaceTree::new(original, rest);
+    let all = |level: &&[[u32; 3]]| {
+        let mut points = Points::default();
+        points.add_triangles(level);
+        let hints = vec![NO_TRIANGLE; points.len()];
+        (points, hints, Tally::default())
+    };
+    let mut back: Vec<(Points, Vec<u32>, Tally)> = levels.iter().map(all).collect();
+    for pose in std::iter::once(rest).chain(motion.iter().map(Vec::as_slice)) {
+        tree.refit(pose);
+        for (points, hints, tally) in &mut back {
+            tally.add(distances(&tree, points, hints, pose));
+        }
+    }
+    back.into_iter()
+        .map(|(_, _, tally)| tally.level())
+        .collect()
+}
+
+fn check(which: &str, triangles: &[[u32; 3]], vertices: usize) -> Result<(), Mismatch> {
+    let outside = |t: &[u32; 3]| t.iter().any(|v| *v as usize >= vertices);
+    let Some(t) = triangles.iter().position(outside) else {
+        return Ok(());
+    };
+    let what = format!("{:?} with {vertices} vertices", triangles[t]);
+    Err(Mismatch::new(format!("{which}[{t}]"), what))
+}
+
+/// Points on a surface: means of one, two or three vertices.
+#[derive(Debug, Clone, Default)]
+struct Points {
+    vertices: Vec<u32>,
+    edges: Vec<[u32; 2]>,
+    centres: Vec<[u32; 3]>,
+}
+
+impl Points {
+    /// Vertices that triangles use, and face centres.
+    fn of(triangles: &[[u32; 3]], vertices: usize, opts: &DistanceOptions) -> Self {
+        let mut is_used = vec![false; vertices];
+        for v in triangles.iter().flatten() {
+            is_used[*v as usize] = true;
+        }
+        let used: Vec<u32> = (0..vertices as u32)
+            .filter(|v| is_used[*v as usize])
+            .collect();
+        let some = |total, count| draw_vertices(total, count, opts.seed);
+        let vertices = some(used.len(), opts.vertices);
+        let centres = some(triangles.len(), opts.face_centres);
+        Self {
+            vertices: vertices.iter().map(|i| used[*i as usize]).collect(),
+            edges: Vec::new(),
+            centres: centres.iter().map(|t| triangles[*t as usize]).collect(),
+        }
+    }
+
+    /// Adds face centres and edge midpoints.
+    fn add_triangles(&mut self, triangles: &[[u32; 3]]) {
+        self.centres.extend(triangles);
+        for [a, b, c] in triangles {
+            self.edges.extend([[*a, *b], [*b, *c], [*c, *a]]);
+        }
+    }
+
+    fn len(&self) -> usize {
+        self.vertices.len() + self.edges.len() + self.centres.len()
+    }
+
+    /// Where they are in a pose.
+    fn posed<'a>(&'a self, pose: &'a [Vec3]) -> impl Iterator<Item = Vec3> + 'a {
+        let at = |v: &u32| pose[*v as usize];
+        let vertices = self.vertices.iter().map(at);
+        let edges = self.edges.iter().map(move |[a, b]| 0.5 * (at(a) + at(b)));
+        let third = 1.0 / 3.0;
+        let centres = self.centres.iter();
+        let centres = centres.map(move |[a, b, c]| third * (at(a) + at(b) + at(c)));
+        vertices.chain(edges).chain(centres)
+    }
+}
+
+/// One level, the points that are measured to it, and where each was closest before.
+struct Search {
+    tree: SurfaceTree,
+    points: Points,
+    hints: Vec<u32>,
+}
+
+impl Search {
+    fn new(tree: SurfaceTree, level: &[[u32; 3]], points: Points, vertices: usize) -> Self {
+        // A vertex that the level still has is found at once.
+        let mut of_vertex = vec![NO_TRIANGLE; vertices];
+        for (t, triangle) in level.iter().enumerate() {
+            for v in triangle {
+                of_vertex[*v as usize] = tree.place(t);
+            }
+        }
+        let mut hints: Vec<u32> = points
+            .vertices
+            .iter()
+            .map(|v| of_vertex[*v as usize])
+            .collect();
+        hints.resize(points.len(), NO_TRIANGLE);
+        Self {
+            tree,
+            points,
+            hints,
+        }
+    }
+
+    fn distances(&mut self, pose: &[Vec3]) -> Vec<f32> {
+        distances(&self.tree, &self.points, &mut self.hints, pose)
+    }
+}
+
+fn distances(tree: &SurfaceTree, points: &Points, hints: &mut [u32], pose: &[Vec3]) -> Vec<f32> {
+    let mut out = Vec::with_capacity(hints.len());
+    for (point, hint) in points.posed(pose).zip(hints) {
+        if point.is_finite() {
+            let (squared, place) = tree.closest(point, *hint);
+            *hint = place;
+            out.push(squared.sqrt());
+        }
+    }
+    out
+}
+
+/// Distances of one level, pose by pose, the rest pose first.
+#[derive(Debug, Default)]
+struct Tally {
+    poses: Vec<Distances>,
+    /// Of all poses but the first.
+    all: Vec<f32>,
+}
+
+impl Tally {
+    fn add(&mut self, mut distances: Vec<f32>) {
+        if !self.poses.is_empty() {
+            self.all.extend(&distances);
+        }
+        self.poses.push(summary(&mut distances));
+    }
+
+    fn level(mut self) -> LevelDistances {
+        let rest = self.poses.first().copied().unwrap_or_default();
+        let poses = self.poses.split_off(1);
+        let motion = if poses.is_empty() {
+            rest
+        } else {
+            let count = poses.len() as f32;
+            Distances {
+                mean_metres: poses.iter().map(|p| p.mean_metres / count).sum(),
+                ..summary(&mut self.all)
+            }
+        };
+        LevelDistances {
+            rest,
+            motion,
+            poses,
+        }
+    }
+}
+
+impl Distances {
+    fn raise(&mut self, other: &Self) {
+        self.max_metres = self.max_metres.max(other.max_metres);
+        self.p99_metres = self.p99_metres.max(other.p99_metres);
+        self.p95_metres = self.p95_metres.max(other.p95_metres);
+        self.mean_metres = self.mean_metres.max(other.mean_metres);
+    }
+}
+
+impl LevelDistances {
+    fn raise(&mut self, other: &Self) {
+        self.rest.raise(&other.rest);
+        self.motion.raise(&other.motion);
+        for (pose, other) in self.poses.iter_mut().zip(&other.poses) {
+            pose.raise(other);
+        }
+    }
+}
+
+fn summary(distances: &mut [f32]) -> Distances {
+    let count = distances.len().max(1) as f64;
+    let sum: f64 = distances.iter().map(|d| f64::from(*d)).sum();
+    let mut at = |fraction| {
+        let value = percentile(distances, fraction);
+        // Between two infinite ones lies no number.
+        if value.is_nan() { f32::INFINITY } else { value }
+    };
+    Distances {
+        max_metres: at(1.0),
+        p99_metres: at(0.99),
+        p95_metres: at(0.95),
+        mean_metres: (sum / count) as f32,
+    }
+}

@@ -1,0 +1,202 @@
+//! A tree of boxes over the triangles of a surface, fitted anew when the surface moves.
+//!
+//! Built once by halving the triangles at the median of their centres along the longest side
+//! (Kay and Kajiya 1986); refitted from the leaves up (van den Bergh, Efficient Collision
+//! Detection of Complex Deformable Models using AABB Trees, 1997).
+
+use super::triangle::squared_distance;
+use glam::Vec3;
+
+/// The hint of a point about which nothing is known.
+pub(super) const NO_TRIANGLE: u32 = u32::MAX;
+
+/// Triangles of a leaf.
+const LEAF: usize = 2;
+
+/// Deepest tree: halving `u32::MAX` triangles ends well above it.
+const DEEPEST: usize = 40;
+
+/// The triangles of a surface, ready to be asked for the closest one.
+#[derive(Debug, Clone)]
+pub struct SurfaceTree {
+    /// Depth first: the left child of an inner node is the next one.
+    nodes: Vec<Node>,
+    /// Vertex ids, leaf by leaf.
+    triangles: Vec<[u32; 3]>,
+    /// Place of each given triangle in `triangles`.
+    places: Vec<u32>,
+    /// Corners of `triangles` in the pose of the last fit.
+    corners: Vec<[Vec3; 3]>,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Node {
+    lo: Vec3,
+    hi: Vec3,
+    /// First triangle of a leaf, right child of an inner node.
+    at: u32,
+    /// Triangles of a leaf; 0 for an inner node.
+    count: u32,
+}
+
+impl Node {
+    /// Nothing: no point is near it.
+    const EMPTY: Self = Self {
+        lo: Vec3::INFINITY,
+        hi: Vec3::NEG_INFINITY,
+        at: 0,
+        count: 0,
+    };
+
+    /// Squared distance of a point to the box; infinite if it is empty.
+    fn squared_distance(&self, point: Vec3) -> f32 {
+        let out = (self.lo - point).max(point - self.hi).max(Vec3::ZERO);
+        out.length_squared()
+    }
+}
+
+impl SurfaceTree {
+    /// Builds the tree over some triangles of vertices at these positions, and fits it to them.
+    ///
+    /// # Panics
+    /// If a triangle names a vertex that is not there.
+    pub fn new(triangles: &[[u32; 3]], positions: &[Vec3]) -> Self {
+        let centre = |t: &[u32; 3]| {
+            let sum: Vec3 = t.iter().map(|v| positions[*v as usize]).sum();
+            if sum.is_finite() { sum } else { Vec3::ZERO }
+        };
+        let centres: Vec<Vec3> = triangles.iter().map(centre).collect();
+        let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
+        let mut nodes = Vec::with_capacity(triangles.len());
+        build(&mut nodes, &centres, &mut order, 0);
+        let mut places = vec![0; triangles.len()];
+        for (place, t) in order.iter().enumerate() {
+            places[*t as usize] = place as u32;
+        }
+        let mut tree = Self {
+            nodes,
+            triangles: order.iter().map(|t| triangles[*t as usize]).collect(),
+            places,
+            corners: vec![[Vec3::ZERO; 3]; triangles.len()],
+        };
+        tree.refit(positions);
+        tree
+    }
+
+    /// Fits the boxes to other positions of the same vertices. Triangles with a corner that is
+    /// not finite are not there. O(triangles), does not allocate.
+    ///
+    /// # Panics
+    /// If there are fewer positions than vertices.
+    pub fn refit(&mut self, positions: &[Vec3]) {
+        for (corners, t) in self.corners.iter_mut().zip(&self.triangles) {
+            *corners = t.map(|v| positions[v as usize]);
+            if !corners.iter().all(|c| c.is_finite()) {
+                *corners = [Vec3::NAN; 3];
+            }
+        }
+        for n in (0..self.nodes.len()).rev() {
+            let Node { at, count, .. } = self.nodes[n];
+            let (mut lo, mut hi) = (Node::EMPTY.lo, Node::EMPTY.hi);
+            if count == 0 {
+                for child in [n + 1, at as usize] {
+                    lo = lo.min(self.nodes[child].lo);
+                    hi = hi.max(self.nodes[child].hi);
+                }
+            } else {
+                let there = &self.corners[at as usize..(at + count) as usize];
+                for corner in there.iter().filter(|c| c[0].is_finite()).flatten() {
+                    lo = lo.min(*corner);
+                    hi = hi.max(*corner);
+                }
+            }
+            self.nodes[n] = Node { lo, hi, at, count };
+        }
+    }
+
+    /// Squared distance from a finite point to the surface, infinite if there is none.
+    pub fn squared_distance(&self, point: Vec3) -> f32 {
+        self.closest(point, NO_TRIANGLE).0
+    }
+
+    /// Place of a given triangle, as [`Self::closest`] names it.
+    pub(super) fn place(&self, triangle: usize) -> u32 {
+        self.places[triangle]
+    }
+
+    /// The same, and the place of the closest triangle. A good guess of that place makes it fast.
+    pub(super) fn closest(&self, point: Vec3, hint: u32) -> (f32, u32) {
+        let mut best = f32::INFINITY;
+        let mut place = hint;
+        if let Some(corners) = self.corners.get(hint as usize) {
+            let guess = squared_distance(point, *corners);
+            best = if guess.is_nan() { best } else { guess };
+        }
+        if best == 0.0 || self.nodes.is_empty() {
+            return (best, place);
+        }
+        let mut stack = [(0.0f32, 0u32); DEEPEST];
+        let mut depth = 1;
+        stack[0] = (self.nodes[0].squared_distance(point), 0);
+        while depth > 0 {
+            depth -= 1;
+            let (near, n) = stack[depth];
+            if near >= best {
+                continue;
+            }
+            let node = &self.nodes[n as usize];
+            if node.count > 0 {
+                for t in node.at..node.at + node.count {
+                    let squared = squared_distance(point, self.corners[t as usize]);
+                    if squared < best {
+                        (best, place) = (squared, t);
+                    }
+                }
+                continue;
+            }
+            let of = |child: u32| (self.nodes[child as usize].squared_distance(point), child);
+            let (mut first, mut last) = (of(n + 1), of(node.at));
+            if last.0 < first.0 {
+                (first, last) = (last, first);
+            }
+            // The nearer one is looked at first.
+            for child in [last, first] {
+                if child.0 < best {
+                    stack[depth] = child;
+                    depth += 1;
+                }
+            }
+        }
+        (best, place)
+    }
+}
+
+/// Adds the nodes of some triangles, which stand from place `first` on; puts them into order.
+fn build(nodes: &mut Vec<Node>, centres: &[Vec3], order: &mut [u32], first: usize) {
+    let count = order.len();
+    if count <= LEAF {
+        if count > 0 {
+            nodes.push(Node {
+                at: first as u32,
+                count: count as u32,
+                ..Node::EMPTY
+            });
+        }
+        return;
+    }
+    let node = nodes.len();
+    nodes.push(Node::EMPTY);
+    let bounds = order.iter().map(|t| centres[*t as usize]);
+    let (lo, hi) = bounds.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(lo, hi), c| {
+        (lo.min(c), hi.max(c))
+    });
+    let axis = (hi - lo).max_position();
+    let half = count / 2;
+    let by = |t: &u32| centres[*t as usize][axis];
+    // Ties by the triangle's number, so that the tree is the same everywhere.
+    order.select_nth_unstable_by(half, |a, b| by(a).total_cmp(&by(b)).then(a.cmp(b)));
+    let (left, right) = order.split_at_mut(half);
+    build(nodes, centres, left, first);
+    nodes[node].at = nodes.len() as u32;
+    build(nodes, centres, right, first + half);
+}

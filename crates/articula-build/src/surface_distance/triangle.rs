@@ -1,0 +1,149 @@
+//! Squared distance of a point to a triangle.
+//!
+//! Source: Ericson, Real-Time Collision Detection (2005), 5.1.5, by the regions of the triangle.
+//! Differs: a triangle (nearly) without area is taken as its three sides.
+
+use glam::Vec3;
+
+/// Part of the product of its sides' squared lengths below which a squared area is none: the
+/// plane of a thinner triangle is rounding, and its sides lie within a few thousandths of it.
+const NO_AREA: f32 = 1e-5;
+
+/// Squared distance, metres²; not a number if an argument is not.
+#[inline]
+pub(super) fn squared_distance(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
+    let (ab, ac, ap) = (b - a, c - a, point - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return ap.length_squared();
+    }
+    let bp = point - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return bp.length_squared();
+    }
+    let cp = point - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return cp.length_squared();
+    }
+    let normal = ab.cross(ac);
+    let area = normal.length_squared();
+    if area <= NO_AREA * ab.length_squared() * ac.length_squared() {
+        return sides(point, [a, b, c]);
+    }
+    let outside_ab = d1 * d4 - d3 * d2 <= 0.0 && d1 >= 0.0 && d3 <= 0.0;
+    let outside_ac = d5 * d2 - d1 * d6 <= 0.0 && d2 >= 0.0 && d6 <= 0.0;
+    let outside_bc = d3 * d6 - d5 * d4 <= 0.0 && d4 >= d3 && d5 >= d6;
+    if outside_ab || outside_ac || outside_bc {
+        return sides(point, [a, b, c]);
+    }
+    let height = normal.dot(ap);
+    height * height / area
+}
+
+fn sides(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
+    let ab = segment(point, a, b);
+    ab.min(segment(point, b, c)).min(segment(point, c, a))
+}
+
+fn segment(point: Vec3, a: Vec3, b: Vec3) -> f32 {
+    let (ab, ap) = (b - a, point - a);
+    let length = ab.length_squared();
+    let along = if length > 0.0 {
+        (ab.dot(ap) / length).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    (ap - ab * along).length_squared()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn distance(point: Vec3, corners: [Vec3; 3]) -> f32 {
+        squared_distance(point, corners).sqrt()
+    }
+
+    #[test]
+    fn each_region_by_hand() {
+        let t = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y * 2.0];
+        let at = |x: f32, y: f32, z: f32| distance(Vec3::new(x, y, z), t);
+        assert_eq!(at(0.5, 0.5, 3.0), 3.0, "above the face");
+        assert_eq!(at(-3.0, -4.0, 0.0), 5.0, "corner a");
+        assert_eq!(at(5.0, -4.0, 0.0), 5.0, "corner b");
+        assert_eq!(at(-4.0, 5.0, 0.0), 5.0, "corner c");
+        assert_eq!(at(1.0, -3.0, 4.0), 5.0, "side ab");
+        assert_eq!(at(-3.0, 1.0, 4.0), 5.0, "side ac");
+        assert!((at(2.0, 2.0, 0.0) - 2f32.sqrt()).abs() < 1e-6, "side bc");
+        assert_eq!(at(0.0, 2.0, 0.0), 0.0, "a corner itself");
+    }
+
+    #[test]
+    fn without_area() {
+        let line = [Vec3::ZERO, Vec3::X, Vec3::X * 3.0];
+        assert_eq!(distance(Vec3::new(2.0, 4.0, 0.0), line), 4.0);
+        assert_eq!(distance(Vec3::new(6.0, 4.0, 0.0), line), 5.0);
+        let back = [Vec3::X, Vec3::ZERO, Vec3::X * 3.0];
+        assert_eq!(distance(Vec3::new(2.0, 4.0, 0.0), back), 4.0);
+        assert_eq!(distance(Vec3::Y, [Vec3::ZERO; 3]), 1.0);
+        let double = [Vec3::ZERO, Vec3::ZERO, Vec3::X];
+        assert_eq!(distance(Vec3::new(0.5, 2.0, 0.0), double), 2.0);
+        assert!(distance(Vec3::NAN, line).is_nan());
+    }
+
+    /// By dense sampling, refined around the best: the plain slow way, in f64.
+    fn slow(point: Vec3, corners: [Vec3; 3]) -> f64 {
+        let [a, b, c] = corners.map(|v| v.as_dvec3());
+        let p = point.as_dvec3();
+        let at = |u: f64, v: f64| -> f64 {
+            let (u, v) = (u.clamp(0.0, 1.0), v.clamp(0.0, 1.0));
+            let (u, v) = if u + v > 1.0 {
+                (u / (u + v), v / (u + v))
+            } else {
+                (u, v)
+            };
+            p.distance(a + (b - a) * u + (c - a) * v)
+        };
+        let (mut best, mut middle, mut step) = (f64::INFINITY, (0.33, 0.33), 0.1);
+        for _ in 0..28 {
+            let (u, v) = middle;
+            for i in -10..=10 {
+                for j in -10..=10 {
+                    let here = (u + f64::from(i) * step, v + f64::from(j) * step);
+                    if at(here.0, here.1) < best {
+                        best = at(here.0, here.1);
+                        middle = (here.0.clamp(0.0, 1.0), here.1.clamp(0.0, 1.0));
+                    }
+                }
+            }
+            step *= 0.6;
+        }
+        best
+    }
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-1.0f32..1.0).prop_map(Vec3::from_array)
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_dense_sampling(p in point(), a in point(), b in point(), c in point()) {
+            let fast = f64::from(distance(p, [a, b, c]));
+            let slow = slow(p, [a, b, c]);
+            prop_assert!((fast - slow).abs() < 2e-3, "{} {}", fast, slow);
+            prop_assert!(fast <= slow + 1e-5, "nothing sampled is nearer than the nearest");
+        }
+
+        #[test]
+        fn thin_ones_too(p in point(), a in point(), b in point(), t in -0.5f32..1.5, off in point(), thin in 0u32..8) {
+            let c = a + (b - a) * t + off * 0.1f32.powi(thin as i32);
+            let fast = f64::from(distance(p, [a, b, c]));
+            let slow = slow(p, [a, b, c]);
+            prop_assert!((fast - slow).abs() < 1e-2, "{} {}", fast, slow);
+            prop_assert!(fast <= slow + 1e-5 + 4e-3, "{} {}", fast, slow);
+        }
+    }
+}
