@@ -16,6 +16,7 @@
 //! - [`reduce`]: a motion saved at a level of articulation
 //! - [`retarget`]: a motion of one skeleton put onto another
 //! - [`evaluate`]: a clip played under a method, its gain and its error in pixels
+//! - [`simplify`]: fewer triangles for a character that moves, in chained levels
 //! - [`scene`]: who stands where in a crowd, and where its camera goes
 //! - [`surface_distance`]: how far a mesh level lies from the original surface, at rest and in motion
 //!
@@ -38,6 +39,7 @@ pub mod poses;
 pub mod reduce;
 pub mod retarget;
 pub mod scene;
+pub mod simplify;
 pub mod surface_distance;
 
 mod split_mix;

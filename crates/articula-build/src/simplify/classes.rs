@@ -1,0 +1,156 @@
+//! Vertices that are one to the simplifier: position classes, and wedges within them.
+//!
+//! A position class holds vertices that lie and move together: equal in rest position, skin
+//! binding and morph deltas, over all parts. A wedge holds those that agree in all attributes.
+//! Source: `spec/clustered-mesh.md` 5. Differs: the part that draws a vertex and the classes that
+//! a caller names tell wedges apart too.
+
+use articula_core::mesh::{Mesh, Morph};
+use glam::Vec3;
+use std::collections::HashMap;
+
+/// Part of the extent within which members of a class have to stay in every pose.
+const TOGETHER: f32 = 1e-5;
+
+/// Classes of one place, skin and morph that are looked through for one that stays together.
+const MOST_ALIKE: usize = 8;
+
+/// Classes and wedges of a mesh.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Classes {
+    /// Position class of each vertex.
+    pub(super) of_vertex: Vec<u32>,
+    /// First vertex of each class, rising.
+    pub(super) first: Vec<u32>,
+    /// First vertex that equals each vertex in all attributes.
+    pub(super) wedge: Vec<u32>,
+    /// First vertex of its class that equals it in part, texture coordinates and colour: all but
+    /// its normal.
+    pub(super) chart: Vec<u32>,
+}
+
+impl Classes {
+    /// Number of position classes.
+    pub(super) fn len(&self) -> usize {
+        self.first.len()
+    }
+
+    /// Groups the vertices. `finer` is a class of each vertex that wedges must not mix, or empty.
+    pub(super) fn new(mesh: &Mesh, poses: &[Vec<Vec3>], finer: &[u32]) -> Self {
+        let skins = skin_ids(mesh);
+        let morphs = morph_ids(mesh, |m, i| m.positions[i]);
+        let bends = morph_ids(mesh, |m, i| m.normals[i]);
+        let parts = part_ids(mesh);
+        let tolerance = TOGETHER * extent(&poses[0]);
+        let mut classes = Self::default();
+        let mut at_place = HashMap::<([u32; 3], u32, u32), Vec<u32>>::new();
+        for v in 0..mesh.len() {
+            let place = (bits(poses[0][v]), skins[v], morphs[v]);
+            let known = at_place.entry(place).or_default();
+            let together = |class: &&u32| {
+                let first = classes.first[**class as usize] as usize;
+                poses.iter().all(|p| near(p[v], p[first], tolerance))
+            };
+            let class = known.iter().rev().take(MOST_ALIKE).find(together).copied();
+            let class = class.unwrap_or_else(|| {
+                let new = classes.first.len() as u32;
+                classes.first.push(v as u32);
+                known.push(new);
+                new
+            });
+            classes.of_vertex.push(class);
+        }
+        let chart = |v: usize| {
+            let (uv, color) = (mesh.texcoords[v], mesh.colors[v].to_array());
+            let finer = finer.get(v).copied().unwrap_or(0);
+            (
+                classes.of_vertex[v],
+                parts[v],
+                uv.to_array().map(flat_bits),
+                color.map(flat_bits),
+                finer,
+            )
+        };
+        classes.chart = firsts(mesh.len(), chart);
+        let wedge = |v: usize| (classes.chart[v], bits(mesh.normals[v]), bends[v]);
+        classes.wedge = firsts(mesh.len(), wedge);
+        classes
+    }
+}
+
+/// First vertex with the key of each vertex.
+fn firsts<K: std::hash::Hash + Eq>(count: usize, key: impl Fn(usize) -> K) -> Vec<u32> {
+    let mut first = HashMap::with_capacity(count);
+    (0..count)
+        .map(|v| *first.entry(key(v)).or_insert(v as u32))
+        .collect()
+}
+
+fn near(a: Vec3, b: Vec3, tolerance: f32) -> bool {
+    bits(a) == bits(b) || a.distance(b) <= tolerance
+}
+
+/// Greatest extent of the finite points along an axis.
+pub(super) fn extent(points: &[Vec3]) -> f32 {
+    let mut finite = points.iter().filter(|p| p.is_finite());
+    let Some(first) = finite.next() else {
+        return 0.0;
+    };
+    let (lo, hi) = finite.fold((*first, *first), |(lo, hi), p| (lo.min(*p), hi.max(*p)));
+    (hi - lo).max_element()
+}
+
+/// Bits of a number, one pattern for both zeros.
+fn flat_bits(x: f32) -> u32 {
+    (x + 0.0).to_bits()
+}
+
+fn bits(p: Vec3) -> [u32; 3] {
+    p.to_array().map(flat_bits)
+}
+
+/// The same number for vertices of equal influences, in any order.
+fn skin_ids(mesh: &Mesh) -> Vec<u32> {
+    let mut known = HashMap::<Vec<(usize, u32)>, u32>::new();
+    let mut influences = Vec::new();
+    (0..mesh.len())
+        .map(|v| {
+            influences.clear();
+            influences.extend(mesh.influences_of(v).map(|(j, w)| (j, w.to_bits())));
+            influences.sort_unstable();
+            if let Some(id) = known.get(&influences) {
+                return *id;
+            }
+            let id = known.len() as u32;
+            known.insert(influences.clone(), id);
+            id
+        })
+        .collect()
+}
+
+/// The same number for vertices that every morph target changes alike.
+fn morph_ids(mesh: &Mesh, delta: impl Fn(&Morph, usize) -> Vec3) -> Vec<u32> {
+    let mut ids = vec![0u32; mesh.len()];
+    let mut known = HashMap::<(u32, u16, [u32; 3]), u32>::new();
+    for morph in &mesh.morphs {
+        for (i, v) in morph.vertices.iter().enumerate() {
+            let delta = delta(morph, i);
+            if delta == Vec3::ZERO {
+                continue;
+            }
+            let next = known.len() as u32 + 1;
+            let id = &mut ids[*v as usize];
+            *id = *known.entry((*id, morph.slot, bits(delta))).or_insert(next);
+        }
+    }
+    ids
+}
+
+/// Part of each vertex.
+fn part_ids(mesh: &Mesh) -> Vec<u32> {
+    let mut ids = vec![u32::MAX; mesh.len()];
+    for (p, part) in mesh.parts.iter().enumerate() {
+        ids[part.vertices.clone()].fill(p as u32);
+    }
+    ids
+}

@@ -1,0 +1,315 @@
+//! The queue of half-edge collapses and which of them are allowed.
+//!
+//! Each vertex has its cheapest move in the queue; moves are looked at more closely when they
+//! come up, and one that is not allowed gives way to the vertex' next one.
+
+use super::SimplifyOptions;
+use super::classes::Classes;
+use super::cost::{Costs, MOST_FACES, area_vector};
+use super::levels::Sources;
+use super::ring::Ring;
+use super::topology::Surface;
+use super::wedges::Images;
+use super::{LevelTriangles, classes};
+use articula_core::mesh::Mesh;
+use glam::Vec3;
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Cosine of the angle that a face may turn by: 80 degrees.
+const LEAST_COSINE: f64 = 0.173_648;
+/// Faces around a class after something moved onto it.
+const MOST_FACES_AFTER: usize = 40;
+/// Part of the extent that normals wrong by one radian weigh as much as.
+const NORMAL_LENGTH: f64 = 0.01;
+
+/// A move in the queue: bits of its cost, vertex, target, version, and whether the change of
+/// normals is in the cost.
+type Entry = Reverse<(u64, u32, u32, u32, bool)>;
+
+/// Classes between regions, when there are several.
+const BETWEEN: u16 = u16::MAX;
+
+/// A mesh on its way from finest to coarsest.
+pub(super) struct Simplifier<'a> {
+    classes: &'a Classes,
+    normals: &'a [Vec3],
+    surface: Surface,
+    costs: Costs,
+    kept: Vec<bool>,
+    /// Region of each class; empty if there is but one.
+    regions: Vec<u16>,
+    seams_open: bool,
+    versions: Vec<u32>,
+    queue: BinaryHeap<Entry>,
+    /// Squared length that a change of normals is multiplied with.
+    normal_weight: f64,
+    ring: Ring,
+    images: Images,
+    /// Stamps of neighbours of the target that is looked at.
+    stamps: Vec<u32>,
+    stamp: u32,
+}
+
+impl<'a> Simplifier<'a> {
+    pub(super) fn new(
+        mesh: &'a Mesh,
+        poses: &[Vec<Vec3>],
+        options: &SimplifyOptions,
+        classes: &'a Classes,
+        sources: &Sources,
+    ) -> Self {
+        let surface = Surface::new(&sources.triangles, classes);
+        let costs = Costs::new(mesh, poses, options, classes, &surface);
+        let mut kept = costs.lost.clone();
+        for v in &options.locked {
+            kept[classes.of_vertex[*v as usize] as usize] = true;
+        }
+        let extent = f64::from(classes::extent(&poses[0])) * NORMAL_LENGTH;
+        let mut simplifier = Self {
+            classes,
+            normals: &mesh.normals,
+            regions: regions(options, classes),
+            seams_open: false,
+            versions: vec![0; classes.len()],
+            queue: BinaryHeap::with_capacity(classes.len()),
+            normal_weight: extent * extent * poses.len() as f64,
+            ring: Ring::default(),
+            images: Images::default(),
+            stamps: vec![0; classes.len()],
+            stamp: 0,
+            surface,
+            costs,
+            kept,
+        };
+        simplifier.fill();
+        simplifier
+    }
+
+    /// Whether vertices between regions may go from now on.
+    pub(super) fn open_seams(&mut self, open: bool) {
+        if open && !self.regions.is_empty() {
+            self.seams_open = true;
+            self.fill();
+        }
+    }
+
+    /// What is left now.
+    pub(super) fn level(&mut self, sources: &Sources) -> LevelTriangles {
+        sources.left(&mut self.surface)
+    }
+
+    /// Collapses until no more than `target` faces are left or nothing may go.
+    pub(super) fn run(&mut self, target: usize) {
+        let mut filled = self.surface.live;
+        while self.surface.live > target {
+            let Some(Reverse((bits, from, to, version, priced))) = self.queue.pop() else {
+                // What was refused may be allowed by now.
+                if self.surface.live == filled {
+                    return;
+                }
+                filled = self.surface.live;
+                self.fill();
+                continue;
+            };
+            if self.versions[from as usize] != version {
+                continue;
+            }
+            if !self.is_allowed(from, to) {
+                if !priced {
+                    self.push_next(from, Some((bits, to)));
+                }
+                continue;
+            }
+            if !priced {
+                let turn = self.turn_cost(to);
+                if turn > 0.0 {
+                    let cost = f64::from_bits(bits) + turn;
+                    self.queue
+                        .push(Reverse((cost.to_bits(), from, to, version, true)));
+                    self.push_next(from, Some((bits, to)));
+                    continue;
+                }
+            }
+            self.apply(from, to);
+        }
+    }
+
+    /// Puts the cheapest move of each vertex into the queue.
+    fn fill(&mut self) {
+        self.queue.clear();
+        for class in 0..self.classes.len() as u32 {
+            self.versions[class as usize] += 1;
+            self.push_next(class, None);
+        }
+    }
+
+    /// Puts the next move of a vertex after the given cost and target into the queue.
+    fn push_next(&mut self, from: u32, after: Option<(u64, u32)>) {
+        let valence = self.surface.valence(from);
+        if self.kept[from as usize] || valence == 0 || valence > MOST_FACES {
+            return;
+        }
+        let mut best = None;
+        self.stamp += 1;
+        for (face, at) in self.surface.around(from) {
+            let corners = self.surface.faces[face];
+            for to in [corners[(at + 1) % 3], corners[(at + 2) % 3]] {
+                if self.stamps[to as usize] == self.stamp {
+                    continue;
+                }
+                self.stamps[to as usize] = self.stamp;
+                let cost = self.costs.of_move(from, to);
+                let key = (cost.to_bits(), to);
+                let later = after.is_none_or(|a| key > a);
+                if cost.is_finite() && later && best.is_none_or(|b| key < b) {
+                    best = Some(key);
+                }
+            }
+        }
+        if let Some((bits, to)) = best {
+            let version = self.versions[from as usize];
+            self.queue.push(Reverse((bits, from, to, version, false)));
+        }
+    }
+
+    /// Whether a move keeps the surface whole. Leaves the images of wedges behind.
+    fn is_allowed(&mut self, from: u32, to: u32) -> bool {
+        if !self.within_region(from) {
+            return false;
+        }
+        self.ring.look(&self.surface, from);
+        let Some(place) = self.ring.neighbours.iter().position(|n| *n == to) else {
+            return false;
+        };
+        let around_target = self.surface.valence(to);
+        if around_target > 256
+            || around_target + self.ring.faces.len() > MOST_FACES_AFTER + 4
+            || !self.ring.keeps_border(place)
+            || !self.ring.is_one_fan()
+            || !self.keeps_links(to)
+        {
+            return false;
+        }
+        self.images
+            .find(&self.surface, self.classes, self.normals, &self.ring, to)
+            && !self.turns_over(from, to)
+    }
+
+    fn within_region(&self, from: u32) -> bool {
+        if self.regions.is_empty() || self.seams_open {
+            return true;
+        }
+        let region = self.regions[from as usize];
+        let inside = |v: &u32| self.regions[*v as usize] == region;
+        let mut faces = self.surface.around(from);
+        region != BETWEEN && faces.all(|(f, _)| self.surface.faces[f].iter().all(inside))
+    }
+
+    /// The link condition: neighbours of both lie opposite to the edge, and no face comes to lie
+    /// where another one is.
+    fn keeps_links(&mut self, to: u32) -> bool {
+        self.stamp += 1;
+        let stamp = self.stamp;
+        for (face, at) in self.surface.around(to) {
+            let corners = self.surface.faces[face];
+            for k in 1..3 {
+                self.stamps[corners[(at + k) % 3] as usize] = stamp;
+            }
+        }
+        let near = |v: u32| self.stamps[v as usize] == stamp;
+        let has = |f: &(usize, usize, u32, u32), v: u32| f.2 == v || f.3 == v;
+        let opposite = |v: u32| self.ring.faces.iter().any(|f| has(f, to) && has(f, v));
+        let common = |v: &&u32| **v != to && near(**v);
+        if !self
+            .ring
+            .neighbours
+            .iter()
+            .filter(common)
+            .all(|v| opposite(*v))
+        {
+            return false;
+        }
+        let exists = |a: u32, b: u32| {
+            let mut around = self.surface.around(to);
+            around.any(|(f, _)| {
+                let corners = self.surface.faces[f];
+                corners.contains(&a) && corners.contains(&b)
+            })
+        };
+        let mut stay = self.ring.faces.iter().filter(|f| !has(f, to));
+        !stay.any(|f| near(f.2) && near(f.3) && exists(f.2, f.3))
+    }
+
+    /// Whether a face that stays would turn by too much or vanish in some pose.
+    fn turns_over(&self, from: u32, to: u32) -> bool {
+        let (start, end) = (self.costs.points(from), self.costs.points(to));
+        for (_, _, a, b) in &self.ring.faces {
+            if *a == to || *b == to {
+                continue;
+            }
+            let (a, b) = (self.costs.points(*a), self.costs.points(*b));
+            for pose in 0..start.len() {
+                let before = area_vector([start[pose], a[pose], b[pose]]);
+                let after = area_vector([end[pose], a[pose], b[pose]]);
+                let (l, m) = (before.length(), after.length());
+                if l > 0.0 && before.dot(after) <= LEAST_COSINE * l * m {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    /// What changes of normals cost, in the unit of quadrics.
+    fn turn_cost(&self, to: u32) -> f64 {
+        let ring = &self.ring;
+        if self.images.turns.iter().all(|t| *t == 0.0) {
+            return 0.0;
+        }
+        let mut sum = 0.0;
+        let mut turns = self.images.turns.iter();
+        for (face, _, a, b) in &ring.faces {
+            let corners = self.surface.faces[*face].map(|c| self.costs.points(c)[0]);
+            let area = 0.5 * area_vector(corners).length();
+            let stays = *a != to && *b != to;
+            if stays && let Some(turn) = turns.next() {
+                sum += area * f64::from(*turn);
+            }
+        }
+        sum * self.normal_weight / 3.0
+    }
+
+    fn apply(&mut self, from: u32, to: u32) {
+        self.surface.collapse(from, to, &self.images.of_corners);
+        self.costs.merge(from, to);
+        self.versions[from as usize] += 1;
+        let neighbours = std::mem::take(&mut self.ring.neighbours);
+        for n in &neighbours {
+            self.versions[*n as usize] += 1;
+            self.push_next(*n, None);
+        }
+        self.ring.neighbours = neighbours;
+    }
+}
+
+fn regions(options: &SimplifyOptions, classes: &Classes) -> Vec<u16> {
+    let Some(first) = options.regions.first() else {
+        return Vec::new();
+    };
+    if options.regions.iter().all(|r| r == first) {
+        return Vec::new();
+    }
+    let mut regions: Vec<u16> = classes
+        .first
+        .iter()
+        .map(|v| u16::from(options.regions[*v as usize]))
+        .collect();
+    for (v, class) in classes.of_vertex.iter().enumerate() {
+        let known = &mut regions[*class as usize];
+        if *known != u16::from(options.regions[v]) {
+            *known = BETWEEN;
+        }
+    }
+    regions
+}

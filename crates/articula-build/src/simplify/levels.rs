@@ -1,0 +1,76 @@
+//! Levels as lists of triangles, part by part, each triangle once.
+
+use super::LevelTriangles;
+use super::classes::Classes;
+use super::topology::Surface;
+use articula_core::mesh::Mesh;
+use std::collections::HashSet;
+use std::ops::Range;
+
+/// The triangles that levels are made of.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Sources {
+    /// Corners as first vertices of their wedges.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// Triangles of each part.
+    pub(super) parts: Vec<Range<usize>>,
+}
+
+/// The triangles of a mesh, without copies and without those that have a vertex twice.
+pub(super) fn faces(mesh: &Mesh, classes: &Classes) -> Sources {
+    let mut sources = Sources::default();
+    let mut known = HashSet::new();
+    for part in &mesh.parts {
+        known.clear();
+        let first = sources.triangles.len();
+        for t in &mesh.triangles[part.triangles.clone()] {
+            let [a, b, c] = t.map(|v| classes.wedge[v as usize]);
+            if a != b && b != c && c != a && known.insert(turned([a, b, c])) {
+                sources.triangles.push([a, b, c]);
+            }
+        }
+        sources.parts.push(first..sources.triangles.len());
+    }
+    sources
+}
+
+/// The same triangle, its smallest corner first.
+fn turned([a, b, c]: [u32; 3]) -> [u32; 3] {
+    match a.min(b).min(c) {
+        least if least == a => [a, b, c],
+        least if least == b => [b, c, a],
+        _ => [c, a, b],
+    }
+}
+
+impl Sources {
+    /// All of them as a level.
+    pub(super) fn level(&self) -> LevelTriangles {
+        LevelTriangles {
+            triangles: self.triangles.clone(),
+            parts: self.parts.clone(),
+        }
+    }
+
+    /// What is left of them; copies that collapses made of one another go for good.
+    pub(super) fn left(&self, surface: &mut Surface) -> LevelTriangles {
+        let mut level = LevelTriangles::default();
+        let mut known = HashSet::new();
+        for part in &self.parts {
+            known.clear();
+            let first = level.triangles.len();
+            for face in part.clone() {
+                if !surface.is_alive(face) {
+                    continue;
+                }
+                if known.insert(turned(surface.wedges[face])) {
+                    level.triangles.push(surface.wedges[face]);
+                } else {
+                    surface.kill(face);
+                }
+            }
+            level.parts.push(first..level.triangles.len());
+        }
+        level
+    }
+}

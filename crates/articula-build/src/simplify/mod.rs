@@ -1,0 +1,221 @@
+//! Fewer triangles for a character that moves: chained levels over the original vertices.
+//!
+//! Half-edge collapses, cheapest first: a vertex goes onto a neighbour, so that no position is
+//! ever made and the vertices of a level are among those of every finer one. What a collapse
+//! costs is the quadric error summed over poses.
+//!
+//! Source: Garland and Heckbert (1997) for quadrics; Mohr and Gleicher, *Deformation Sensitive
+//! Decimation* (2003), and DeCoro and Rusinkiewicz, *Pose-independent Simplification of
+//! Articulated Meshes* (2005), for their sum over poses; thesis 3.1.2 for levels of one mesh and
+//! the weight of joints; `spec/clustered-mesh.md` 5, 6 and 9. Differs: collapses act on position
+//! classes over all parts of a character, attributes are kept by wedges.
+
+mod classes;
+mod collapse;
+mod cost;
+mod levels;
+mod quadric;
+mod region_weights;
+mod ring;
+mod topology;
+mod wedges;
+
+pub use region_weights::region_weights;
+
+use articula_core::Mismatch;
+use articula_core::mesh::Mesh;
+use glam::Vec3;
+use std::ops::Range;
+
+/// Which errors count how much.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Weighting {
+    /// The errors of all poses, summed.
+    #[default]
+    PoseSummed,
+    /// The error at rest alone.
+    Rest,
+    /// The error at rest, heavier near joints (the thesis' level of animation): times
+    /// 1 + strength (1 - greatest skin weight of the vertex).
+    Joint {
+        /// How much heavier.
+        strength: f32,
+    },
+}
+
+/// How a mesh is simplified.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SimplifyOptions {
+    /// Shares of the triangle count, finest first; the first is 1.
+    pub targets: Vec<f64>,
+    /// Which errors count.
+    pub weighting: Weighting,
+    /// How much an error at each vertex counts; all 1 if empty.
+    pub vertex_weights: Vec<f32>,
+    /// Vertices that no level removes, such as facial feature points.
+    pub locked: Vec<u32>,
+    /// Region of each vertex, or empty. A vertex between regions goes in the last step only.
+    pub regions: Vec<u8>,
+    /// Class of each vertex by attributes that [`Mesh`] does not hold (tangents, further texture
+    /// coordinates), or empty. Vertices of different classes are never taken for each other.
+    pub wedges: Vec<u32>,
+}
+
+impl Default for SimplifyOptions {
+    /// Five levels: 100, 50, 25, 10 and 1.5 % of the triangles, by all poses.
+    fn default() -> Self {
+        Self {
+            targets: vec![1.0, 0.5, 0.25, 0.1, 0.015],
+            weighting: Weighting::PoseSummed,
+            vertex_weights: Vec::new(),
+            locked: Vec::new(),
+            regions: Vec::new(),
+            wedges: Vec::new(),
+        }
+    }
+}
+
+/// The triangles of one level.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct LevelTriangles {
+    /// Vertices of the original mesh, part by part.
+    pub triangles: Vec<[u32; 3]>,
+    /// Triangles of each part.
+    pub parts: Vec<Range<usize>>,
+}
+
+/// A mesh at several levels.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Simplified {
+    /// Levels, coarsest first; the last is the original.
+    ///
+    /// It has each triangle once: copies of one (the same corners in the same turn and part) and
+    /// those with a vertex twice are left out, and of vertices that equal each other in all
+    /// attributes the first stands for all.
+    pub levels: Vec<LevelTriangles>,
+    /// Position class of each vertex: those of one class lie and move together.
+    pub position_classes: Vec<u32>,
+}
+
+/// Simplifies a character to all levels. `poses` are the positions of all vertices in one common
+/// space, the rest pose first.
+///
+/// A level may keep more triangles than its target where no further collapse is allowed. Vertices
+/// without a finite position in some pose stay. The same input gives the same levels.
+/// O(n log n) for n triangles, times poses.
+///
+/// # Errors
+/// A [`Mismatch`] if there is no pose, a length is not that of the mesh, an index is out of range
+/// or targets do not fall from 1.
+pub fn simplify(
+    mesh: &Mesh,
+    poses: &[Vec<Vec3>],
+    options: &SimplifyOptions,
+) -> Result<Simplified, Mismatch> {
+    check(mesh, poses, options)?;
+    let used = match options.weighting {
+        Weighting::PoseSummed => poses,
+        Weighting::Rest | Weighting::Joint { .. } => &poses[..1],
+    };
+    let classes = classes::Classes::new(mesh, poses, &options.wedges);
+    let sources = levels::faces(mesh, &classes);
+    let mut simplifier = collapse::Simplifier::new(mesh, used, options, &classes, &sources);
+    let whole = sources.triangles.len();
+    let mut found = vec![sources.level()];
+    for (step, share) in options.targets.iter().enumerate().skip(1) {
+        let target = (share * whole as f64).round() as usize;
+        simplifier.open_seams(step + 1 == options.targets.len());
+        simplifier.run(target);
+        found.push(simplifier.level(&sources));
+    }
+    found.reverse();
+    Ok(Simplified {
+        levels: found,
+        position_classes: classes.of_vertex,
+    })
+}
+
+fn check(mesh: &Mesh, poses: &[Vec<Vec3>], options: &SimplifyOptions) -> Result<(), Mismatch> {
+    let count = mesh.len();
+    if poses.is_empty() {
+        return Err(Mismatch::new("poses", "none; the rest pose is needed"));
+    }
+    for (p, pose) in poses.iter().enumerate() {
+        of_mesh(&format!("poses[{p}]"), pose.len(), count)?;
+    }
+    of_mesh("mesh.normals", mesh.normals.len(), count)?;
+    of_mesh("mesh.texcoords", mesh.texcoords.len(), count)?;
+    of_mesh("mesh.colors", mesh.colors.len(), count)?;
+    let influences = count * mesh.influences;
+    of_mesh("mesh.weights", mesh.weights.len(), influences)?;
+    of_mesh(
+        "mesh.binding_indices",
+        mesh.binding_indices.len(),
+        influences,
+    )?;
+    let optional = [
+        ("vertex_weights", options.vertex_weights.len()),
+        ("regions", options.regions.len()),
+        ("wedges", options.wedges.len()),
+    ];
+    for (at, length) in optional.iter().filter(|(_, length)| *length > 0) {
+        of_mesh(at, *length, count)?;
+    }
+    let outside = |v: &u32| *v as usize >= count;
+    if let Some(v) = options.locked.iter().find(|v| outside(v)) {
+        return Err(Mismatch::new("locked", format!("vertex {v} of {count}")));
+    }
+    if let Some(t) = mesh.triangles.iter().position(|t| t.iter().any(outside)) {
+        let what = format!("{:?} with {count} vertices", mesh.triangles[t]);
+        return Err(Mismatch::new(format!("mesh.triangles[{t}]"), what));
+    }
+    check_nested(mesh, count)?;
+    let falls = options
+        .targets
+        .windows(2)
+        .all(|w| w[0] > w[1] && w[1] >= 0.0);
+    if options.targets.first() != Some(&1.0) || !falls {
+        let what = format!("{:?} do not fall from 1", options.targets);
+        return Err(Mismatch::new("targets", what));
+    }
+    Ok(())
+}
+
+/// Parts, bindings and morph targets are of the mesh.
+fn check_nested(mesh: &Mesh, count: usize) -> Result<(), Mismatch> {
+    let bindings = mesh.bindings.len();
+    if let Some(b) = mesh
+        .binding_indices
+        .iter()
+        .find(|b| usize::from(**b) >= bindings)
+    {
+        let what = format!("binding {b} of {bindings}");
+        return Err(Mismatch::new("mesh.binding_indices", what));
+    }
+    for (m, morph) in mesh.morphs.iter().enumerate() {
+        let at = format!("mesh.morphs[{m}]");
+        of_mesh(&at, morph.positions.len(), morph.vertices.len())?;
+        of_mesh(&at, morph.normals.len(), morph.vertices.len())?;
+        if let Some(v) = morph.vertices.iter().find(|v| **v as usize >= count) {
+            return Err(Mismatch::new(at, format!("vertex {v} of {count}")));
+        }
+    }
+    let mut triangles = 0;
+    for (p, part) in mesh.parts.iter().enumerate() {
+        let inside = part.vertices.start <= part.vertices.end && part.vertices.end <= count;
+        if !inside || part.triangles.start != triangles || part.triangles.end < triangles {
+            let what = format!("{:?}, {:?}", part.vertices, part.triangles);
+            return Err(Mismatch::new(format!("mesh.parts[{p}]"), what));
+        }
+        triangles = part.triangles.end;
+    }
+    of_mesh("mesh.parts", triangles, mesh.triangles.len())
+}
+
+fn of_mesh(at: &str, found: usize, expected: usize) -> Result<(), Mismatch> {
+    if found == expected {
+        return Ok(());
+    }
+    let what = format!("{found} values, expected {expected}");
+    Err(Mismatch::new(at, what))
+}

@@ -1,0 +1,78 @@
+//! Squared distances to planes, summed: the cost of moving a vertex.
+//!
+//! Source: Garland and Heckbert, *Surface simplification using quadric error metrics* (1997).
+
+use glam::DVec3;
+
+/// A symmetric quadratic form over points.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub(super) struct Quadric {
+    /// xx, xy, xz, yy, yz, zz.
+    a: [f64; 6],
+    b: DVec3,
+    c: f64,
+}
+
+impl Quadric {
+    /// `weight` times the squared distance to the plane through `point` with a unit normal.
+    pub(super) fn plane(normal: DVec3, point: DVec3, weight: f64) -> Self {
+        let (n, d) = (normal, -normal.dot(point));
+        Self {
+            a: [
+                n.x * n.x,
+                n.x * n.y,
+                n.x * n.z,
+                n.y * n.y,
+                n.y * n.z,
+                n.z * n.z,
+            ]
+            .map(|v| v * weight),
+            b: n * (d * weight),
+            c: d * d * weight,
+        }
+    }
+
+    /// Adds another one.
+    pub(super) fn add(&mut self, o: &Self) {
+        for (a, b) in self.a.iter_mut().zip(o.a) {
+            *a += b;
+        }
+        self.b += o.b;
+        self.c += o.c;
+    }
+
+    /// This form, `factor` times as heavy.
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        Self {
+            a: self.a.map(|v| v * factor),
+            b: self.b * factor,
+            c: self.c * factor,
+        }
+    }
+
+    /// Its value at a point; never below 0.
+    pub(super) fn at(&self, p: DVec3) -> f64 {
+        let [xx, xy, xz, yy, yz, zz] = self.a;
+        let row = DVec3::new(
+            xx * p.x + xy * p.y + xz * p.z,
+            xy * p.x + yy * p.y + yz * p.z,
+            xz * p.x + yz * p.y + zz * p.z,
+        );
+        (p.dot(row) + 2.0 * self.b.dot(p) + self.c).max(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_costs_its_weight_times_the_squared_distance() {
+        let mut q = Quadric::plane(DVec3::Z, DVec3::new(5.0, -2.0, 1.0), 3.0);
+        assert!((q.at(DVec3::new(7.0, 7.0, 3.0)) - 12.0).abs() < 1e-12);
+        q.add(&Quadric::plane(DVec3::X, DVec3::ZERO, 1.0).scaled(2.0));
+        // 3 * (3 - 1)^2 + 2 * 7^2.
+        assert!((q.at(DVec3::new(7.0, 7.0, 3.0)) - 110.0).abs() < 1e-12);
+        assert_eq!(q.at(DVec3::new(0.0, 0.0, 1.0)), 0.0);
+    }
+}

@@ -1,0 +1,108 @@
+//! What lies around one position class: its neighbours, its borders, whether it is one fan.
+
+use super::classes::Classes;
+use super::topology::Surface;
+
+/// The surroundings of a class, refilled for each one looked at.
+#[derive(Debug, Default)]
+pub(super) struct Ring {
+    /// Faces around it, as (face, place of the class, next class, class before).
+    pub(super) faces: Vec<(usize, usize, u32, u32)>,
+    /// Neighbours, in the order in which they were met.
+    pub(super) neighbours: Vec<u32>,
+    /// Different classes opposite to the edge towards each neighbour: 2 inside a surface, 1 on a
+    /// border. Faces that lie back to back count once, so both sides of a sheet are one.
+    pub(super) degrees: Vec<u32>,
+    edges: Vec<(u32, u32)>,
+    seen: Vec<bool>,
+}
+
+impl Ring {
+    /// Looks around a class.
+    pub(super) fn look(&mut self, surface: &Surface, class: u32) {
+        self.faces.clear();
+        self.neighbours.clear();
+        self.edges.clear();
+        for (face, at) in surface.around(class) {
+            let corners = surface.faces[face];
+            let (a, b) = (corners[(at + 1) % 3], corners[(at + 2) % 3]);
+            self.faces.push((face, at, a, b));
+            let (i, j) = (self.place(a), self.place(b));
+            self.edges.push((i.min(j), i.max(j)));
+        }
+        self.edges.sort_unstable();
+        self.edges.dedup();
+        self.degrees.clear();
+        self.degrees.resize(self.neighbours.len(), 0);
+        for (i, j) in &self.edges {
+            self.degrees[*i as usize] += 1;
+            self.degrees[*j as usize] += 1;
+        }
+    }
+
+    /// Place of a neighbour, which is added if it is new.
+    fn place(&mut self, class: u32) -> u32 {
+        let at = self.neighbours.iter().position(|n| *n == class);
+        at.unwrap_or_else(|| {
+            self.neighbours.push(class);
+            self.neighbours.len() - 1
+        }) as u32
+    }
+
+    /// Whether texture coordinates, colours or parts differ across the edge to a neighbour.
+    pub(super) fn is_seam(&self, surface: &Surface, classes: &Classes, place: usize) -> bool {
+        let other = self.neighbours[place];
+        let mut ends = self.faces.iter().filter_map(|(face, at, a, b)| {
+            let there = match other {
+                other if other == *a => (at + 1) % 3,
+                other if other == *b => (at + 2) % 3,
+                _ => return None,
+            };
+            let wedges = surface.wedges[*face];
+            Some([wedges[*at], wedges[there]].map(|w| classes.chart[w as usize]))
+        });
+        let first = ends.next();
+        ends.any(|e| Some(e) != first)
+    }
+
+    /// Whether the class may go along the edge to the neighbour at `place`, as far as borders
+    /// tell: inside a surface along any edge, on a border only along it, elsewhere never.
+    pub(super) fn keeps_border(&self, place: usize) -> bool {
+        let mut ends = 0;
+        let mut degree = 2;
+        for d in self.degrees.iter().filter(|d| **d != 2) {
+            ends += 1;
+            if ends > 1 && *d != degree {
+                return false;
+            }
+            degree = *d;
+        }
+        match ends {
+            0 => true,
+            2 => self.degrees[place] == degree,
+            _ => false,
+        }
+    }
+
+    /// Whether all faces hang together by edges.
+    pub(super) fn is_one_fan(&mut self) -> bool {
+        self.seen.clear();
+        self.seen.resize(self.neighbours.len(), false);
+        if let Some(first) = self.seen.first_mut() {
+            *first = true;
+        }
+        // Each pass reaches at least one further neighbour, and around most classes all at once.
+        loop {
+            let mut reached = false;
+            for (i, j) in &self.edges {
+                let (i, j) = (*i as usize, *j as usize);
+                if self.seen[i] != self.seen[j] {
+                    (self.seen[i], self.seen[j], reached) = (true, true, true);
+                }
+            }
+            if !reached {
+                return self.seen.iter().all(|s| *s);
+            }
+        }
+    }
+}

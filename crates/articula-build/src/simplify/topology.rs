@@ -1,0 +1,151 @@
+//! Faces over position classes, and the corners around each class, as flat arrays.
+
+use super::classes::Classes;
+
+/// No corner.
+const NONE: u32 = u32::MAX;
+
+/// A surface whose vertices are merged one by one.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Surface {
+    /// Vertices (wedges) of each face.
+    pub(super) wedges: Vec<[u32; 3]>,
+    /// Their position classes.
+    pub(super) faces: Vec<[u32; 3]>,
+    alive: Vec<bool>,
+    /// Number of faces alive.
+    pub(super) live: usize,
+    /// First corner around each class; corner `3 f + k` is that of `faces[f][k]`.
+    head: Vec<u32>,
+    next: Vec<u32>,
+    /// Live corners around each class, and all that are still in its list.
+    valence: Vec<u32>,
+    listed: Vec<u32>,
+}
+
+impl Surface {
+    /// The faces that span three different classes.
+    pub(super) fn new(triangles: &[[u32; 3]], classes: &Classes) -> Self {
+        let mut surface = Self {
+            wedges: triangles.to_vec(),
+            faces: triangles
+                .iter()
+                .map(|t| t.map(|v| classes.of_vertex[v as usize]))
+                .collect(),
+            alive: vec![false; triangles.len()],
+            live: 0,
+            head: vec![NONE; classes.len()],
+            next: vec![NONE; triangles.len() * 3],
+            valence: vec![0; classes.len()],
+            listed: vec![0; classes.len()],
+        };
+        // From the last to the first, so that each list rises.
+        for f in (0..triangles.len()).rev() {
+            let [a, b, c] = surface.faces[f];
+            if a == b || b == c || c == a {
+                continue;
+            }
+            surface.alive[f] = true;
+            surface.live += 1;
+            for (k, class) in surface.faces[f].into_iter().enumerate() {
+                let corner = (3 * f + k) as u32;
+                surface.next[corner as usize] = surface.head[class as usize];
+                surface.head[class as usize] = corner;
+                surface.valence[class as usize] += 1;
+                surface.listed[class as usize] += 1;
+            }
+        }
+        surface
+    }
+
+    /// Whether a face is still there.
+    pub(super) fn is_alive(&self, face: usize) -> bool {
+        self.alive[face]
+    }
+
+    /// Corners around a class, as (face, place of the class in it).
+    pub(super) fn around(&self, class: u32) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let mut at = self.head[class as usize];
+        std::iter::from_fn(move || {
+            while at != NONE {
+                let corner = at as usize;
+                at = self.next[corner];
+                if self.alive[corner / 3] {
+                    return Some((corner / 3, corner % 3));
+                }
+            }
+            None
+        })
+    }
+
+    /// Number of faces around a class.
+    pub(super) fn valence(&self, class: u32) -> usize {
+        self.valence[class as usize] as usize
+    }
+
+    /// Removes a face.
+    pub(super) fn kill(&mut self, face: usize) {
+        self.alive[face] = false;
+        self.live -= 1;
+        for class in self.faces[face] {
+            self.valence[class as usize] -= 1;
+            if self.listed[class as usize] > 2 * self.valence[class as usize] + 4 {
+                self.prune(class);
+            }
+        }
+    }
+
+    /// Moves the corners of `from` to `to`; faces that have both go. `images` gives each moved
+    /// corner its new wedge, in the order of [`Self::around`] without the faces that go.
+    pub(super) fn collapse(&mut self, from: u32, to: u32, images: &[u32]) {
+        let mut images = images.iter();
+        let mut at = self.head[from as usize];
+        self.head[from as usize] = NONE;
+        self.listed[from as usize] = 0;
+        while at != NONE {
+            let corner = at as usize;
+            at = self.next[corner];
+            let face = corner / 3;
+            if !self.alive[face] {
+                continue;
+            }
+            if self.faces[face].contains(&to) {
+                self.kill(face);
+                continue;
+            }
+            self.faces[face][corner % 3] = to;
+            if let Some(wedge) = images.next() {
+                self.wedges[face][corner % 3] = *wedge;
+            }
+            self.next[corner] = self.head[to as usize];
+            self.head[to as usize] = corner as u32;
+            self.valence[from as usize] -= 1;
+            self.valence[to as usize] += 1;
+            self.listed[to as usize] += 1;
+        }
+    }
+
+    /// Takes corners of faces that went out of the list around a class.
+    fn prune(&mut self, class: u32) {
+        let mut kept = NONE;
+        let mut at = self.head[class as usize];
+        self.head[class as usize] = NONE;
+        while at != NONE {
+            let corner = at as usize;
+            at = self.next[corner];
+            if !self.alive[corner / 3] {
+                continue;
+            }
+            if kept == NONE {
+                self.head[class as usize] = corner as u32;
+            } else {
+                self.next[kept as usize] = corner as u32;
+            }
+            kept = corner as u32;
+        }
+        if kept != NONE {
+            self.next[kept as usize] = NONE;
+        }
+        self.listed[class as usize] = self.valence[class as usize];
+    }
+}
