@@ -1,7 +1,7 @@
 //! Levels of a rig as prefixes of one joint order: merged joints move with an ancestor.
 //!
 //! Source: `spec/motion-lod.md` part 8 and `spec/runtime.md` part 3. Level 0 has every joint;
-//! each further level keeps fewer. A joint that a level does not keep is *merged*: it stands in
+//! each further level keeps no more. A joint that a level does not keep is *merged*: it stands in
 //! the rig's mean pose, so it moves with its nearest kept ancestor. Kept joints keep their true
 //! transforms, because every level contains the ancestors of what it contains. Which joints go
 //! first is decided by `articula-build` from the character's motion.
@@ -16,6 +16,9 @@ use crate::rig::Rig;
 pub const MAX_LEVELS: usize = 16;
 
 /// One joint order of a rig, and how many of its joints each level keeps.
+///
+/// Levels may keep the same joints, so that they differ in what else belongs to a level: the mesh,
+/// or the influences of its vertices.
 ///
 /// A *place* is a position in that order. Parents stand at smaller places than their children.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,7 +36,7 @@ impl Ladder {
     ///
     /// # Errors
     /// A [`Mismatch`] if `joints` is not a permutation of the rig's joints with parents first,
-    /// `kept` does not fall strictly from all joints, ends below 1 or has more than
+    /// `kept` rises, does not begin with all joints, ends below 1 or has more than
     /// [`MAX_LEVELS`] entries, or the mean pose is of another rig or not finite.
     pub fn new(
         rig: &Rig,
@@ -50,11 +53,11 @@ impl Ladder {
             let what = "the mean transform must be finite";
             return Err(Mismatch::new(format!("mean[{j}]"), what));
         }
-        let falls = kept.windows(2).all(|w| w[0] > w[1]);
+        let falls = kept.windows(2).all(|w| w[0] >= w[1]);
         let whole = kept.first().is_some_and(|n| usize::from(*n) == rig.len());
         if !whole || !falls || kept.last() == Some(&0) || kept.len() > MAX_LEVELS {
             let what = format!(
-                "{kept:?} must fall from {} to at least 1 in at most {MAX_LEVELS} levels",
+                "{kept:?} must not rise from {} to at least 1 in at most {MAX_LEVELS} levels",
                 rig.len()
             );
             return Err(Mismatch::new("kept", what));
@@ -267,7 +270,8 @@ mod tests {
         assert_eq!(new(&[0, 1, 2, 3, 9], &[5]).unwrap(), "joints[4]");
         assert_eq!(new(&order[..4], &[5]).unwrap(), "joints");
         assert_eq!(new(&order, &[4]).unwrap(), "kept");
-        assert_eq!(new(&order, &[5, 5]).unwrap(), "kept");
+        assert_eq!(new(&order, &[5, 5]), None, "levels of the same joints");
+        assert_eq!(new(&order, &[5, 2, 3]).unwrap(), "kept");
         assert_eq!(new(&order, &[5, 0]).unwrap(), "kept");
         assert_eq!(new(&order, &[]).unwrap(), "kept");
         let sets = [JointSet::from_iter([3]), JointSet::from_iter([4])];

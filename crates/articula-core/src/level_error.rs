@@ -5,6 +5,17 @@
 
 use crate::Mismatch;
 
+/// How much farther off than the tolerance a small part of a character may be, such as what it
+/// holds in a hand: the 95th percentile over vertices does not see it, but a viewer does.
+const SMALL_PART: f32 = 2.0;
+
+/// The error that a level is judged by: the greater of the 95th percentile over vertices and half
+/// of the greatest.
+#[inline]
+pub fn judged_metres(p95_metres: f32, max_metres: f32) -> f32 {
+    p95_metres.max(max_metres / SMALL_PART)
+}
+
 /// Errors of one clip, level by level.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ClipErrors {
@@ -19,6 +30,14 @@ pub struct ClipErrors {
     /// Distance between the last and the first frame of the clip, metres (95th percentile over
     /// vertices): 0 for a clip that closes.
     pub seam_metres: f32,
+}
+
+impl ClipErrors {
+    /// The error that each level is judged by ([`judged_metres`]).
+    pub fn judged(&self) -> impl Iterator<Item = f32> + '_ {
+        let pairs = self.levels_metres.iter().zip(&self.worst_metres);
+        pairs.map(|(most, worst)| judged_metres(*most, *worst))
+    }
 }
 
 /// Errors of all clips of a ladder.

@@ -26,6 +26,7 @@
 //! - [`budget`]: one option for each character of a crowd, least error within the budget
 //! - [`key_table`]: ours, tabled: nested keys for a ladder of tolerances
 //! - [`ladder`], [`level_error`]: merged levels of a crowd, and what each costs
+//! - [`mesh_level`]: which level of its mesh a character is drawn with
 //! - [`clip_set`], [`palette`], [`batch`]: eight characters at once, from cursors to palettes
 //! - [`pose_cache`]: whole palettes shared by all characters, and the blend between two of them
 //! - [`crowd`]: the whole FRAME line for many characters
@@ -57,6 +58,7 @@ pub mod level_error;
 pub mod loa;
 pub mod math;
 pub mod mesh;
+pub mod mesh_level;
 pub mod motion_bounds;
 pub mod motion_error;
 pub mod occlusion;

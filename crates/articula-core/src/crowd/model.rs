@@ -29,17 +29,6 @@ pub struct CrowdParts {
     pub bounds: MotionBounds,
 }
 
-/// How much farther off than the tolerance a small part of a character may be, such as what it
-/// holds in a hand: the 95th percentile over vertices does not see it, but a viewer does.
-const SMALL_PART: f32 = 2.0;
-
-/// Errors of the levels of a clip as levels are chosen by them.
-fn judged(errors: &ClipErrors) -> impl Iterator<Item = f32> + '_ {
-    let worst = errors.worst_metres.iter().map(|w| w / SMALL_PART);
-    let pairs = errors.levels_metres.iter().zip(worst);
-    pairs.map(|(most, worst)| most.max(worst))
-}
-
 /// What all characters of a crowd share. Read-only; one may serve many crowds and threads.
 #[derive(Debug, Clone)]
 pub struct CrowdModel {
@@ -90,7 +79,7 @@ impl CrowdModel {
             ));
         }
         Ok(Self {
-            level_errors: errors.clips.iter().flat_map(judged).collect(),
+            level_errors: errors.clips.iter().flat_map(ClipErrors::judged).collect(),
             durations: (0..count).map(|c| clips.duration_secs(c)).collect(),
             events: vec![Vec::new(); count],
             paths: vec![None; count],

@@ -1,0 +1,210 @@
+//! The mesh level of one character: the coarsest whose error its viewer cannot see.
+//!
+//! Source: `spec/clustered-mesh.md` 7, and the choice of joint levels (`crate::crowd`), whose rule
+//! and hysteresis are taken over: a level's error in metres, times the pixels that a metre spans
+//! at the character's nearest depth, is its error in pixels. Differs: mesh levels are numbered
+//! from the coarsest, 0, to the original, and a level that is not there yet cannot be shown.
+//!
+//! Pure functions over a table; nothing here allocates but its making.
+
+use crate::Mismatch;
+use crate::crowd::{kept_between, level_within};
+use crate::level_error::judged_metres;
+
+/// Errors of the levels of a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshErrors {
+    /// From the original, which has none, to the coarsest: the order of joint levels.
+    from_original_metres: Vec<f32>,
+}
+
+/// What was chosen for a character.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshChoice {
+    /// Level to draw now.
+    pub level: usize,
+    /// Level that would be drawn if it were loaded: what to ask a stream for.
+    pub wanted: usize,
+    /// Error of the level that is drawn, metres of the unscaled character.
+    pub error_metres: f32,
+}
+
+impl MeshErrors {
+    /// Takes the error of each level in metres, the coarsest first. A level that is worse than a
+    /// coarser one counts as bad as that one does.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if there is no level, an error is negative or no number, or the last level,
+    /// the original, is not free of error. An error may be infinite: that of an empty level.
+    pub fn new(levels_metres: &[f32]) -> Result<Self, Mismatch> {
+        if let Some(l) = levels_metres.iter().position(|e| e.is_nan() || *e < 0.0) {
+            let what = format!("{} is no error", levels_metres[l]);
+            return Err(Mismatch::new(format!("levels[{l}]"), what));
+        }
+        if levels_metres.last() != Some(&0.0) {
+            let what = "the last level is the original and has no error";
+            return Err(Mismatch::new("levels", what));
+        }
+        let mut greatest = 0.0f32;
+        let rising = levels_metres.iter().rev().map(|e| {
+            greatest = greatest.max(*e);
+            greatest
+        });
+        Ok(Self {
+            from_original_metres: rising.collect(),
+        })
+    }
+
+    /// The same from both statistics of each level: the 95th percentile over vertices and the
+    /// greatest ([`judged_metres`]).
+    ///
+    /// # Errors
+    /// As [`MeshErrors::new`], or if the lists are not of one length.
+    pub fn of_statistics(p95_metres: &[f32], max_metres: &[f32]) -> Result<Self, Mismatch> {
+        if p95_metres.len() != max_metres.len() {
+            let what = format!("{} levels, not {}", max_metres.len(), p95_metres.len());
+            return Err(Mismatch::new("max_metres", what));
+        }
+        let pairs = p95_metres.iter().zip(max_metres);
+        let judged: Vec<f32> = pairs.map(|(p, m)| judged_metres(*p, *m)).collect();
+        Self::new(&judged)
+    }
+
+    /// Number of levels, at least 1.
+    pub fn levels(&self) -> usize {
+        self.from_original_metres.len()
+    }
+
+    /// Error of a level, metres.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    pub fn error_metres(&self, level: usize) -> f32 {
+        self.from_original_metres[self.original() - level]
+    }
+
+    /// The coarsest level within a tolerance, which is pixels over pixels per metre, times what
+    /// attention makes of it. `shown` is the level that is drawn now: a coarser one is taken only
+    /// when its error is below 0.8 of the tolerance, so that a character on the border does not
+    /// change to and fro. `finest_loaded` caps what is drawn, not what is wanted.
+    ///
+    /// A tolerance that is no number wants the original. O(levels).
+    #[inline]
+    pub fn choose(
+        &self,
+        tolerance_metres: f32,
+        shown: Option<usize>,
+        finest_loaded: usize,
+    ) -> MeshChoice {
+        let original = self.original();
+        let shown = shown.map(|level| original - level.min(original));
+        let found = level_within(tolerance_metres, shown, original, |l| {
+            self.from_original_metres[l]
+        });
+        let wanted = original - found;
+        let level = wanted.min(finest_loaded);
+        MeshChoice {
+            level,
+            wanted,
+            error_metres: self.error_metres(level),
+        }
+    }
+
+    /// The pixels per metre from which on a level is coarse enough, and from which on it is too
+    /// coarse, for so many tolerated pixels: between them [`MeshErrors::choose`] keeps it, so that
+    /// a character whose size hardly changes need not be asked about.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    #[inline]
+    pub fn kept_between(&self, level: usize, px: f32) -> [f32; 2] {
+        kept_between(&self.from_original_metres, self.original() - level, px)
+    }
+
+    /// Number of the original.
+    fn original(&self) -> usize {
+        self.from_original_metres.len() - 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn by_hand() {
+        // 8, 4, 2 and 0 mm; 2 px at 500 px/m tolerate 4 mm.
+        let errors = MeshErrors::new(&[8e-3, 4e-3, 2e-3, 0.0]).unwrap();
+        let all = 3;
+        let choose = |tolerance, shown, loaded| errors.choose(tolerance, shown, loaded);
+        assert_eq!(choose(4e-3, None, all).level, 1);
+        // From a finer level it is taken only with some room: 4 mm are 0.8 of 5 mm.
+        assert_eq!(choose(4e-3, Some(2), all).level, 2);
+        assert_eq!(choose(5.01e-3, Some(2), all).level, 1);
+        assert_eq!(choose(4e-3, Some(1), all).level, 1, "kept");
+        assert_eq!(choose(3.9e-3, Some(1), all).level, 2, "too coarse");
+        assert_eq!(choose(1.0, None, all).level, 0);
+        assert_eq!(choose(f32::NAN, Some(0), all).level, 3);
+        assert_eq!(choose(0.0, Some(9), all).level, 3);
+        // Only the two coarsest are loaded.
+        let capped = choose(1e-3, Some(1), 1);
+        assert_eq!((capped.level, capped.wanted), (1, 3));
+        assert_eq!(capped.error_metres, 4e-3);
+        let [least, most] = errors.kept_between(1, 2.0);
+        assert!((least - 2.0 * 0.8 / 8e-3).abs() < 1e-3 && (most - 500.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn what_is_no_table_of_errors() {
+        let at = |levels: &[f32]| MeshErrors::new(levels).unwrap_err().at;
+        assert_eq!(at(&[]), "levels");
+        assert_eq!(at(&[0.1]), "levels");
+        assert_eq!(at(&[0.1, f32::NAN, 0.0]), "levels[1]");
+        assert_eq!(at(&[-0.1, 0.0]), "levels[0]");
+        let other = MeshErrors::of_statistics(&[0.0], &[]).unwrap_err();
+        assert_eq!(other.at, "max_metres");
+        let empty = MeshErrors::new(&[f32::INFINITY, 0.0]).unwrap();
+        assert_eq!(empty.choose(1e9, None, 1).level, 1);
+        let odd = MeshErrors::new(&[1.0, 3.0, 0.0]).unwrap();
+        assert_eq!(odd.error_metres(0), 3.0, "a coarser one is never better");
+        // 10 mm in a twentieth of the vertices, 30 mm in one finger: judged by the finger.
+        let both = MeshErrors::of_statistics(&[0.01, 0.0], &[0.03, 0.0]).unwrap();
+        assert_eq!(both.error_metres(0), 0.015);
+    }
+
+    proptest! {
+        #[test]
+        fn the_coarsest_within_the_tolerance_and_never_to_and_fro(
+            steps in prop::collection::vec(0.0f32..1.0, 1..8),
+            tolerances in prop::collection::vec(0.0f32..4.0, 1..40),
+            wobble in prop::collection::vec(0.9f32..1.1, 40),
+        ) {
+            let mut levels = vec![0.0];
+            for step in &steps {
+                levels.push(levels[levels.len() - 1] + step);
+            }
+            levels.reverse();
+            let errors = MeshErrors::new(&levels).unwrap();
+            let mut shown = None;
+            for tolerance in &tolerances {
+                let fresh = errors.choose(*tolerance, None, steps.len());
+                prop_assert!(fresh.error_metres <= *tolerance);
+                prop_assert!(fresh.level == 0 || errors.error_metres(fresh.level - 1) > *tolerance);
+                let kept = errors.choose(*tolerance, shown, steps.len());
+                prop_assert!(kept.error_metres <= *tolerance, "hysteresis only keeps finer");
+                prop_assert!(kept.level >= fresh.level);
+                shown = Some(kept.level);
+            }
+            // A size that trembles by less than the hysteresis changes a level once at most.
+            let mut level = errors.choose(1.0, shown, steps.len()).level;
+            let mut changes = 0;
+            for tremble in &wobble {
+                let next = errors.choose(*tremble, Some(level), steps.len()).level;
+                changes += u32::from(next != level);
+                level = next;
+            }
+            prop_assert!(changes <= steps.len() as u32);
+        }
+    }
+}
