@@ -5,6 +5,7 @@
 //! - [`clip_edit`]: source clips trimmed, looped, thinned out before anything else
 //! - [`clusters`]: the levels of a mesh put together as ranges of one object
 //! - [`expression`]: expressions written out as morph weights and joint transforms
+//! - [`figure_levels`]: levels of joints and mesh that are shown together
 //! - [`human`]: the procedural reference human
 //! - [`influences`]: fewer joints for each vertex
 //! - [`ladder`]: merged levels of a crowd: joint order, skins and errors of every level
@@ -28,6 +29,7 @@ pub mod clip_edit;
 pub mod clusters;
 pub mod evaluate;
 pub mod expression;
+pub mod figure_levels;
 pub mod human;
 pub mod influences;
 pub mod ladder;

@@ -2,7 +2,7 @@
 //!
 //! Source: `spec/motion-lod.md` 4.3 and 8; definitions in `docs/metrics.md`.
 
-use super::measure::{Poser, measure, watched_skin};
+use super::measure::{Poser, measure, skin_part};
 use super::moments::{model_of, pose_of, share_frames, spread_frames};
 use super::prefixes::Prefixes;
 use super::skins::{LevelSkin, LevelSkins, placed_skins};
@@ -18,7 +18,7 @@ use articula_core::mesh::{Binding, Mesh};
 use glam::Vec3;
 
 /// Frames of all clips that errors are measured at; shorter clips are seen frame by frame.
-const MOST_FRAMES: usize = 3000;
+pub(crate) const MOST_FRAMES: usize = 3000;
 
 /// Measures every level in every clip: full character against the level's skin, the kept joints
 /// in their true transforms. For a character without mesh, points on its bones are compared.
@@ -62,7 +62,7 @@ pub(super) fn table(
     let watched = Watched::draw(full, asset.rig.len(), opts.vertices, opts.seed);
     let reduced: Vec<Mesh> = skins
         .iter()
-        .map(|s| watched_skin(s, bindings, &watched))
+        .map(|s| skin_part(s, bindings, &watched.vertices))
         .collect();
     let tallies = measure(asset, full, &watched, &reduced, MOST_FRAMES);
     let mut poser = Poser::new(full, drawn(&watched));
@@ -112,7 +112,7 @@ fn drawn(watched: &Watched) -> Vec<u32> {
 
 /// Zero for the full character, then each the greatest so far: a coarser level never counts
 /// as better.
-fn rising(errors: impl Iterator<Item = f32>) -> Vec<f32> {
+pub(crate) fn rising(errors: impl Iterator<Item = f32>) -> Vec<f32> {
     let mut last = 0.0f32;
     let climbed = errors.map(|e| {
         last = last.max(e);

@@ -12,15 +12,15 @@ use glam::{Affine3A, Vec3};
 
 /// Error of one skin: the greatest over frames.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub(super) struct Tally {
+pub(crate) struct Tally {
     /// 95th percentile over the plain sample of vertices.
-    pub(super) percentile_metres: f32,
+    pub(crate) percentile_metres: f32,
     /// The greatest over all watched vertices.
-    pub(super) worst_metres: f32,
+    pub(crate) worst_metres: f32,
 }
 
 impl Tally {
-    pub(super) fn worst_of(self, other: Self) -> Self {
+    pub(crate) fn worst_of(self, other: Self) -> Self {
         Self {
             percentile_metres: self.percentile_metres.max(other.percentile_metres),
             worst_metres: self.worst_metres.max(other.worst_metres),
@@ -28,13 +28,12 @@ impl Tally {
     }
 }
 
-/// The watched vertices of a level's skin alone.
-pub(super) fn watched_skin(skin: &LevelSkin, bindings: &[Binding], watched: &Watched) -> Mesh {
+/// Some vertices of a level's skin alone.
+pub(crate) fn skin_part(skin: &LevelSkin, bindings: &[Binding], vertices: &[u32]) -> Mesh {
     let of = |v: &u32| {
         let first = *v as usize * skin.influences;
         first..first + skin.influences
     };
-    let vertices = &watched.vertices;
     Mesh {
         positions: vertices
             .iter()
@@ -55,15 +54,15 @@ pub(super) fn watched_skin(skin: &LevelSkin, bindings: &[Binding], watched: &Wat
 }
 
 /// Skins watched vertices again and again.
-pub(super) struct Poser<'a> {
+pub(crate) struct Poser<'a> {
     mesh: &'a Mesh,
     vertices: Vec<u32>,
     palette: Vec<Affine3A>,
-    pub(super) points: Vec<Vec3>,
+    pub(crate) points: Vec<Vec3>,
 }
 
 impl<'a> Poser<'a> {
-    pub(super) fn new(mesh: &'a Mesh, vertices: Vec<u32>) -> Self {
+    pub(crate) fn new(mesh: &'a Mesh, vertices: Vec<u32>) -> Self {
         Self {
             palette: vec![Affine3A::IDENTITY; mesh.bindings.len()],
             points: vec![Vec3::ZERO; vertices.len()],
@@ -72,7 +71,7 @@ impl<'a> Poser<'a> {
         }
     }
 
-    pub(super) fn pose(&mut self, model: &ModelPose) -> &[Vec3] {
+    pub(crate) fn pose(&mut self, model: &ModelPose) -> &[Vec3] {
         palette(self.mesh, model, &mut self.palette);
         skin_points(self.mesh, &self.palette, &self.vertices, &mut self.points);
         &self.points
@@ -110,7 +109,12 @@ pub(super) fn measure(
 }
 
 /// Compares one frame; what is not finite in either does not count.
-fn compare(truth: &[Vec3], shown: &[Vec3], watched: &Watched, lengths: &mut Vec<f32>) -> Tally {
+pub(crate) fn compare(
+    truth: &[Vec3],
+    shown: &[Vec3],
+    watched: &Watched,
+    lengths: &mut Vec<f32>,
+) -> Tally {
     lengths.clear();
     let mut worst_metres = 0.0f32;
     for ((t, s), drawn) in truth.iter().zip(shown).zip(&watched.drawn) {

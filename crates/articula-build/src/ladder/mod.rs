@@ -31,11 +31,14 @@ pub(crate) mod test_figures;
 mod watch;
 
 pub use errors::level_errors;
+pub(crate) use errors::{MOST_FRAMES, rising};
 pub use far::{FarLevels, far_levels};
 pub use mean_pose::mean_pose;
 pub(crate) use mean_pose::principal;
-pub(crate) use moments::{share_frames, spread_frames};
+pub(crate) use measure::{Poser, Tally, compare, skin_part};
+pub(crate) use moments::{model_of, pose_of, share_frames, spread_frames};
 pub use skins::{LevelSkin, LevelSkins, level_skins};
+pub(crate) use watch::Watched;
 pub use watch::skin_of;
 
 use crate::character::Asset;
@@ -244,7 +247,7 @@ pub(crate) fn check(asset: &Asset) -> Result<(), Mismatch> {
 }
 
 /// Checks that a ladder is of the rig.
-fn check_ladder(asset: &Asset, ladder: &Ladder) -> Result<(), Mismatch> {
+pub(crate) fn check_ladder(asset: &Asset, ladder: &Ladder) -> Result<(), Mismatch> {
     let parent = |j: usize| asset.rig.parent(j).map(|p| ladder.place(p));
     let stored = |j: usize| ladder.parents()[ladder.place(j)].map(usize::from);
     let joints = asset.rig.len();

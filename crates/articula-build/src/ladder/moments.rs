@@ -32,7 +32,7 @@ pub(crate) fn share_frames(clips: &[Clip], total: usize) -> Vec<usize> {
 }
 
 /// The local pose of a frame: rest where the clip drives nothing.
-pub(super) fn pose_of(asset: &Asset, clip: &Clip, frame: usize) -> LocalPose {
+pub(crate) fn pose_of(asset: &Asset, clip: &Clip, frame: usize) -> LocalPose {
     pose_at(asset, clip, frame as f64 / f64::from(clip.rate_hz()))
 }
 
@@ -44,7 +44,7 @@ pub(super) fn pose_at(asset: &Asset, clip: &Clip, secs: f64) -> LocalPose {
 }
 
 /// Model-space matrices of a pose.
-pub(super) fn model_of(asset: &Asset, pose: &LocalPose) -> ModelPose {
+pub(crate) fn model_of(asset: &Asset, pose: &LocalPose) -> ModelPose {
     let mut model = ModelPose::new(asset.rig.len());
     local_to_model(&asset.rig, pose, &mut model);
     model

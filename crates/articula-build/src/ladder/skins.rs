@@ -1,7 +1,7 @@
 //! The skin of every level, all on one palette.
 
 use super::fold::{Correction, fold};
-use super::measure::{Tally, measure, watched_skin};
+use super::measure::{Tally, measure, skin_part};
 use super::plan::Plan;
 use super::prefixes::Prefixes;
 use super::watch::Watched;
@@ -181,7 +181,7 @@ fn choose(
     let watched = Watched::draw(mesh, asset.rig.len(), opts.vertices, opts.seed);
     let reduced = candidates.iter().flatten();
     let reduced: Vec<Mesh> = reduced
-        .map(|s| watched_skin(s, plan.bindings(), &watched))
+        .map(|s| skin_part(s, plan.bindings(), &watched.vertices))
         .collect();
     let mut tallies = vec![Tally::default(); reduced.len()];
     for clip in measure(asset, mesh, &watched, &reduced, opts.frames) {

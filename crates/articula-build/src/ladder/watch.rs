@@ -16,16 +16,16 @@ const LEAST_BONE_METRES: f32 = 0.01;
 
 /// Watched vertices of a mesh, rising.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Watched {
+pub(crate) struct Watched {
     /// All of them.
-    pub(super) vertices: Vec<u32>,
+    pub(crate) vertices: Vec<u32>,
     /// Which of them are the plain seeded sample, over which percentiles are taken.
-    pub(super) drawn: Vec<bool>,
+    pub(crate) drawn: Vec<bool>,
 }
 
 impl Watched {
     /// Draws `count` vertices and adds the heaviest ones of joints that got too few.
-    pub(super) fn draw(mesh: &Mesh, joints: usize, count: usize, seed: u64) -> Self {
+    pub(crate) fn draw(mesh: &Mesh, joints: usize, count: usize, seed: u64) -> Self {
         let finite = |v: &u32| mesh.positions[*v as usize].is_finite();
         let mut drawn = draw_vertices(mesh.len(), count, seed);
         drawn.retain(finite);

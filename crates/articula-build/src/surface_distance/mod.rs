@@ -9,9 +9,11 @@
 //! level at rest and only fitted anew for each pose, and the search for each point starts at the
 //! triangle that was closest in the pose before.
 
+mod attach;
 mod tree;
 mod triangle;
 
+pub use attach::{SkinPoint, attach};
 pub use tree::SurfaceTree;
 
 use crate::evaluate::{draw_vertices, percentile};

@@ -4,7 +4,8 @@
 //! (Kay and Kajiya 1986); refitted from the leaves up (van den Bergh, Efficient Collision
 //! Detection of Complex Deformable Models using AABB Trees, 1997).
 
-use super::triangle::squared_distance;
+use super::attach::SkinPoint;
+use super::triangle::{squared_distance, weights};
 use glam::Vec3;
 
 /// The hint of a point about which nothing is known.
@@ -117,6 +118,17 @@ impl SurfaceTree {
     /// Squared distance from a finite point to the surface, infinite if there is none.
     pub fn squared_distance(&self, point: Vec3) -> f32 {
         self.closest(point, NO_TRIANGLE).0
+    }
+
+    /// The closest point of the surface, by the corners of its triangle; `None` if there is no
+    /// triangle.
+    pub(super) fn closest_point(&self, point: Vec3) -> Option<SkinPoint> {
+        let (_, place) = self.closest(point, NO_TRIANGLE);
+        let corners = self.corners.get(place as usize)?;
+        Some(SkinPoint {
+            corners: self.triangles[place as usize],
+            weights: weights(point, *corners),
+        })
     }
 
     /// Place of a given triangle, as [`Self::closest`] names it.

@@ -42,6 +42,26 @@ pub(super) fn squared_distance(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     height * height / area
 }
 
+/// How much each corner counts in the closest point; they sum to 1.
+pub(super) fn weights(point: Vec3, [a, b, c]: [Vec3; 3]) -> [f32; 3] {
+    let (ab, ac) = (b - a, c - a);
+    let normal = ab.cross(ac);
+    let area = normal.length_squared();
+    if area > NO_AREA * ab.length_squared() * ac.length_squared() {
+        let u = normal.dot((b - point).cross(c - point)) / area;
+        let v = normal.dot((c - point).cross(a - point)) / area;
+        let w = 1.0 - u - v;
+        if u >= 0.0 && v >= 0.0 && w >= 0.0 {
+            return [u, v, w];
+        }
+    }
+    let [s, t, r] = [along(point, a, b), along(point, b, c), along(point, c, a)];
+    let all = [[1.0 - s, s, 0.0], [0.0, 1.0 - t, t], [r, 0.0, 1.0 - r]];
+    let apart = |[u, v, w]: [f32; 3]| (a * u + b * v + c * w).distance_squared(point);
+    let closer = |x: [f32; 3], y: [f32; 3]| if apart(y) < apart(x) { y } else { x };
+    closer(closer(all[0], all[1]), all[2])
+}
+
 fn sides(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let ab = segment(point, a, b);
     ab.min(segment(point, b, c)).min(segment(point, c, a))
@@ -49,13 +69,18 @@ fn sides(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
 
 fn segment(point: Vec3, a: Vec3, b: Vec3) -> f32 {
     let (ab, ap) = (b - a, point - a);
+    (ap - ab * along(point, a, b)).length_squared()
+}
+
+/// Part of the way from one end to the other at which a segment is closest.
+fn along(point: Vec3, a: Vec3, b: Vec3) -> f32 {
+    let (ab, ap) = (b - a, point - a);
     let length = ab.length_squared();
-    let along = if length > 0.0 {
+    if length > 0.0 {
         (ab.dot(ap) / length).clamp(0.0, 1.0)
     } else {
         0.0
-    };
-    (ap - ab * along).length_squared()
+    }
 }
 
 #[cfg(test)]
@@ -132,6 +157,10 @@ mod tests {
         #[test]
         fn agrees_with_dense_sampling(p in point(), a in point(), b in point(), c in point()) {
             let fast = f64::from(distance(p, [a, b, c]));
+            let [u, v, w] = weights(p, [a, b, c]);
+            let point = a * u + b * v + c * w;
+            prop_assert!((f64::from(point.distance(p)) - fast).abs() < 1e-4);
+            prop_assert!(u.min(v).min(w) >= 0.0 && (u + v + w - 1.0).abs() < 1e-5);
             let slow = slow(p, [a, b, c]);
             prop_assert!((fast - slow).abs() < 2e-3, "{} {}", fast, slow);
             prop_assert!(fast <= slow + 1e-5, "nothing sampled is nearer than the nearest");

@@ -1,0 +1,107 @@
+//! How far the skin's points are from where they should be, joints and mesh reduced together.
+
+use super::chain::Candidate;
+use crate::character::Asset;
+use crate::ladder::{
+    LevelSkin, Poser, Tally, Watched, compare, model_of, pose_of, share_frames, skin_part,
+    spread_frames,
+};
+use crate::surface_distance::SkinPoint;
+use articula_core::mesh::{Binding, Mesh};
+use glam::Vec3;
+
+/// What is shown: a skin, and the points on a mesh level.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shown {
+    pub(super) skin: usize,
+    pub(super) points: usize,
+}
+
+impl Shown {
+    pub(super) fn of(candidate: &Candidate) -> Self {
+        Self {
+            skin: candidate.skin,
+            points: candidate.level.mesh_level,
+        }
+    }
+}
+
+/// Skins and points, cut down to the vertices that are looked at.
+pub(super) struct Scene<'a> {
+    asset: &'a Asset,
+    watched: &'a Watched,
+    /// Each skin over the same few vertices.
+    skins: Vec<Mesh>,
+    /// Points of each mesh level, by places among these vertices.
+    points: Vec<Vec<SkinPoint>>,
+}
+
+impl<'a> Scene<'a> {
+    pub(super) fn new(
+        asset: &'a Asset,
+        watched: &'a Watched,
+        skins: &[&LevelSkin],
+        bindings: &[Binding],
+        points: &[Vec<SkinPoint>],
+    ) -> Self {
+        let mut vertices: Vec<u32> = points.iter().flatten().flat_map(|p| p.corners).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        // Every corner is in the list, so that its place is where it would be put.
+        let place = |v: u32| vertices.partition_point(|u| *u < v) as u32;
+        let local = |p: &SkinPoint| SkinPoint {
+            corners: p.corners.map(place),
+            weights: p.weights,
+        };
+        Self {
+            asset,
+            watched,
+            skins: skins
+                .iter()
+                .map(|s| skin_part(s, bindings, &vertices))
+                .collect(),
+            points: points
+                .iter()
+                .map(|level| level.iter().map(local).collect())
+                .collect(),
+        }
+    }
+
+    /// For each clip, the error of each thing shown, over about `frames` frames of all clips.
+    pub(super) fn measure(&self, shown: &[Shown], frames: usize) -> Vec<Vec<Tally>> {
+        let asset = self.asset;
+        let mut truth = Poser::new(&asset.mesh, self.watched.vertices.clone());
+        let mut skins: Vec<Poser<'_>> = self
+            .skins
+            .iter()
+            .map(|mesh| Poser::new(mesh, (0..mesh.len() as u32).collect()))
+            .collect();
+        let mut is_used = vec![false; skins.len()];
+        for s in shown {
+            is_used[s.skin] = true;
+        }
+        let mut lengths = Vec::with_capacity(self.watched.vertices.len());
+        let mut there: Vec<Vec3> = Vec::with_capacity(self.watched.vertices.len());
+        let mut out = Vec::with_capacity(asset.clips.len());
+        let counts = share_frames(&asset.clips, frames);
+        for (clip, count) in asset.clips.iter().zip(counts) {
+            let mut tallies = vec![Tally::default(); shown.len()];
+            for frame in spread_frames(clip.frames(), count) {
+                let model = model_of(asset, &pose_of(asset, clip, frame));
+                let truth = truth.pose(&model);
+                for (skin, _) in skins.iter_mut().zip(&is_used).filter(|(_, u)| **u) {
+                    skin.pose(&model);
+                }
+                for (tally, s) in tallies.iter_mut().zip(shown) {
+                    let posed = &skins[s.skin].points;
+                    there.clear();
+                    there.extend(self.points[s.points].iter().map(|p| p.posed(posed)));
+                    let tallied = compare(truth, &there, self.watched, &mut lengths);
+                    *tally = tally.worst_of(tallied);
+                }
+            }
+            out.push(tallies);
+        }
+        out
+    }
+}

@@ -1,0 +1,281 @@
+//! Levels of a figure: a level of its joints and a level of its mesh that are shown together.
+//!
+//! Source: thesis 5.1 (levels for bodies of several resolutions), `spec/clustered-mesh.md`,
+//! `spec/motion-lod.md` part 8. Differs: which joints go with which triangles, and how many joints
+//! move a vertex, is not told but measured: every pair that could be shown is compared with the
+//! full character in motion, and of all that stay within a tolerance the cheapest is taken. From
+//! level to level neither joints nor triangles nor influences grow, so that a stream only ever
+//! adds. Errors are those of the skin's own points (`docs/metrics.md`), so that they stand beside
+//! those of joints alone.
+
+mod chain;
+mod measure;
+
+use crate::character::Asset;
+use crate::influences::limit;
+use crate::ladder::{
+    self, LevelOptions, LevelSkin, LevelSkins, MOST_FRAMES, MergedLevels, Tally, Watched, rising,
+};
+use crate::surface_distance::{SkinPoint, attach};
+use articula_core::Mismatch;
+use articula_core::ladder::{Ladder, MAX_LEVELS};
+use articula_core::level_error::{ClipErrors, LevelErrors, judged_metres};
+use articula_core::mesh::Mesh;
+use articula_core::palette::PaletteMap;
+use articula_core::pose::LocalPose;
+use chain::Candidate;
+use glam::{Affine3A, Vec3};
+use measure::{Scene, Shown};
+
+/// Influences that a level may be limited to, besides those that its joint level has.
+const INFLUENCES: [usize; 3] = [4, 2, 1];
+
+/// One level of a figure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FigureLevel {
+    /// Level of the ladder that it was made from: which joints it keeps.
+    pub joint_level: usize,
+    /// Mesh level, 0 the coarsest.
+    pub mesh_level: usize,
+    /// Joints that it keeps.
+    pub joints: usize,
+    /// Triangles that are drawn.
+    pub triangles: usize,
+    /// Vertices that are skinned for them.
+    pub vertices: usize,
+    /// Most influences of a vertex.
+    pub influences: usize,
+    /// Joints, triangles, and influences of all vertices, each as a part of the full character's,
+    /// added up: 3 for the full character.
+    pub cost: f32,
+}
+
+/// Levels of a figure, the full character first.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FigureLevels {
+    /// What each level shows; neither joints nor triangles nor influences grow.
+    pub levels: Vec<FigureLevel>,
+    /// The same as levels of a crowd, one for one: a ladder (neighbours may keep the same joints),
+    /// skins, and the errors of joints and mesh together.
+    pub merged: MergedLevels,
+}
+
+impl FigureLevels {
+    /// The mesh of a level: the skin of its joints, and the triangles of its mesh level.
+    ///
+    /// # Panics
+    /// If there is no such level, or mesh and levels are not those it was made from.
+    pub fn mesh(&self, level: usize, full: &Mesh, mesh_levels: &[&[[u32; 3]]]) -> Mesh {
+        let mut mesh = self.merged.skins.mesh(level, full);
+        mesh.triangles = mesh_levels[self.levels[level].mesh_level].to_vec();
+        mesh.parts = chain::parts(full, &mesh.triangles);
+        mesh
+    }
+}
+
+/// Chooses levels of joints and mesh together.
+///
+/// `merged` are the levels of the joints (far ones are left out), `mesh_levels` the triangles of
+/// each mesh level over the vertices of the asset's mesh, coarsest first and the original last;
+/// `poses` are positions of all vertices, the rest pose first, that decide which point of a level
+/// stands for which vertex ([`attach`]). Tolerances begin at `opts.first_metres` and grow by half
+/// an octave; there are at most `opts.most_levels` levels.
+///
+/// # Errors
+/// A [`Mismatch`] if a part is of another character, or a level has no triangle.
+pub fn figure_levels(
+    asset: &Asset,
+    merged: &MergedLevels,
+    mesh_levels: &[&[[u32; 3]]],
+    poses: &[Vec<Vec3>],
+    opts: &LevelOptions,
+) -> Result<FigureLevels, Mismatch> {
+    check(asset, merged, mesh_levels, poses)?;
+    let mesh = &asset.mesh;
+    let watched = watched(asset, opts);
+    let points: Vec<Vec<SkinPoint>> = mesh_levels
+        .iter()
+        .enumerate()
+        .map(|(l, level)| {
+            if l + 1 == mesh_levels.len() {
+                watched.vertices.iter().map(|v| SkinPoint::at(*v)).collect()
+            } else {
+                attach(level, &watched.vertices, poses)
+            }
+        })
+        .collect();
+    let skins = all_skins(&merged.skins, mesh);
+    let mut candidates = candidates(merged, &skins, mesh_levels);
+    let parts = skins.iter().map(|s| &s.skin).collect::<Vec<_>>();
+    let bindings = &merged.skins.bindings;
+    let scene = Scene::new(asset, &watched, &parts, bindings, &points);
+    let shown: Vec<Shown> = candidates.iter().map(Shown::of).collect();
+    for clip in scene.measure(&shown, opts.frames) {
+        for (candidate, tally) in candidates.iter_mut().zip(clip) {
+            let error = judged_metres(tally.percentile_metres, tally.worst_metres);
+            candidate.error_metres = candidate.error_metres.max(error);
+        }
+    }
+    let chosen = chain::choose(
+        candidates,
+        opts.first_metres,
+        opts.most_levels.min(MAX_LEVELS),
+    );
+    let shown: Vec<Shown> = chosen.iter().map(Shown::of).collect();
+    let errors = table(merged, &scene.measure(&shown, MOST_FRAMES));
+    let of_levels = chosen.iter().map(|c| skins[c.skin].skin.clone()).collect();
+    let levels: Vec<FigureLevel> = chosen.iter().map(|c| c.level).collect();
+    errors.check(asset.clips.len(), levels.len())?;
+    Ok(FigureLevels {
+        merged: stacked(asset, merged, &levels, of_levels, errors)?,
+        levels,
+    })
+}
+
+fn check(
+    asset: &Asset,
+    merged: &MergedLevels,
+    mesh_levels: &[&[[u32; 3]]],
+    poses: &[Vec<Vec3>],
+) -> Result<(), Mismatch> {
+    ladder::check(asset)?;
+    ladder::check_ladder(asset, &merged.ladder)?;
+    let count = asset.mesh.len();
+    let skins = &merged.skins.levels;
+    let fits = |s: &LevelSkin| s.positions.len() == count;
+    if count == 0 || skins.len() != merged.ladder.levels() || !skins.iter().all(fits) {
+        return Err(Mismatch::new("merged.skins", "of another character"));
+    }
+    if poses.is_empty() {
+        return Err(Mismatch::new("poses", "none; the rest pose is needed"));
+    }
+    if let Some(p) = poses.iter().position(|p| p.len() != count) {
+        let what = format!("{} vertices of {count}", poses[p].len());
+        return Err(Mismatch::new(format!("poses[{p}]"), what));
+    }
+    if mesh_levels.is_empty() {
+        return Err(Mismatch::new("mesh_levels", "the original is needed"));
+    }
+    for (l, level) in mesh_levels.iter().enumerate() {
+        let outside = |t: &[u32; 3]| t.iter().any(|v| *v as usize >= count);
+        if level.is_empty() || level.iter().any(outside) {
+            let what = format!("no triangle, or one beyond {count} vertices");
+            return Err(Mismatch::new(format!("mesh_levels[{l}]"), what));
+        }
+    }
+    Ok(())
+}
+
+/// Watched vertices that are drawn.
+fn watched(asset: &Asset, opts: &LevelOptions) -> Watched {
+    let mesh = &asset.mesh;
+    let mut is_used = vec![false; mesh.len()];
+    for v in mesh.triangles.iter().flatten() {
+        is_used[*v as usize] = true;
+    }
+    let all = Watched::draw(mesh, asset.rig.len(), opts.vertices, opts.seed);
+    let used = all.vertices.iter().zip(&all.drawn);
+    let (vertices, drawn) = used.filter(|(v, _)| is_used[**v as usize]).unzip();
+    Watched { vertices, drawn }
+}
+
+/// Every skin on every mesh level.
+fn candidates(
+    merged: &MergedLevels,
+    skins: &[Dressed],
+    mesh_levels: &[&[[u32; 3]]],
+) -> Vec<Candidate> {
+    let vertices: Vec<usize> = mesh_levels.iter().map(|l| chain::vertices(l)).collect();
+    let mut all = Vec::with_capacity(skins.len() * mesh_levels.len());
+    for (s, skin) in skins.iter().enumerate() {
+        for (mesh_level, triangles) in mesh_levels.iter().enumerate() {
+            let level = FigureLevel {
+                joint_level: skin.joint_level,
+                mesh_level,
+                joints: merged.ladder.kept(skin.joint_level),
+                triangles: triangles.len(),
+                vertices: vertices[mesh_level],
+                influences: skin.skin.influences,
+                cost: 0.0,
+            };
+            all.push(Candidate {
+                skin: s,
+                level,
+                error_metres: 0.0,
+            });
+        }
+    }
+    all
+}
+
+/// A skin that may be shown.
+struct Dressed {
+    joint_level: usize,
+    skin: LevelSkin,
+}
+
+/// The skin of every joint level, with all its influences and with fewer.
+fn all_skins(skins: &LevelSkins, full: &Mesh) -> Vec<Dressed> {
+    let mut out = Vec::new();
+    for (joint_level, skin) in skins.levels.iter().enumerate() {
+        let fewer = INFLUENCES.iter().filter(|n| **n < skin.influences);
+        let limited = fewer.map(|n| limited(skin, skins.mesh(joint_level, full), *n));
+        for skin in std::iter::once(skin.clone()).chain(limited) {
+            out.push(Dressed { joint_level, skin });
+        }
+    }
+    out
+}
+
+fn limited(skin: &LevelSkin, mut mesh: Mesh, most: usize) -> LevelSkin {
+    limit(&mut mesh, most);
+    LevelSkin {
+        influences: mesh.influences,
+        binding_indices: mesh.binding_indices,
+        weights: mesh.weights,
+        ..skin.clone()
+    }
+}
+
+/// Errors of the levels in each clip, rising; speed and seam are the full character's.
+fn table(merged: &MergedLevels, tallies: &[Vec<Tally>]) -> LevelErrors {
+    let clips = merged.errors.clips.iter().zip(tallies);
+    let clips = clips.map(|(own, levels)| ClipErrors {
+        levels_metres: rising(levels[1..].iter().map(|t| t.percentile_metres)),
+        worst_metres: rising(levels[1..].iter().map(|t| t.worst_metres)),
+        ..own.clone()
+    });
+    LevelErrors {
+        clips: clips.collect(),
+    }
+}
+
+/// The levels as a ladder of a crowd has them.
+fn stacked(
+    asset: &Asset,
+    merged: &MergedLevels,
+    levels: &[FigureLevel],
+    skins: Vec<LevelSkin>,
+    errors: LevelErrors,
+) -> Result<MergedLevels, Mismatch> {
+    let from = &merged.ladder;
+    let mean: LocalPose = (0..asset.rig.len())
+        .map(|j| from.mean()[from.place(j)])
+        .collect();
+    let kept = levels.iter().map(|l| l.joints as u16).collect();
+    let ladder = Ladder::new(&asset.rig, from.joints().to_vec(), kept, &mean)?;
+    let bindings = &merged.skins.bindings;
+    let place = |joint: u16| from.place(usize::from(joint)) as u16;
+    let placed = bindings.iter().map(|b| (place(b.joint), b.inverse_bind));
+    let placed: Vec<(u16, Affine3A)> = placed.collect();
+    Ok(MergedLevels {
+        skins: LevelSkins {
+            palette: PaletteMap::skin(&ladder, &placed)?,
+            bindings: bindings.clone(),
+            levels: skins,
+        },
+        ladder,
+        far: None,
+        errors,
+    })
+}
