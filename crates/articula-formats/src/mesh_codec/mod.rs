@@ -8,23 +8,30 @@
 //! - `surface`: what is known of a level when its values are coded
 //! - [`quantise`]: from floating point to whole numbers and back
 //! - `check`: whether a mesh holds to its layout
-//! - `range_coder`, `number`: decisions and numbers as bytes
+//! - [`refinement`]: levels as bytes and back, the whole walk
+//! - `canonical`: an order that depends on values alone
+//! - `half_edges`: which faces lie beside each other
+//! - `connectivity`: which corners the faces join
+//! - `matching`: which points the coarser level has
+//! - `seams`: which wedges the corners have
+//! - `positions`: positions of new points
+//! - `mixing`, `number`, `range_coder`: decisions and numbers as bytes
 
+mod canonical;
 mod check;
+mod connectivity;
+mod half_edges;
+mod matching;
 pub mod mesh;
-#[cfg_attr(
-    not(test),
-    expect(dead_code, reason = "the walks that use it come next")
-)]
+mod mixing;
 mod number;
+mod positions;
 pub mod quantise;
-#[cfg_attr(
-    not(test),
-    expect(dead_code, reason = "the walks that use it come next")
-)]
 mod range_coder;
-#[expect(dead_code, reason = "the walks that use it come next")]
+pub mod refinement;
+mod seams;
 mod surface;
 
 pub use mesh::{Layout, MorphLayout, QuantisedMesh};
 pub use quantise::{Grid, Precision, Quantised, Scale, TexcoordGrid, quantise, restore};
+pub use refinement::{decode_level, decode_refinement, encode_level, encode_refinement};

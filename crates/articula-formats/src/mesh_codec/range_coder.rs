@@ -30,25 +30,42 @@ impl Default for Bit {
 }
 
 impl Bit {
-    fn learn(&mut self, bit: bool) {
+    /// Probability of a 0, in 1/2^24.
+    pub(super) fn zero(self) -> u32 {
+        self.zero
+    }
+
+    /// Decisions seen, up to a limit.
+    pub(super) fn seen(self) -> u8 {
+        self.seen
+    }
+
+    pub(super) fn learn(&mut self, bit: bool) {
         let goal = if bit { LEAST } else { ONE - LEAST };
         // 1 / (seen + 1.5), so that the first decision counts for two thirds.
         let step = (goal - self.zero as i32) * 2 / (2 * i32::from(self.seen) + 3);
         self.zero = (self.zero as i32 + step).clamp(LEAST, ONE - LEAST) as u32;
         self.seen = (self.seen + 1).min(SLOWEST);
     }
+}
 
-    /// The part of a range that belongs to a 0; at least 1 and less than `range`.
-    fn split(self, range: u32) -> u32 {
-        ((u64::from(range) * u64::from(self.zero)) >> 24) as u32
-    }
+/// The part of a range that belongs to a 0; at least 1 and less than `range`.
+fn split(range: u32, zero: u32) -> u32 {
+    ((u64::from(range) * u64::from(zero)) >> 24) as u32
 }
 
 /// Either side of a coder. An encoder writes what it is given and gives it back; a decoder
 /// gives what was written, whatever it is given: one walk serves both.
 pub(super) trait Coder {
-    /// One decision.
-    fn bit(&mut self, model: &mut Bit, bit: bool) -> bool;
+    /// One decision whose outcome 0 has a probability of `zero` / 2^24, neither 0 nor 1.
+    fn decide(&mut self, zero: u32, bit: bool) -> bool;
+
+    /// One decision by a model, which learns from it.
+    fn bit(&mut self, model: &mut Bit, bit: bool) -> bool {
+        let bit = self.decide(model.zero, bit);
+        model.learn(bit);
+        bit
+    }
 
     /// The lowest `count` (at most 32) bits of a value, all outcomes equally likely.
     fn raw(&mut self, count: u32, value: u32) -> u32;
@@ -129,15 +146,14 @@ impl Encoder {
 }
 
 impl Coder for Encoder {
-    fn bit(&mut self, model: &mut Bit, bit: bool) -> bool {
-        let zero = model.split(self.range);
+    fn decide(&mut self, zero: u32, bit: bool) -> bool {
+        let zero = split(self.range, zero);
         if bit {
             self.low += u64::from(zero);
             self.range -= zero;
         } else {
             self.range = zero;
         }
-        model.learn(bit);
         self.settle();
         bit
     }
@@ -188,6 +204,11 @@ impl<'a> Decoder<'a> {
         decoder
     }
 
+    /// Whether all bytes were read.
+    pub(super) fn is_spent(&self) -> bool {
+        self.at >= self.bytes.len()
+    }
+
     fn take(&mut self) {
         let byte = self.bytes.get(self.at).copied().unwrap_or(0);
         self.code = self.code << 8 | u32::from(byte);
@@ -203,8 +224,8 @@ impl<'a> Decoder<'a> {
 }
 
 impl Coder for Decoder<'_> {
-    fn bit(&mut self, model: &mut Bit, _: bool) -> bool {
-        let zero = model.split(self.range);
+    fn decide(&mut self, zero: u32, _: bool) -> bool {
+        let zero = split(self.range, zero);
         let bit = self.code >= zero;
         if bit {
             self.code -= zero;
@@ -212,7 +233,6 @@ impl Coder for Decoder<'_> {
         } else {
             self.range = zero;
         }
-        model.learn(bit);
         self.settle();
         bit
     }

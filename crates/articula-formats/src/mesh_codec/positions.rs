@@ -1,0 +1,399 @@
+//! Positions of the new points of a level, predicted over its connectivity.
+//!
+//! Source: `spec/clustered-mesh.md` 8.1 (d). The base is the mean of the known neighbours; to it
+//! come parts, in 1/64 fitted to the level, of the way to the mean parallelogram, of the known
+//! neighbours' mean offset from their own neighbours, and of that offset along the normal. The
+//! axis along which the normal is longest is coded last, moved so that the point stays in the
+//! plane. Whole numbers alone; only the encoder's choice of the parts uses floating point.
+
+use super::connectivity::Fault;
+use super::half_edges::{self, NONE, Rings};
+use super::mixing::MixedNatural;
+use super::number::Integer;
+use super::range_coder::{Bit, Coder};
+
+type Vector = [i64; 3];
+
+/// Directions that are added to the base in parts.
+const PARTS: usize = 3;
+/// Kinds of places, each with parts of its own: known parallelograms up to 3, and whether all
+/// neighbours are known.
+const CLASSES: usize = 8;
+/// 1 as a part.
+const UNIT: i64 = 64;
+/// Largest part either way.
+const MOST: i32 = 256;
+/// Places after the point of a prediction.
+const FINE: i64 = 16;
+
+type Parts = [[i32; PARTS]; CLASSES];
+
+/// The surface as it is looked up while positions are coded.
+struct Places<'a> {
+    faces: &'a [[u32; 3]],
+    twins: &'a [u32],
+    rings: Rings,
+    bits: u8,
+}
+
+/// What is known around a point, in 1/[`FINE`].
+#[derive(Debug, Clone, Default)]
+struct Around {
+    class: usize,
+    known: usize,
+    base: Vector,
+    parts: [Vector; PARTS],
+    /// Not of unit length; zero where nothing is known.
+    normal: Vector,
+    /// Mean length of the edges to the known neighbours' neighbours.
+    scale: i64,
+}
+
+fn add(a: Vector, b: Vector) -> Vector {
+    std::array::from_fn(|i| a[i] + b[i])
+}
+
+fn sub(a: Vector, b: Vector) -> Vector {
+    std::array::from_fn(|i| a[i] - b[i])
+}
+
+fn dot(a: Vector, b: Vector) -> i64 {
+    (0..3).map(|i| a[i] * b[i]).sum()
+}
+
+fn cross(a: Vector, b: Vector) -> Vector {
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
+}
+
+/// Nearest whole number, halves away from zero.
+fn divide(a: i64, b: i64) -> i64 {
+    let half = b.abs() / 2;
+    if a < 0 {
+        (a - half) / b
+    } else {
+        (a + half) / b
+    }
+}
+
+fn scaled(v: Vector, times: i64, over: i64) -> Vector {
+    v.map(|x| divide(x * times, over))
+}
+
+/// Largest of the three distances.
+fn extent(v: Vector) -> i64 {
+    v.iter().map(|x| x.abs()).max().unwrap_or(0)
+}
+
+/// A direction of at most 2^12 in each coordinate.
+fn shortened(v: Vector) -> Vector {
+    let most = extent(v);
+    let places = 64 - most.leading_zeros();
+    let shift = places.saturating_sub(12);
+    v.map(|x| x >> shift)
+}
+
+impl Places<'_> {
+    fn at(positions: &[[i32; 3]], point: u32) -> Vector {
+        positions[point as usize].map(|x| i64::from(x) * FINE)
+    }
+
+    /// What is known around `point`, when the points below `known` are.
+    fn around(&self, positions: &[[i32; 3]], point: u32, known: u32) -> Around {
+        let mut around = Around::default();
+        let at = |p: u32| Self::at(positions, p);
+        let leaving = &self.rings.leaving(point)[..self.rings.leaving(point).len().min(MOST_FACES)];
+        let mut sum = [0; 3];
+        let mut count = 0;
+        let mut all = 0;
+        let mut laplace = ([0; 3], 0);
+        let mut parallel = ([0; 3], 0);
+        let mut scale = (0, 0);
+        for &h in leaving {
+            let opposite = half_edges::next(h);
+            let n1 = half_edges::start(self.faces, opposite);
+            let n2 = half_edges::end(self.faces, opposite);
+            let twin = self.twins[opposite as usize];
+            // Each neighbour once: the far end of each leaving half-edge, the other end too where
+            // the fan ends.
+            let is_last = self.twins[half_edges::next(opposite) as usize] == NONE;
+            for n in [n1, n2].into_iter().take(1 + usize::from(is_last)) {
+                all += 1;
+                if n < known {
+                    count += 1;
+                    sum = add(sum, at(n));
+                    if let Some((offset, length)) = self.laplacian(positions, n, known) {
+                        laplace = (add(laplace.0, offset), laplace.1 + 1);
+                        scale = (scale.0 + length, scale.1 + 1);
+                    }
+                }
+            }
+            if n1 < known && n2 < known && twin != NONE {
+                let o = half_edges::apex(self.faces, twin);
+                if o < known {
+                    let (p, q, r) = (at(n1), at(n2), at(o));
+                    parallel = (add(parallel.0, sub(add(p, q), r)), parallel.1 + 1);
+                    let across = cross(sub(p, r), sub(q, r));
+                    // Of the face beyond, which runs the other way.
+                    around.normal = sub(around.normal, across);
+                }
+            }
+        }
+        around.known = count as usize;
+        around.class = (parallel.1 as usize).min(3) + if count == all { 4 } else { 0 };
+        if count == 0 {
+            return around;
+        }
+        around.base = scaled(sum, 1, count);
+        if parallel.1 > 0 {
+            around.parts[0] = sub(scaled(parallel.0, 1, parallel.1), around.base);
+        }
+        if laplace.1 > 0 {
+            around.parts[1] = scaled(laplace.0, 1, laplace.1);
+            around.scale = divide(scale.0, scale.1);
+        }
+        let n = shortened(around.normal);
+        let square = dot(n, n);
+        if square > 0 {
+            let along = dot(n, around.parts[1]);
+            around.parts[2] = scaled(n, along, square);
+        }
+        around
+    }
+
+    /// How far a known point lies from the mean of its known neighbours, and how long the edges
+    /// to them are.
+    fn laplacian(&self, positions: &[[i32; 3]], point: u32, known: u32) -> Option<(Vector, i64)> {
+        let at = |p: u32| Self::at(positions, p);
+        let here = at(point);
+        let (mut sum, mut count, mut length) = ([0; 3], 0, 0);
+        for &h in self.rings.leaving(point).iter().take(MOST_FACES) {
+            let n = half_edges::end(self.faces, h);
+            if n < known {
+                sum = add(sum, at(n));
+                length += extent(sub(at(n), here));
+                count += 1;
+            }
+        }
+        (count > 0).then(|| (sub(here, scaled(sum, 1, count)), divide(length, count)))
+    }
+
+    /// A predicted position and how the grid bounds it.
+    fn prediction(&self, around: &Around, parts: &Parts) -> [i32; 3] {
+        let most = (1 << self.bits) - 1;
+        let mut at = around.base;
+        for (part, direction) in parts[around.class].iter().zip(around.parts) {
+            at = add(at, scaled(direction, i64::from(*part), UNIT));
+        }
+        at.map(|x| divide(x, FINE).clamp(0, most) as i32)
+    }
+}
+
+/// Faces of a point that are looked at.
+const MOST_FACES: usize = 64;
+
+/// Models of residuals.
+struct Residuals {
+    magnitudes: Vec<MixedNatural<3>>,
+    signs: [Bit; 3],
+    /// Sum of the residuals of each coded point.
+    sizes: Vec<u32>,
+}
+
+impl Residuals {
+    fn new(points: usize) -> Self {
+        Self {
+            magnitudes: vec![MixedNatural::new([24 * 4, 24 * CLASSES, 24 * 24]); 3],
+            signs: [Bit::default(); 3],
+            sizes: vec![0; points],
+        }
+    }
+
+    fn code(&mut self, coder: &mut impl Coder, axis: usize, at: [usize; 3], value: i32) -> i32 {
+        let magnitude = self.magnitudes[axis].code(coder, at, value.unsigned_abs());
+        let magnitude = magnitude.min(1 << 24) as i32;
+        if magnitude != 0 && coder.bit(&mut self.signs[axis], value < 0) {
+            -magnitude
+        } else {
+            magnitude
+        }
+    }
+}
+
+fn class_of(x: u64) -> usize {
+    // Two steps an octave.
+    let x = x.min(1 << 24) + 1;
+    let log = 63 - x.leading_zeros() as usize;
+    if log == 0 {
+        return 0;
+    }
+    (log * 2 + (x >> (log - 1) & 1) as usize).min(23)
+}
+
+/// Codes the positions of the points from `known` on; `positions` has all of them on the
+/// encoder's side, and room for them on the other.
+pub(super) fn code_positions(
+    coder: &mut impl Coder,
+    faces: &[[u32; 3]],
+    known: usize,
+    bits: u8,
+    (positions, is_given): (&mut [[i32; 3]], bool),
+) -> Result<(), Fault> {
+    let twins = half_edges::twins(faces);
+    let places = Places {
+        faces,
+        twins: &twins,
+        rings: Rings::new(faces, positions.len()),
+        bits,
+    };
+    let mut parts = [[0; PARTS]; CLASSES];
+    if is_given {
+        parts = fit::parts(&places, positions, known);
+    }
+    let mut model = Integer::default();
+    for part in parts.as_flattened_mut() {
+        *part = model.code(coder, *part / 2).clamp(-MOST, MOST) * 2;
+    }
+    let mut residuals = Residuals::new(positions.len());
+    for point in known..positions.len() {
+        let around = places.around(positions, point as u32, point as u32);
+        let predicted = places.prediction(&around, &parts);
+        let found = code_point(coder, &places, &mut residuals, (point, &around), {
+            (predicted, positions[point])
+        });
+        let top = (1 << bits) - 1;
+        if found.iter().any(|x| !(0..=top).contains(x)) {
+            return Err("a position lies outside its grid");
+        }
+        positions[point] = found;
+        if coder.is_exhausted() {
+            return Err("the bytes end within the positions");
+        }
+    }
+    Ok(())
+}
+
+fn code_point(
+    coder: &mut impl Coder,
+    places: &Places<'_>,
+    residuals: &mut Residuals,
+    (point, around): (usize, &Around),
+    (predicted, given): ([i32; 3], [i32; 3]),
+) -> [i32; 3] {
+    let n = shortened(around.normal);
+    let mut axes = [0, 1, 2];
+    axes.sort_by_key(|&i| n[i].abs());
+    let (mut size, mut count) = (0, 0);
+    for &h in places.rings.leaving(point as u32).iter().take(MOST_FACES) {
+        let n = half_edges::end(places.faces, h) as usize;
+        if n < point && residuals.sizes[n] > 0 {
+            size += u64::from(residuals.sizes[n]);
+            count += 1;
+        }
+    }
+    let near = u64::checked_div(size, count).map_or(0, |s| 1 + class_of(s).min(22));
+    let scale = class_of(around.scale.unsigned_abs());
+    let mut found = predicted;
+    let mut done = 0u64;
+    for (turn, &axis) in axes.iter().enumerate() {
+        let mut shift = 0;
+        if turn == 2 && n[axis] != 0 {
+            let slope: i64 = axes[..2]
+                .iter()
+                .map(|&i| n[i] * i64::from(found[i] - predicted[i]))
+                .sum();
+            shift = divide(-slope, n[axis]) as i32;
+        }
+        let sum = class_of(done);
+        let at = [
+            near * 4 + around.known.min(3),
+            scale * CLASSES + around.class,
+            sum * 24 + near,
+        ];
+        let value = given[axis].wrapping_sub(predicted[axis] + shift);
+        let residual = residuals.code(coder, turn, at, value);
+        found[axis] = predicted[axis] + shift + residual;
+        done += u64::from(residual.unsigned_abs());
+    }
+    residuals.sizes[point] = done.min(1 << 24) as u32 + 1;
+    found
+}
+
+mod fit {
+    //! The parts that fit a level best.
+
+    use super::{Around, CLASSES, MOST, PARTS, Parts, Places, UNIT, sub};
+
+    /// Robust least squares by reweighting, class by class.
+    pub(super) fn parts(places: &Places<'_>, positions: &[[i32; 3]], known: usize) -> Parts {
+        let mut classes: [Vec<(Around, [f64; 3])>; CLASSES] = Default::default();
+        for point in known..positions.len() {
+            let around = places.around(positions, point as u32, point as u32);
+            if around.known > 0 {
+                let goal = sub(Places::at(positions, point as u32), around.base);
+                classes[around.class].push((around, goal.map(|x| x as f64)));
+            }
+        }
+        classes.map(|samples| {
+            fitted(&samples).map(|x| {
+                let part = (x * UNIT as f64 / 2.0).round() * 2.0;
+                (part as i32).clamp(-MOST, MOST)
+            })
+        })
+    }
+
+    fn fitted(samples: &[(Around, [f64; 3])]) -> [f64; PARTS] {
+        let mut found = [0.0; PARTS];
+        if samples.len() < 8 {
+            return found;
+        }
+        for _ in 0..6 {
+            let mut matrix = [[0.0; PARTS]; PARTS];
+            let mut right = [0.0; PARTS];
+            for (around, goal) in samples {
+                let x = |i: usize, axis: usize| around.parts[i][axis] as f64;
+                let miss = |axis: usize| {
+                    let sum: f64 = (0..PARTS).map(|i| found[i] * x(i, axis)).sum();
+                    goal[axis] - sum
+                };
+                let size: f64 = (0..3).map(|axis| miss(axis).abs()).sum();
+                let weight = 1.0 / (size + 16.0);
+                for (axis, goal) in goal.iter().enumerate() {
+                    for (i, row) in matrix.iter_mut().enumerate() {
+                        for (j, sum) in row.iter_mut().enumerate() {
+                            *sum += weight * x(i, axis) * x(j, axis);
+                        }
+                        right[i] += weight * x(i, axis) * goal;
+                    }
+                }
+            }
+            found = solved(matrix, right);
+        }
+        found
+    }
+
+    /// Gauss elimination; a direction that says nothing gets no part.
+    fn solved(mut matrix: [[f64; PARTS]; PARTS], mut right: [f64; PARTS]) -> [f64; PARTS] {
+        for i in 0..PARTS {
+            matrix[i][i] += 1.0 + matrix[i][i] * 1e-6;
+            for j in i + 1..PARTS {
+                let part = matrix[j][i] / matrix[i][i];
+                let row = matrix[i];
+                for (sum, x) in matrix[j].iter_mut().zip(row) {
+                    *sum -= part * x;
+                }
+                right[j] -= part * right[i];
+            }
+        }
+        for i in (0..PARTS).rev() {
+            for j in i + 1..PARTS {
+                right[i] -= matrix[i][j] * right[j];
+            }
+            right[i] /= matrix[i][i];
+        }
+        right
+    }
+}

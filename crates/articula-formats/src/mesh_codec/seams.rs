@@ -1,0 +1,343 @@
+//! Where faces side by side have different wedges at the same point, and which wedges those are.
+//!
+//! Source: `spec/clustered-mesh.md` 8.1 (a): a seam bit for each interior edge, two more where it
+//! is set. Differs: contexts are also how many wedges the coarser level has at the ends. Corners
+//! that no seam parts are one sector; a sector is a known wedge of its point, one that another
+//! sector has, or a new one.
+
+use super::connectivity::Fault;
+use super::half_edges::{self, NONE};
+use super::mesh::QuantisedMesh;
+use super::mixing::{Weights, decide};
+use super::range_coder::{Bit, Coder};
+
+/// Wedges of a level by corner.
+#[derive(Debug, Default)]
+pub(super) struct Wedges {
+    pub(super) faces: Vec<[u32; 3]>,
+    /// Point of each new wedge; known wedges keep their ids, new ones follow.
+    pub(super) new_points: Vec<u32>,
+}
+
+/// Models of seams.
+struct Models {
+    is_seam: [Vec<Bit>; 3],
+    is_seam_weights: Weights<3>,
+    parts_end: Vec<Bit>,
+    is_known: Vec<Bit>,
+    is_this: Vec<Bit>,
+    is_used: Vec<Bit>,
+}
+
+impl Models {
+    fn new() -> Self {
+        let bits = |count| vec![Bit::default(); count];
+        Self {
+            is_seam: [bits(256), bits(256), bits(4096)],
+            is_seam_weights: Weights::default(),
+            parts_end: bits(512),
+            is_known: bits(64),
+            is_this: bits(64),
+            is_used: bits(64),
+        }
+    }
+}
+
+/// Seams and sectors of one level.
+struct Seams<'a> {
+    faces: &'a [[u32; 3]],
+    twins: Vec<u32>,
+    /// Number of known wedges of each known point, where they start.
+    known: &'a Known,
+    /// Seams seen so far at each point.
+    seen: Vec<u8>,
+    sectors: Sectors,
+}
+
+/// The wedges of each point of the coarser level, in canonical order.
+#[derive(Debug)]
+pub(super) struct Known {
+    first: Vec<u32>,
+    total: usize,
+}
+
+impl Known {
+    /// Of a mesh in canonical order: wedges rise by point.
+    pub(super) fn new(mesh: &QuantisedMesh) -> Self {
+        let mut first = vec![0; mesh.points() + 1];
+        for &point in &mesh.wedge_points {
+            first[point as usize + 1] += 1;
+        }
+        for i in 0..mesh.points() {
+            first[i + 1] += first[i];
+        }
+        Self {
+            first,
+            total: mesh.wedges(),
+        }
+    }
+
+    /// The known wedges of a point.
+    fn of(&self, point: u32) -> std::ops::Range<u32> {
+        match self.first.get(point as usize + 1) {
+            Some(&end) => self.first[point as usize]..end,
+            None => 0..0,
+        }
+    }
+
+    /// Their number, up to 3; 0 for a new point.
+    fn class(&self, point: u32) -> usize {
+        self.of(point).len().min(3)
+    }
+}
+
+/// Corners that have the same wedge: a forest of corners.
+#[derive(Debug)]
+struct Sectors {
+    parents: Vec<u32>,
+}
+
+impl Sectors {
+    fn root(&mut self, corner: u32) -> u32 {
+        let mut at = corner as usize;
+        while self.parents[at] as usize != at {
+            self.parents[at] = self.parents[self.parents[at] as usize];
+            at = self.parents[at] as usize;
+        }
+        at as u32
+    }
+
+    /// The lower corner stays the root.
+    fn join(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parents[a.max(b) as usize] = a.min(b);
+    }
+}
+
+/// Wedges of one point that are told apart by one decision each.
+const FEW: usize = 16;
+
+/// The new wedges of each point.
+struct New {
+    points: Vec<u32>,
+    /// For each new wedge the one before at the same point, [`NONE`] for the first.
+    older: Vec<u32>,
+    latest: Vec<u32>,
+}
+
+impl New {
+    fn at(points: usize) -> Self {
+        Self {
+            points: Vec::new(),
+            older: Vec::new(),
+            latest: vec![NONE; points],
+        }
+    }
+
+    fn add(&mut self, point: u32) -> u32 {
+        let id = self.points.len() as u32;
+        self.points.push(point);
+        self.older.push(self.latest[point as usize]);
+        self.latest[point as usize] = id;
+        id
+    }
+
+    /// Codes whether a sector has a wedge that another one at its point has, and which.
+    /// `wanted` is that wedge, [`NONE`] if the sector's is new.
+    fn code_again(
+        &self,
+        coder: &mut impl Coder,
+        model: &mut Bit,
+        point: u32,
+        wanted: u32,
+    ) -> Result<Option<u32>, Fault> {
+        let mut at = self.latest[point as usize];
+        for _ in 0..FEW {
+            if at == NONE {
+                return Ok(None);
+            }
+            if coder.bit(model, at == wanted) {
+                return Ok(Some(at));
+            }
+            at = self.older[at as usize];
+        }
+        // Too many for a decision each: by number, the next one if it is new.
+        let count = self.points.len() as u32;
+        let id = coder.raw(32 - count.leading_zeros(), wanted.min(count));
+        if id == count {
+            return Ok(None);
+        }
+        let is_of_point = self.points.get(id as usize) == Some(&point);
+        let found = is_of_point.then_some(Some(id));
+        found.ok_or("a corner names a wedge of another point")
+    }
+}
+
+/// Codes the wedges of a level whose faces of points are known. `truth` is the wedge of each
+/// corner, any numbers that tell wedges apart, and for each of those the known wedge or [`NONE`].
+pub(super) fn code_wedges(
+    coder: &mut impl Coder,
+    faces: &[[u32; 3]],
+    points: usize,
+    known: &Known,
+    truth: Option<(&[[u32; 3]], &[u32])>,
+) -> Result<Wedges, Fault> {
+    let corners = faces.len() as u32 * 3;
+    let mut seams = Seams {
+        faces,
+        twins: half_edges::twins(faces),
+        known,
+        seen: vec![0; points],
+        sectors: Sectors {
+            parents: (0..corners).collect(),
+        },
+    };
+    let mut models = Models::new();
+    for half_edge in 0..corners {
+        let twin = seams.twins[half_edge as usize];
+        if twin != NONE && twin > half_edge {
+            seams.code_edge(coder, &mut models, half_edge, truth.map(|t| t.0));
+        }
+        if coder.is_exhausted() {
+            return Err("the bytes end within the seams");
+        }
+    }
+    seams.code_sectors(coder, &mut models, points, truth)
+}
+
+impl Seams<'_> {
+    fn code_edge(
+        &mut self,
+        coder: &mut impl Coder,
+        models: &mut Models,
+        half_edge: u32,
+        truth: Option<&[[u32; 3]]>,
+    ) {
+        let twin = self.twins[half_edge as usize];
+        let ends = [half_edge, half_edges::next(half_edge)];
+        let beyond = [half_edges::next(twin), twin];
+        let parts = [0, 1].map(|k| {
+            truth.is_some_and(|wedges| {
+                half_edges::start(wedges, ends[k]) != half_edges::start(wedges, beyond[k])
+            })
+        });
+        let points = ends.map(|h| half_edges::start(self.faces, h));
+        let classes = points.map(|p| self.known.class(p));
+        let seen = points.map(|p| usize::from(self.seen[p as usize].min(3)));
+        let (low, high) = (seen[0].min(seen[1]), seen[0].max(seen[1]));
+        let (least, most) = (classes[0].min(classes[1]), classes[0].max(classes[1]));
+        let i = (low * 4 + high) * 16 + least * 4 + most;
+        let apexes = [half_edge, twin].map(|h| half_edges::apex(self.faces, h));
+        let beside = apexes.map(|p| usize::from(self.seen[p as usize].min(3)));
+        let sides = beside[0].min(beside[1]) * 4 + beside[0].max(beside[1]);
+        let [x, y, z] = &mut models.is_seam;
+        let bits = [&mut x[low * 4 + high], &mut y[i], &mut z[i * 16 + sides]];
+        if decide(
+            coder,
+            bits,
+            &mut models.is_seam_weights,
+            parts[0] || parts[1],
+        ) {
+            let at = |k: usize| (classes[k] * 4 + seen[k]) * 16 + classes[1 - k] * 4 + seen[1 - k];
+            let first = coder.bit(&mut models.parts_end[at(0)], parts[0]);
+            let second = !first || coder.bit(&mut models.parts_end[256 + at(1)], parts[1]);
+            for (k, is_parted) in [first, second].into_iter().enumerate() {
+                if is_parted {
+                    let seen = &mut self.seen[points[k] as usize];
+                    *seen = seen.saturating_add(1);
+                } else {
+                    self.sectors.join(ends[k], beyond[k]);
+                }
+            }
+        } else {
+            self.sectors.join(ends[0], beyond[0]);
+            self.sectors.join(ends[1], beyond[1]);
+        }
+    }
+
+    fn code_sectors(
+        &mut self,
+        coder: &mut impl Coder,
+        models: &mut Models,
+        points: usize,
+        truth: Option<(&[[u32; 3]], &[u32])>,
+    ) -> Result<Wedges, Fault> {
+        let mut found = Wedges::default();
+        let mut wedges = vec![NONE; self.faces.len() * 3];
+        // The new wedge that each true one became.
+        let mut given = vec![NONE; truth.map_or(0, |t| t.1.len())];
+        let mut new = New::at(points);
+        let mut is_used = vec![false; self.known.total];
+        for corner in 0..wedges.len() as u32 {
+            let root = self.sectors.root(corner);
+            if root != corner {
+                wedges[corner as usize] = wedges[root as usize];
+                continue;
+            }
+            let point = half_edges::start(self.faces, corner);
+            let true_wedge = truth.map(|t| half_edges::start(t.0, corner));
+            let wanted = true_wedge.zip(truth).map_or(NONE, |(w, t)| t.1[w as usize]);
+            let mut wedge = self.code_known(coder, models, point, wanted, &mut is_used);
+            if wedge == NONE {
+                let wanted = true_wedge.map_or(NONE, |w| given[w as usize]);
+                let model = &mut models.is_used[self.known.class(point)];
+                let id = new.code_again(coder, model, point, wanted)?;
+                let id = id.unwrap_or_else(|| new.add(point));
+                if let Some(true_wedge) = true_wedge {
+                    given[true_wedge as usize] = id;
+                }
+                wedge = self.known.total as u32 + id;
+            }
+            wedges[corner as usize] = wedge;
+            if coder.is_exhausted() {
+                return Err("the bytes end within the wedges");
+            }
+        }
+        found.new_points = new.points;
+        found.faces = wedges.chunks_exact(3).map(|w| [w[0], w[1], w[2]]).collect();
+        Ok(found)
+    }
+
+    /// Codes whether a sector is a known wedge of its point, and which; [`NONE`] if it is not.
+    fn code_known(
+        &self,
+        coder: &mut impl Coder,
+        models: &mut Models,
+        point: u32,
+        wanted: u32,
+        is_used: &mut [bool],
+    ) -> u32 {
+        let known = self.known.of(point);
+        let class = self.known.class(point);
+        if known.is_empty() {
+            return NONE;
+        }
+        let few = known.clone().take(FEW);
+        let unused = few.filter(|&w| !is_used[w as usize]).count();
+        let context = class * 4 + unused.min(3);
+        if !coder.bit(&mut models.is_known[context], wanted != NONE) {
+            return NONE;
+        }
+        if known.len() > FEW {
+            let bits = 32 - (known.len() as u32).leading_zeros();
+            let place = coder.raw(bits, wanted.wrapping_sub(known.start));
+            let found = known.start + place.min(known.len() as u32 - 1);
+            is_used[found as usize] = true;
+            return found;
+        }
+        // Those that no sector has come first; the last one needs no decision.
+        let used = known.clone().filter(|&w| is_used[w as usize]);
+        let free = known.clone().filter(|&w| !is_used[w as usize]);
+        let order: Vec<u32> = free.chain(used).collect();
+        let mut found = order[order.len() - 1];
+        for (i, &wedge) in order[..order.len() - 1].iter().enumerate() {
+            let model = &mut models.is_this[context * 4 + i.min(3)];
+            if coder.bit(model, wedge == wanted) {
+                found = wedge;
+                break;
+            }
+        }
+        is_used[found as usize] = true;
+        found
+    }
+}
