@@ -2,15 +2,15 @@
 //
 // FILE: four bytes with the length of a JSON head, the head, then arrays, everything
 // little-endian; offsets count from the end of the head. The head is
-// {meshes: [{name, vertices, triangles, indices, attributes: [{kind, size, type, offset, bits?, origin?, range?}]}]}
+// {meshes: [{name, vertices, triangles, indices, steps?, attributes: [{kind, size, type, offset, bits?, origin?, range?}]}]}
 // where `indices` is the offset of 32-bit indices, `kind` one of POSITION, NORMAL, TEX_COORD, COLOR,
 // GENERIC, and `type` one of f32, u16, u8. Floats are quantised to `bits`, over `origin` and `range`
 // where these are given; integers are kept as they are.
 //
 // Edgebreaker at encoding and decoding speed 0, which is Draco's best compression. Prints
 // [{name, vertices, triangles, bytes, steps, connectivity}]: `vertices` and `triangles` as Draco's
-// own decoder gives them back, `steps` the bytes with the first attribute alone, the first two, and
-// so on, `connectivity` those of positions with one bit a coordinate.
+// own decoder gives them back. Only if the head asks for it: `steps`, the bytes with the first
+// attribute alone, the first two, and so on, and `connectivity`, those of positions with one bit a coordinate.
 
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
@@ -98,15 +98,15 @@ if (!path) {
 const [encoder, decoder] = await Promise.all([draco3d.createEncoderModule(), draco3d.createDecoderModule()]);
 const { head, array } = open(await readFile(path));
 const measured = head.meshes.map((mesh) => {
-  const coded = mesh.attributes.map((_, last) => encode(encoder, array, mesh, mesh.attributes.slice(0, last + 1)));
-  const whole = coded.at(-1);
-  const coarse = { ...mesh.attributes[0], bits: 1 };
-  return {
-    name: mesh.name,
-    ...counts(decoder, whole),
-    bytes: whole.length,
-    steps: coded.map(({ length }) => length),
-    connectivity: encode(encoder, array, mesh, [coarse]).length,
-  };
+  const { name, attributes } = mesh;
+  const size = (some) => encode(encoder, array, mesh, some).length;
+  const whole = encode(encoder, array, mesh, attributes);
+  const bytes = whole.length;
+  const found = { name, ...counts(decoder, whole), bytes };
+  if (!mesh.steps) {
+    return found;
+  }
+  const fewer = attributes.slice(1).map((_, last) => size(attributes.slice(0, last + 1)));
+  return { ...found, steps: [...fewer, bytes], connectivity: size([{ ...attributes[0], bits: 1 }]) };
 });
 console.log(JSON.stringify(measured));

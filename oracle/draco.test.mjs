@@ -35,6 +35,7 @@ function writeSheet(side, cut = 0) {
     meshes: [
       {
         name: "sheet",
+        steps: true,
         vertices: joints.length,
         triangles: indices.length / 3,
         indices: position.length,

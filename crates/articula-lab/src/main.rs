@@ -13,12 +13,15 @@ mod data;
 mod measure;
 mod open;
 mod peers;
+mod subdivide;
 mod tables;
+mod wire_mesh;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
 use tables::merged_levels::Sheets;
+use tables::mesh_levels::Choice;
 use tables::retargets::Pictures;
 
 /// Evaluation runs of Articula.
@@ -52,6 +55,8 @@ enum Table {
     Retargets(Pictures),
     /// Error of merged levels by joints kept, also on clips that the order never saw.
     MergedLevels(Sheets),
+    /// Levels of meshes: error in motion, bytes and speed, beside meshoptimizer and Draco.
+    MeshLevels(Choice),
     /// All of them.
     All,
 }
@@ -72,6 +77,7 @@ fn main() -> Result<()> {
         Table::ThesisGrid => tables::thesis_grid::write(&run),
         Table::Crowd => tables::crowd::write(&run),
         Table::MergedLevels(sheets) => tables::merged_levels::write(&run, &sheets),
+        Table::MeshLevels(choice) => tables::mesh_levels::write(&run, &choice),
         Table::Doors => tables::doors::write(&run),
         Table::Retargets(pictures) => tables::retargets::write(&run, &pictures),
         Table::All => {
@@ -80,7 +86,8 @@ fn main() -> Result<()> {
             tables::retargets::write(&run, &Pictures::default())?;
             tables::motion_lod::write(&run)?;
             tables::thesis_grid::write(&run)?;
-            tables::merged_levels::write(&run, &Sheets::default())
+            tables::merged_levels::write(&run, &Sheets::default())?;
+            tables::mesh_levels::write(&run, &Choice::default())
         }
     }
 }

@@ -1,12 +1,16 @@
-//! The evaluators that ours is compared with, each small, plain and honest.
+//! The evaluators, simplifiers and codecs that ours are compared with, each small, plain and honest.
 //!
 //! - [`floor`]: what the machine can do when nothing is asked for but poses
 //! - [`structs`]: arrays of structs, as people write it by hand
 //! - [`three`]: three.js in node
 //! - [`ranks`]: the usual way to thin out a crowd, by rank of distance
+//! - [`draco`]: Draco's codec in node
+//! - [`meshopt`]: meshoptimizer's simplifier and codecs
 //! - [`quoted`]: figures of others that are only repeated
 
+pub(crate) mod draco;
 pub(crate) mod floor;
+pub(crate) mod meshopt;
 pub(crate) mod quoted;
 pub(crate) mod ranks;
 pub(crate) mod structs;

@@ -3,6 +3,7 @@
 pub(crate) mod crowd;
 pub(crate) mod doors;
 pub(crate) mod merged_levels;
+pub(crate) mod mesh_levels;
 pub(crate) mod motion_lod;
 mod pose_keys;
 pub(crate) mod retargets;

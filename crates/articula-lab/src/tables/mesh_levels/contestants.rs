@@ -1,0 +1,167 @@
+//! Who simplifies, and by what.
+
+use super::characters::Subject;
+use crate::peers::meshopt::{Seams, Simplifier};
+use anyhow::Result;
+use articula_build::poses::{PoseOptions, PoseSource, poses, positions};
+use articula_build::simplify::{LevelTriangles, SimplifyOptions, Weighting, simplify};
+use glam::Vec3;
+
+/// How much heavier the thesis' weighting makes what moves with two joints alike, halved.
+const JOINT_STRENGTH: f32 = 4.0;
+
+/// Times as many triangles as asked for, from which on a peer may cross seams instead.
+const STUCK: f32 = 1.02;
+
+/// A way to simplify.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Contestant {
+    /// Ours: errors summed over poses.
+    Ours,
+    /// Ours, the rest pose alone.
+    Rest,
+    /// Ours, the rest pose, heavier near joints.
+    Joint,
+    /// meshoptimizer by positions.
+    Meshopt,
+    /// meshoptimizer by positions and normals.
+    MeshoptNormals,
+}
+
+impl Contestant {
+    pub(super) const ALL: [Self; 5] = [
+        Self::Ours,
+        Self::Rest,
+        Self::Joint,
+        Self::Meshopt,
+        Self::MeshoptNormals,
+    ];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Ours => "ours",
+            Self::Rest => "ours, rest pose only",
+            Self::Joint => "ours, rest pose and joint weight",
+            Self::Meshopt => "meshopt",
+            Self::MeshoptNormals => "meshopt with normals",
+        }
+    }
+}
+
+/// Positions of all vertices in poses, metres.
+pub(super) struct Posed {
+    pub(super) source: PoseSource,
+    /// What ours is simplified by, the rest pose first.
+    pub(super) shaping: Vec<Vec<Vec3>>,
+    /// What everyone is measured on.
+    pub(super) measuring: Vec<Vec<Vec3>>,
+}
+
+impl Posed {
+    pub(super) fn of(subject: &Subject, measuring: usize) -> Result<Self> {
+        let opts = PoseOptions {
+            measuring,
+            ..PoseOptions::default()
+        };
+        let found = poses(&subject.asset, &opts)?;
+        Ok(Self {
+            source: found.source,
+            shaping: positions(&subject.asset, &found.shaping),
+            measuring: positions(&subject.asset, &found.measuring),
+        })
+    }
+
+    pub(super) fn rest(&self) -> &[Vec3] {
+        &self.shaping[0]
+    }
+}
+
+/// What a contestant has made.
+pub(super) struct Made {
+    pub(super) who: Contestant,
+    /// Coarsest first, the last as the original.
+    pub(super) levels: Vec<LevelTriangles>,
+    /// Whether seams were crossed, for each level.
+    pub(super) crossed_seams: Vec<bool>,
+}
+
+/// Five levels of a character, the coarsest first, the last as the original. Peers get as many
+/// triangles as ours has at each level; one may keep more if it cannot go on.
+pub(super) fn levels(
+    who: Contestant,
+    subject: &Subject,
+    posed: &Posed,
+    ours: &[LevelTriangles],
+) -> Result<Made> {
+    let whole = |levels: Vec<LevelTriangles>| Made {
+        who,
+        crossed_seams: vec![false; levels.len()],
+        levels,
+    };
+    let weighting = match who {
+        Contestant::Ours => return Ok(whole(ours.to_vec())),
+        Contestant::Rest => Weighting::Rest,
+        Contestant::Joint => Weighting::Joint {
+            strength: JOINT_STRENGTH,
+        },
+        Contestant::Meshopt | Contestant::MeshoptNormals => {
+            return peer(who, subject, posed, ours);
+        }
+    };
+    let opts = SimplifyOptions {
+        weighting,
+        ..SimplifyOptions::default()
+    };
+    Ok(whole(
+        simplify(&subject.asset.mesh, &posed.shaping, &opts)?.levels,
+    ))
+}
+
+fn peer(
+    who: Contestant,
+    subject: &Subject,
+    posed: &Posed,
+    ours: &[LevelTriangles],
+) -> Result<Made> {
+    let mut made = Made {
+        who,
+        levels: Vec::new(),
+        crossed_seams: Vec::new(),
+    };
+    let Some((original, coarser)) = ours.split_last() else {
+        return Ok(made);
+    };
+    let mesh = &subject.asset.mesh;
+    let simplifier = Simplifier::new(mesh, &original.triangles, posed.rest());
+    let by_normals = who == Contestant::MeshoptNormals;
+    for level in coarser {
+        let target = level.triangles.len();
+        let mut found = simplifier.run(target, by_normals, Seams::Kept)?;
+        let stuck = found.len() as f32 > STUCK * target as f32;
+        if stuck {
+            found = simplifier.run(target, by_normals, Seams::Crossed)?;
+        }
+        made.levels.push(part_by_part(subject, found));
+        made.crossed_seams.push(stuck);
+    }
+    made.levels.push(original.clone());
+    made.crossed_seams.push(false);
+    Ok(made)
+}
+
+/// Sorted by part: a triangle is of the part that its vertices are of.
+fn part_by_part(subject: &Subject, mut triangles: Vec<[u32; 3]>) -> LevelTriangles {
+    let parts = &subject.asset.mesh.parts;
+    let part = |t: &[u32; 3]| parts.partition_point(|p| p.vertices.end <= t[0] as usize);
+    triangles.sort_by_key(part);
+    let ends = (0..parts.len()).map(|p| triangles.partition_point(|t| part(t) <= p));
+    let mut first = 0;
+    let parts = ends
+        .map(|end| {
+            let range = first..end;
+            first = end;
+            range
+        })
+        .collect();
+    LevelTriangles { triangles, parts }
+}

@@ -1,0 +1,100 @@
+//! How far levels lie from the original, at rest and in poses that none was made by.
+
+use super::characters::Subject;
+use super::contestants::{Contestant, Made, Posed, levels};
+use anyhow::Result;
+use articula_build::simplify::LevelTriangles;
+use articula_build::surface_distance::{DistanceOptions, Distances, surface_distances};
+use rayon::prelude::*;
+
+/// Lines of the picture that the figure fills.
+pub(super) const LINES_PX: f32 = 1080.0;
+
+/// One level of one contestant.
+pub(super) struct Row {
+    pub(super) who: Contestant,
+    /// 0 is the coarsest.
+    pub(super) level: usize,
+    pub(super) triangles: usize,
+    pub(super) vertices: usize,
+    /// Whether a peer could not get there without crossing seams.
+    pub(super) crossed_seams: bool,
+    pub(super) rest: Millimetres,
+    pub(super) motion: Millimetres,
+}
+
+/// Distances of a figure as tall as it is told to be.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Millimetres {
+    pub(super) max: f32,
+    pub(super) p99: f32,
+    pub(super) mean: f32,
+}
+
+impl Millimetres {
+    fn new(of: Distances, scale: f32) -> Self {
+        Self {
+            max: 1e3 * scale * of.max_metres,
+            p99: 1e3 * scale * of.p99_metres,
+            mean: 1e3 * scale * of.mean_metres,
+        }
+    }
+}
+
+/// Measures contestants, every level but the original.
+pub(super) fn rows(
+    subject: &Subject,
+    posed: &Posed,
+    ours: &[LevelTriangles],
+    contestants: &[Contestant],
+) -> Result<Vec<Row>> {
+    let scale = subject.told_height_metres / subject.height_metres(posed.rest());
+    let found: Result<Vec<Vec<Row>>> = contestants
+        .par_iter()
+        .map(|who| {
+            let levels = levels(*who, subject, posed, ours)?;
+            rows_of(&levels, posed, scale)
+        })
+        .collect();
+    Ok(found?.into_iter().flatten().collect())
+}
+
+fn rows_of(made: &Made, posed: &Posed, scale: f32) -> Result<Vec<Row>> {
+    let Some((original, coarser)) = made.levels.split_last() else {
+        return Ok(Vec::new());
+    };
+    let triangles: Vec<&[[u32; 3]]> = coarser.iter().map(|l| l.triangles.as_slice()).collect();
+    let opts = DistanceOptions {
+        both_ways: true,
+        ..DistanceOptions::default()
+    };
+    let distances = surface_distances(
+        &original.triangles,
+        &triangles,
+        posed.rest(),
+        &posed.measuring,
+        &opts,
+    )?;
+    Ok(distances
+        .iter()
+        .zip(coarser)
+        .enumerate()
+        .map(|(level, (found, of))| Row {
+            who: made.who,
+            level,
+            triangles: of.triangles.len(),
+            vertices: used(&of.triangles),
+            crossed_seams: made.crossed_seams[level],
+            rest: Millimetres::new(found.rest, scale),
+            motion: Millimetres::new(found.motion, scale),
+        })
+        .collect())
+}
+
+/// Number of vertices that triangles name.
+fn used(triangles: &[[u32; 3]]) -> usize {
+    let mut all: Vec<u32> = triangles.iter().flatten().copied().collect();
+    all.sort_unstable();
+    all.dedup();
+    all.len()
+}

@@ -1,0 +1,82 @@
+//! Mesh levels: what they cost in looks and in bytes, beside what others make.
+//!
+//! Source: `spec/clustered-mesh.md` 9 and 10. One file for each section of the page.
+
+mod characters;
+mod contestants;
+mod errors;
+mod page;
+mod sizes;
+
+use super::Run;
+use crate::peers::draco;
+use anyhow::Result;
+use articula_build::poses::PoseSource;
+use articula_build::simplify::{SimplifyOptions, simplify};
+use characters::{CHARACTERS, Entry, SMALL};
+use contestants::{Contestant, Posed};
+
+/// Shares of the triangles, coarsest level first.
+const SHARES: [&str; 5] = ["1.5 %", "10 %", "25 %", "50 %", "100 %"];
+
+/// Poses that are measured on.
+const POSES: usize = 24;
+/// The same in a small run.
+const SMALL_POSES: usize = 6;
+
+/// Which part of the table is run.
+#[derive(clap::Args, Default)]
+pub(crate) struct Choice {
+    /// Characters whose names contain this, and no others.
+    #[arg(long)]
+    only: Option<String>,
+}
+
+/// What was found of one character.
+struct Found {
+    name: &'static str,
+    /// Where its poses come from.
+    source: PoseSource,
+    /// How many poses were measured on.
+    poses: usize,
+    /// How tall it is said to be, metres.
+    height_metres: f32,
+    errors: Vec<errors::Row>,
+    sizes: sizes::Sizes,
+}
+
+/// Runs the table and writes it.
+pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
+    let shown = |e: &&Entry| match &choice.only {
+        Some(only) => e.name.contains(only.as_str()),
+        None => !run.small || e.name == SMALL,
+    };
+    let poses = if run.small { SMALL_POSES } else { POSES };
+    let mut all = Vec::new();
+    for entry in CHARACTERS.iter().filter(shown) {
+        all.push(found(run, entry, poses)?);
+    }
+    if all
+        .iter()
+        .any(|f| f.sizes.levels.iter().any(|l| l.draco.is_none()))
+    {
+        println!("skipped: {}", draco::MISSING);
+    }
+    run.save("mesh-levels", &page::page(&all)?, &page::errors_csv(&all)?)?;
+    run.save_csv("mesh-levels-bytes", &page::bytes_csv(&all)?)
+}
+
+fn found(run: &Run, entry: &Entry, poses: usize) -> Result<Found> {
+    let subject = entry.open(&run.data)?;
+    let posed = Posed::of(&subject, poses)?;
+    let opts = SimplifyOptions::default();
+    let ours = simplify(&subject.asset.mesh, &posed.shaping, &opts)?.levels;
+    Ok(Found {
+        name: subject.name,
+        source: posed.source,
+        poses: posed.measuring.len(),
+        height_metres: subject.told_height_metres,
+        errors: errors::rows(&subject, &posed, &ours, &Contestant::ALL)?,
+        sizes: sizes::sizes(&subject, &ours)?,
+    })
+}

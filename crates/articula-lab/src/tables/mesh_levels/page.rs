@@ -1,0 +1,277 @@
+//! What was found, as a page and as numbers.
+
+use super::contestants::Contestant;
+use super::errors::{LINES_PX, Row};
+use super::{Found, SHARES};
+use anyhow::Result;
+use articula_build::poses::PoseSource;
+use std::fmt::Write as _;
+
+/// Level of 25 % of the triangles, the one with a target.
+const QUARTER: usize = 2;
+
+const HEAD: &str = "# Mesh levels
+
+Made by `cargo run --release -p articula-lab -- mesh-levels`. Five levels of each character: 100, 50,
+25, 10 and 1.5 % of its triangles.
+
+## How far a level lies from the original
+
+Millimetres for a figure of 1.8 m (a head alone: 0.25 m) between the original surface and the
+level, both ways, at rest and in poses that it was **not** made by: the greatest, the 99th percentile
+and the mean over vertices and face centres. *px*: the greatest in motion in a picture where the
+figure fills 1080 lines. Poses are of the character's own clips; *bends* are random ones within joint
+limits for a character without clips, *morphs* its morph targets for one without a skeleton.
+
+*meshopt* is `meshopt::simplify` on the whole character at rest, equal vertices joined first, asked for
+as many triangles as ours has at that level, from the original each time, without a bound on the
+error. It keeps seams and borders of materials; † where it cannot get within 2 % of the triangles so
+and was run again with its option to cross seams (`Permissive`), which ours never does. *With normals*
+is the same by `simplify_with_attributes`, normals by half. *Ratio*: ours to meshopt, greatest in
+motion.
+";
+
+/// The whole page.
+pub(super) fn page(all: &[Found]) -> Result<String> {
+    let mut page = HEAD.to_owned();
+    errors(&mut page, all)?;
+    weightings(&mut page, all)?;
+    sizes(&mut page, all)?;
+    Ok(page)
+}
+
+impl Found {
+    fn row(&self, who: Contestant, level: usize) -> Option<&Row> {
+        let mut rows = self.errors.iter();
+        rows.find(|r| r.who == who && r.level == level)
+    }
+
+    /// Ours to meshoptimizer's, greatest distance in motion.
+    fn ratio(&self, level: usize) -> Option<f32> {
+        let of = |who| self.row(who, level).map(|r| r.motion.max);
+        Some(of(Contestant::Ours)? / of(Contestant::Meshopt)?)
+    }
+
+    fn poses(&self) -> String {
+        let kind = match self.source {
+            PoseSource::Clips => "of clips",
+            PoseSource::Bends => "bends",
+            PoseSource::Morphs => "morphs",
+            PoseSource::Rest => "none",
+        };
+        format!("{} {kind}", self.poses)
+    }
+}
+
+fn errors(page: &mut String, all: &[Found]) -> Result<()> {
+    page.push_str(
+        "
+| character | level | triangles | vertices | rest max / p99 / mean | motion max / p99 / mean | px | meshopt triangles | motion max / p99 / mean | with normals max | ratio |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
+",
+    );
+    for found in all {
+        for level in (0..SHARES.len() - 1).rev() {
+            let row = |who| found.row(who, level);
+            let (Some(ours), Some(peer), Some(normals)) = (
+                row(Contestant::Ours),
+                row(Contestant::Meshopt),
+                row(Contestant::MeshoptNormals),
+            ) else {
+                continue;
+            };
+            let name = if level + 2 == SHARES.len() {
+                format!("{} ({})", found.name, found.poses())
+            } else {
+                String::new()
+            };
+            let three = |m: &super::errors::Millimetres| {
+                format!("{:.1} / {:.2} / {:.3}", m.max, m.p99, m.mean)
+            };
+            let crossed = |r: &Row| if r.crossed_seams { "†" } else { "" };
+            writeln!(
+                page,
+                "| {name} | {} | {} | {} | {} | {} | {:.1} | {}{} | {} | {:.1}{} | {:.2} |",
+                SHARES[level],
+                ours.triangles,
+                ours.vertices,
+                three(&ours.rest),
+                three(&ours.motion),
+                1e-3 * ours.motion.max / found.height_metres * LINES_PX,
+                peer.triangles,
+                crossed(peer),
+                three(&peer.motion),
+                normals.motion.max,
+                crossed(normals),
+                found.ratio(level).unwrap_or(f32::NAN),
+            )?;
+        }
+    }
+    let mut ratios: Vec<f32> = all.iter().filter_map(|f| f.ratio(QUARTER)).collect();
+    ratios.sort_by(f32::total_cmp);
+    writeln!(
+        page,
+        "\nAt 25 % the ratio is {:.2} in the median and {:.2} at worst.",
+        median(&ratios),
+        ratios.last().copied().unwrap_or(f32::NAN)
+    )?;
+    Ok(())
+}
+
+/// Of sorted numbers.
+fn median(sorted: &[f32]) -> f32 {
+    let at = |i: usize| sorted.get(i).copied().unwrap_or(f32::NAN);
+    let (low, high) = (sorted.len().saturating_sub(1) / 2, sorted.len() / 2);
+    0.5 * (at(low) + at(high))
+}
+
+fn weightings(page: &mut String, all: &[Found]) -> Result<()> {
+    page.push_str(
+        "
+## What collapses are ordered by
+
+Greatest distance in motion, then the mean, at 50 / 25 / 10 / 1.5 %; all on the same poses, none of
+which any was made by. *Joint weight* is the thesis' level of animation on the rest pose: the error
+times 1 + 4 (1 - greatest skin weight).
+
+| character | poses summed | rest pose only | rest pose and joint weight |
+| --- | --- | --- | --- |
+",
+    );
+    for found in all {
+        let cell = |who| {
+            let list = |of: &dyn Fn(&Row) -> String| {
+                let levels = (0..SHARES.len() - 1).rev();
+                let texts: Vec<String> = levels.filter_map(|l| found.row(who, l)).map(of).collect();
+                texts.join(" / ")
+            };
+            format!(
+                "{}; {}",
+                list(&|r| format!("{:.1}", r.motion.max)),
+                list(&|r| format!("{:.2}", r.motion.mean))
+            )
+        };
+        writeln!(
+            page,
+            "| {} | {} | {} | {} |",
+            found.name,
+            cell(Contestant::Ours),
+            cell(Contestant::Rest),
+            cell(Contestant::Joint)
+        )?;
+    }
+    Ok(())
+}
+
+fn sizes(page: &mut String, all: &[Found]) -> Result<()> {
+    page.push_str(
+        "
+## Bytes
+
+Of our level meshes, all parts of a character, in the same whole numbers for everyone: position 14
+bits on one grid for each mesh, normal 10, texture coordinates 12, weights 8 bits; morph targets left
+out, since neither peer codes them. *Draco*: npm `draco3dgltf`, edgebreaker, speed 0, which is its
+best; *meshopt*: vertices of up to 24 bytes in the vertex codec and indices in the index codec, both in
+the order that its functions give. *Plain*: those vertices and 16-bit indices (32 where needed) as they
+lie in a buffer; *STORE* holds all levels that way. *Ranges* show the level from STORE, that of
+vertices counted; the thesis has 3i + 1.
+
+| character | level | triangles | vertices | Draco | meshopt | plain | ranges (3i + 1) | STORE / sum of plain |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- |
+",
+    );
+    for found in all {
+        let sizes = &found.sizes;
+        let sum: usize = sizes.levels.iter().map(|l| l.plain).sum();
+        for (l, level) in sizes.levels.iter().enumerate().rev() {
+            let top = l + 1 == sizes.levels.len();
+            writeln!(
+                page,
+                "| {} | {} | {} | {} | {} | {} | {} | {} ({}) | {} |",
+                if top { found.name } else { "" },
+                SHARES[l],
+                level.triangles,
+                level.vertices,
+                level.draco.map_or("–".into(), |d| d.to_string()),
+                level.meshopt,
+                level.plain,
+                level.ranges,
+                3 * l + 1,
+                if top {
+                    format!(
+                        "{} / {sum} = {:.2}",
+                        sizes.store,
+                        sizes.store as f64 / sum as f64
+                    )
+                } else {
+                    String::new()
+                }
+            )?;
+        }
+    }
+    Ok(())
+}
+
+/// One line for each character, contestant and level.
+pub(super) fn errors_csv(all: &[Found]) -> Result<String> {
+    let mut csv = String::from(
+        "character,who,level,triangles,vertices,crossed_seams,rest_max_mm,rest_p99_mm,rest_mean_mm,motion_max_mm,motion_p99_mm,motion_mean_mm\n",
+    );
+    for found in all {
+        for row in &found.errors {
+            writeln!(
+                csv,
+                "{},{},{},{},{},{},{:.3},{:.3},{:.4},{:.3},{:.3},{:.4}",
+                found.name.replace(',', ";"),
+                row.who.name().replace(',', ";"),
+                row.level,
+                row.triangles,
+                row.vertices,
+                row.crossed_seams,
+                row.rest.max,
+                row.rest.p99,
+                row.rest.mean,
+                row.motion.max,
+                row.motion.p99,
+                row.motion.mean,
+            )?;
+        }
+    }
+    Ok(csv)
+}
+
+/// One line for each character and level.
+pub(super) fn bytes_csv(all: &[Found]) -> Result<String> {
+    let mut csv = String::from(
+        "character,level,triangles,vertices,draco,meshopt,plain,ranges,store,draco_kinds\n",
+    );
+    for found in all {
+        let kinds: Vec<String> = found
+            .sizes
+            .draco_kinds
+            .iter()
+            .map(|(kind, bytes)| format!("{kind} {bytes}"))
+            .collect();
+        for (l, level) in found.sizes.levels.iter().enumerate() {
+            let top = l + 1 == found.sizes.levels.len();
+            writeln!(
+                csv,
+                "{},{l},{},{},{},{},{},{},{},{}",
+                found.name.replace(',', ";"),
+                level.triangles,
+                level.vertices,
+                level.draco.map_or(String::new(), |d| d.to_string()),
+                level.meshopt,
+                level.plain,
+                level.ranges,
+                if top {
+                    found.sizes.store.to_string()
+                } else {
+                    String::new()
+                },
+                if top { kinds.join(" ") } else { String::new() },
+            )?;
+        }
+    }
+    Ok(csv)
+}
