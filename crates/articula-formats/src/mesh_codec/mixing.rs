@@ -76,20 +76,20 @@ const fn logarithms() -> [i32; 256] {
             }
             place += 1;
         }
-        table[i] = ((log2 * LN_2 as u64 + (1 << 15)) >> 16) as i32;
+        table[i] = ((log2 * LN_2 as u64 + (1 << 23)) >> 24) as i32;
         i += 1;
     }
     table
 }
 
-/// [`ODDS`] * ln 2.
-const LN_2: i32 = 177;
+/// [`ODDS`] * ln 2, in 1/256.
+const LN_2: i32 = 45_426;
 
 /// [`ODDS`] * ln of a positive number.
 fn logarithm(x: u32) -> i32 {
     let places = 31 - x.leading_zeros() as i32;
     let below = (u64::from(x) << 8 >> places) as usize & 255;
-    places * LN_2 + LOGARITHM[below]
+    places * LN_2 / 256 + LOGARITHM[below]
 }
 
 /// Log-odds of a probability of `zero` / 2^24.

@@ -6,7 +6,7 @@
 //!
 //! - [`mesh`]: a mesh in whole numbers
 //! - `surface`: what is known of a level when its values are coded
-//! - [`quantise`]: from floating point to whole numbers and back
+//! - [`mod@quantise`]: from floating point to whole numbers and back
 //! - `check`: whether a mesh holds to its layout
 //! - [`refinement`]: levels as bytes and back, the whole walk
 //! - `canonical`: an order that depends on values alone
@@ -15,8 +15,10 @@
 //! - `matching`: which points the coarser level has
 //! - `seams`: which wedges the corners have
 //! - `positions`: positions of new points
+//! - `attributes`: all values but positions, over a surface that is known
 //! - `mixing`, `number`, `range_coder`: decisions and numbers as bytes
 
+mod attributes;
 mod canonical;
 mod check;
 mod connectivity;

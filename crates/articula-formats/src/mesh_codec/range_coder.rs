@@ -57,6 +57,9 @@ fn split(range: u32, zero: u32) -> u32 {
 /// Either side of a coder. An encoder writes what it is given and gives it back; a decoder
 /// gives what was written, whatever it is given: one walk serves both.
 pub(super) trait Coder {
+    /// Whether it is a decoder: what it is given means nothing.
+    const READS: bool;
+
     /// One decision whose outcome 0 has a probability of `zero` / 2^24, neither 0 nor 1.
     fn decide(&mut self, zero: u32, bit: bool) -> bool;
 
@@ -146,6 +149,8 @@ impl Encoder {
 }
 
 impl Coder for Encoder {
+    const READS: bool = false;
+
     fn decide(&mut self, zero: u32, bit: bool) -> bool {
         let zero = split(self.range, zero);
         if bit {
@@ -224,6 +229,8 @@ impl<'a> Decoder<'a> {
 }
 
 impl Coder for Decoder<'_> {
+    const READS: bool = true;
+
     fn decide(&mut self, zero: u32, _: bool) -> bool {
         let zero = split(self.range, zero);
         let bit = self.code >= zero;

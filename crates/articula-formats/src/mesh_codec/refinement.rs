@@ -5,6 +5,7 @@
 //! points; all other values of what is new; a check sum. Both sides see the coarser level in
 //! canonical order, so it may come in any.
 
+use super::attributes;
 use super::canonical::Canonical;
 use super::connectivity::{self, Fault, Truth, Walked};
 use super::half_edges::NONE;
@@ -180,7 +181,7 @@ fn code(
         layout.position_bits,
         places,
     )?;
-    code_rest(coder, coarse, &walked, layout, &mut mesh);
+    code_rest(coder, coarse, layout, &mut mesh);
     if coder.is_exhausted() {
         return Err("the bytes end within the values");
     }
@@ -194,7 +195,6 @@ fn code(
 fn code_rest(
     coder: &mut impl Coder,
     coarse: &QuantisedMesh,
-    walked: &Walked,
     layout: &Layout,
     mesh: &mut QuantisedMesh,
 ) {
@@ -205,9 +205,8 @@ fn code_rest(
         wedge_points: &wedge_points,
         known_points: coarse.points(),
         known_wedges: coarse.wedges(),
-        gates: &walked.gates,
     };
-    code_values(coder, &surface, layout, mesh);
+    attributes::code_values(coder, &surface, layout, mesh);
 }
 
 /// Refuses more points and wedges than the limit allows, before there is room for their values.
@@ -352,47 +351,6 @@ fn restored(mesh: QuantisedMesh, coarse: &QuantisedMesh, sorted: &Canonical) -> 
         .map(|face| face.map(|w| wedges[w as usize]))
         .collect();
     found
-}
-
-/// All values as they are, until they are predicted.
-fn code_values(
-    coder: &mut impl Coder,
-    surface: &Surface<'_>,
-    layout: &Layout,
-    mesh: &mut QuantisedMesh,
-) {
-    let (points, wedges) = (surface.known_points, surface.known_wedges);
-    for n in mesh.normals.iter_mut().skip(wedges).flatten() {
-        *n = coder.raw(u32::from(layout.normal_bits), *n as u32) as i32;
-    }
-    for n in mesh.texcoords.iter_mut().skip(wedges).flatten() {
-        *n = coder.raw(u32::from(layout.texcoord_bits), *n as u32) as i32;
-    }
-    for n in mesh.colors.iter_mut().skip(wedges).flatten() {
-        *n = coder.raw(8, u32::from(*n)) as u8;
-    }
-    let morphs = mesh
-        .morphs
-        .iter_mut()
-        .flat_map(|m| m.iter_mut().skip(points));
-    let turns = mesh.morph_normals.iter_mut();
-    for n in morphs
-        .chain(turns.flat_map(|m| m.iter_mut().skip(wedges)))
-        .flatten()
-    {
-        *n = coder.raw(32, *n as u32) as i32;
-    }
-    for skin in mesh.skins.iter_mut().skip(points) {
-        let count = coder.raw(8, skin.len() as u32);
-        skin.resize(count as usize, (0, 0));
-        for s in skin {
-            *s = (
-                coder.raw(16, u32::from(s.0)) as u16,
-                coder.raw(8, u32::from(s.1)) as u8,
-            );
-        }
-    }
-    let _ = (surface.faces, surface.wedge_points, surface.gates);
 }
 
 #[cfg(test)]

@@ -17,8 +17,4 @@ pub(super) struct Surface<'a> {
     pub(super) known_points: usize,
     /// Number of wedges known from the coarser level; 0 without one.
     pub(super) known_wedges: usize,
-    /// For each new point, in the order of the ids: the points `[a, b, o]` of the edge a-b
-    /// through which it was discovered and of the corner opposite in the face before it, all
-    /// known or of lower ids; none where a component starts.
-    pub(super) gates: &'a [Option<[u32; 3]>],
 }

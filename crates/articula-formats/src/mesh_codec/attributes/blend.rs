@@ -1,0 +1,170 @@
+//! A prediction as a mixture of several, each with a coefficient that the stream names.
+//!
+//! Source: `spec/clustered-mesh.md` 8.1 (d, e): base + the sum of c (candidate - base), c in 1/64
+//! for each class of surroundings, fitted by robust least squares. The fit is the encoder's own
+//! affair and in floating point; what is predicted comes from the whole numbers alone.
+
+use super::super::range_coder::Coder;
+
+/// 1 as a coefficient.
+const UNIT_BITS: u32 = 6;
+/// Bits that say one coefficient.
+const COEFFICIENT_BITS: u32 = 8;
+
+/// Coefficients of each class; that of the first candidate, the base, is left out.
+#[derive(Debug)]
+pub(super) struct Blend<const K: usize> {
+    coefficients: Vec<[i32; K]>,
+}
+
+/// What an encoder fits to: class, candidates, the value that they predict.
+pub(super) type Sample<const K: usize, const D: usize> = (usize, [[i32; D]; K], [i32; D]);
+
+impl<const K: usize> Blend<K> {
+    /// Fits and writes, or reads, the coefficients of so many classes.
+    pub(super) fn code<C: Coder, const D: usize>(
+        coder: &mut C,
+        classes: usize,
+        samples: &[Sample<K, D>],
+    ) -> Self {
+        let one_class = |class: usize| {
+            let fitted = if C::READS {
+                None
+            } else {
+                fit(&of_class(samples, class))
+            };
+            let is_fitted = coder.raw(1, u32::from(fitted.is_some())) == 1;
+            let fitted = fitted.unwrap_or([0; K]);
+            if !is_fitted {
+                return default_coefficients();
+            }
+            let mut out = [0; K];
+            for k in 1..K {
+                let given = (fitted[k] + 128) as u32;
+                out[k] = coder.raw(COEFFICIENT_BITS, given) as i32 - 128;
+            }
+            out
+        };
+        Self {
+            coefficients: (0..classes).map(one_class).collect(),
+        }
+    }
+
+    /// The prediction.
+    pub(super) fn predict<const D: usize>(
+        &self,
+        class: usize,
+        candidates: &[[i32; D]; K],
+    ) -> [i32; D] {
+        mixed(&self.coefficients[class], candidates)
+    }
+}
+
+fn default_coefficients<const K: usize>() -> [i32; K] {
+    let mut out = [0; K];
+    if K > 2 {
+        out[2] = 1 << (UNIT_BITS - 1);
+    }
+    out
+}
+
+fn mixed<const K: usize, const D: usize>(c: &[i32; K], candidates: &[[i32; D]; K]) -> [i32; D] {
+    let base = candidates[0];
+    std::array::from_fn(|d| {
+        let steps =
+            (1..K).map(|k| i64::from(c[k]) * (i64::from(candidates[k][d]) - i64::from(base[d])));
+        let sum = i64::from(base[d]) + (steps.sum::<i64>() >> UNIT_BITS);
+        sum.clamp(-(1 << 29), 1 << 29) as i32
+    })
+}
+
+type Taken<'a, const K: usize, const D: usize> = Vec<&'a Sample<K, D>>;
+
+/// Samples of one class; of very many a part, taken evenly.
+fn of_class<const K: usize, const D: usize>(
+    samples: &[Sample<K, D>],
+    class: usize,
+) -> Taken<'_, K, D> {
+    let step = samples.len() / 40_000 + 1;
+    let all = samples.iter().filter(|s| s.0 == class);
+    all.step_by(step).collect()
+}
+
+fn cost<const K: usize, const D: usize>(samples: &Taken<'_, K, D>, c: &[i32; K]) -> f64 {
+    let of_sample = |s: &&Sample<K, D>| {
+        let predicted = mixed(c, &s.1);
+        let off = |d: usize| f64::from(s.2[d].abs_diff(predicted[d])) / 16.0;
+        (0..D).map(|d| (1.0 + off(d)).log2()).sum::<f64>()
+    };
+    samples.iter().map(of_sample).sum()
+}
+
+/// Coefficients that are worth their bits.
+fn fit<const K: usize, const D: usize>(samples: &Taken<'_, K, D>) -> Option<[i32; K]> {
+    if samples.len() < 2 * K {
+        return None;
+    }
+    let mut best = (cost(samples, &default_coefficients()), None);
+    let price = f64::from(COEFFICIENT_BITS) * (K - 1) as f64;
+    let mut c = [0f64; K];
+    for round in 0..4 {
+        let weight = |r: f64| {
+            if round == 0 {
+                1.0
+            } else {
+                1.0 / (r.abs() + 12.0)
+            }
+        };
+        c = solve(samples, &c, weight)?;
+        let rounded = c.map(|x| (x * 64.0).round().clamp(-128.0, 127.0) as i32);
+        let bits = cost(samples, &rounded) + price;
+        if bits < best.0 {
+            best = (bits, Some(rounded));
+        }
+    }
+    best.1
+}
+
+/// One step of iterated least squares: coefficients 1 to K - 1.
+fn solve<const K: usize, const D: usize>(
+    samples: &Taken<'_, K, D>,
+    c: &[f64; K],
+    weight: impl Fn(f64) -> f64,
+) -> Option<[f64; K]> {
+    let (mut m, mut b) = ([[0f64; K]; K], [0f64; K]);
+    for s in samples {
+        for d in 0..D {
+            let base = f64::from(s.1[0][d]);
+            let x: [f64; K] = std::array::from_fn(|k| f64::from(s.1[k][d]) - base);
+            let y = f64::from(s.2[d]) - base;
+            let r = y - (1..K).map(|k| c[k] * x[k]).sum::<f64>();
+            let w = weight(r);
+            for i in 1..K {
+                b[i] += w * x[i] * y;
+                for j in 1..K {
+                    m[i][j] += w * x[i] * x[j];
+                }
+            }
+        }
+    }
+    let trace: f64 = (1..K).map(|i| m[i][i]).sum();
+    for (i, row) in m.iter_mut().enumerate() {
+        row[i] += trace * 1e-4 + 1e-6;
+    }
+    for i in 1..K {
+        for r in i + 1..K {
+            let share = m[r][i] / m[i][i];
+            let above = m[i];
+            for (x, y) in m[r].iter_mut().zip(above).skip(i) {
+                *x -= share * y;
+            }
+            b[r] -= share * b[i];
+        }
+    }
+    let mut out = [0f64; K];
+    for i in (1..K).rev() {
+        let rest: f64 = (i + 1..K).map(|j| m[i][j] * out[j]).sum();
+        out[i] = (b[i] - rest) / m[i][i];
+    }
+    out.iter().all(|x| x.is_finite()).then_some(out)
+}

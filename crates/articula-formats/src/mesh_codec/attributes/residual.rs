@@ -1,0 +1,109 @@
+//! Differences from a prediction as decisions, each by several contexts at once.
+
+use super::super::mixing::{MixedNatural, Weights, decide};
+use super::super::range_coder::{Bit, Coder};
+
+/// Contexts of a difference.
+pub(super) const CONTEXTS: usize = 3;
+
+/// Model of signed numbers in three contexts.
+#[derive(Debug)]
+pub(super) struct Residuals {
+    magnitude: MixedNatural<CONTEXTS>,
+    signs: [Vec<Bit>; 2],
+    sign_weights: Weights<2>,
+}
+
+impl Residuals {
+    /// With so many contexts of each kind, and of signs.
+    pub(super) fn new(contexts: [usize; CONTEXTS], signs: usize) -> Self {
+        Self {
+            magnitude: MixedNatural::new(contexts),
+            signs: [
+                vec![Bit::default(); signs],
+                vec![Bit::default(); contexts[2]],
+            ],
+            sign_weights: Weights::default(),
+        }
+    }
+
+    /// Codes a number between -2^30 and 2^30; a decoder gives what was written.
+    pub(super) fn code(
+        &mut self,
+        coder: &mut impl Coder,
+        at: [usize; CONTEXTS],
+        sign: usize,
+        value: i32,
+    ) -> i32 {
+        let given = value.unsigned_abs().min(1 << 30);
+        let magnitude = self.magnitude.code(coder, at, given).min(1 << 30) as i32;
+        if magnitude == 0 {
+            return 0;
+        }
+        let [first, second] = &mut self.signs;
+        let models = [&mut first[sign], &mut second[at[2]]];
+        let is_negative = decide(coder, models, &mut self.sign_weights, value < 0);
+        if is_negative { -magnitude } else { magnitude }
+    }
+}
+
+/// Classes of [`class_of`].
+pub(super) const SIZES: usize = 20;
+
+/// Size of a number in half octaves: 0, 1, 2, 3, 4-5, 6-7, 8-11 ..
+pub(super) fn class_of(x: u32) -> usize {
+    let bits = 32 - x.leading_zeros();
+    let class = match bits {
+        0 | 1 => x,
+        _ => 2 * bits - 2 + (x >> (bits - 2) & 1),
+    };
+    (class as usize).min(SIZES - 1)
+}
+
+/// The sign of a number as a context.
+pub(super) fn sign_of(x: i32) -> usize {
+    (x.signum() + 1) as usize
+}
+
+/// How far off the prediction of each element was, of those that have been coded.
+#[derive(Debug)]
+pub(super) struct Misses {
+    from: usize,
+    sizes: Vec<u32>,
+}
+
+/// Contexts of [`Misses::near`].
+pub(super) const NEAR: usize = SIZES * 3;
+
+impl Misses {
+    /// Of elements below `count`, those below `from` known without prediction.
+    pub(super) fn new(from: usize, count: usize) -> Self {
+        Self {
+            from,
+            sizes: vec![0; count - from],
+        }
+    }
+
+    /// What was missed at an element, summed over its values.
+    pub(super) fn note(&mut self, v: u32, missed: &[i32]) {
+        let sum = |sum: u32, x: &i32| sum.saturating_add(x.unsigned_abs());
+        self.sizes[v as usize - self.from] = missed.iter().fold(0, sum);
+    }
+
+    /// What was missed at one element, for one that takes its value.
+    pub(super) fn copy(&mut self, v: u32, from: u32) {
+        let of = |v: u32| (v as usize).checked_sub(self.from);
+        self.sizes[v as usize - self.from] = of(from).map_or(0, |i| self.sizes[i]);
+    }
+
+    /// The mean of neighbours as a context, with how many there are.
+    pub(super) fn near(&self, neighbours: impl Iterator<Item = u32>) -> usize {
+        let (mut sum, mut count) = (0u64, 0);
+        for u in neighbours.filter(|u| *u as usize >= self.from) {
+            sum += u64::from(self.sizes[u as usize - self.from]);
+            count += 1;
+        }
+        let mean = (2 * sum).checked_div(count).unwrap_or(0);
+        class_of(mean.min(1 << 30) as u32) + SIZES * count.min(2) as usize
+    }
+}

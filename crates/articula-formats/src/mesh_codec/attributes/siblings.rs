@@ -1,0 +1,120 @@
+//! Wedges of one point: whether a new one has a value of one that is known.
+//!
+//! Source: `spec/clustered-mesh.md` 8.1 (e). A seam of one kind is rarely one of another: what
+//! happens at the other end of the edges between two siblings says most of it.
+
+use super::super::mixing::{Weights, decide};
+use super::super::range_coder::{Bit, Coder};
+use super::ring::Ring;
+
+/// Siblings that are asked about.
+const MOST: usize = 8;
+
+/// The wedges of each point.
+#[derive(Debug)]
+pub(super) struct Siblings<'a> {
+    wedge_points: &'a [u32],
+    starts: Vec<u32>,
+    wedges: Vec<u32>,
+}
+
+impl<'a> Siblings<'a> {
+    pub(super) fn new(points: usize, wedge_points: &'a [u32]) -> Self {
+        let mut starts = vec![0u32; points + 1];
+        for &p in wedge_points {
+            starts[p as usize + 1] += 1;
+        }
+        for p in 0..points {
+            starts[p + 1] += starts[p];
+        }
+        let mut next = starts.clone();
+        let mut wedges = vec![0; wedge_points.len()];
+        for (w, &p) in wedge_points.iter().enumerate() {
+            wedges[next[p as usize] as usize] = w as u32;
+            next[p as usize] += 1;
+        }
+        Self {
+            wedge_points,
+            starts,
+            wedges,
+        }
+    }
+
+    /// Point of a wedge.
+    pub(super) fn point(&self, w: u32) -> u32 {
+        self.wedge_points[w as usize]
+    }
+
+    /// All wedges at the point of a wedge.
+    pub(super) fn all(&self, w: u32) -> &[u32] {
+        let p = self.wedge_points[w as usize] as usize;
+        &self.wedges[self.starts[p] as usize..self.starts[p + 1] as usize]
+    }
+
+    /// Those that come before it, the latest first.
+    pub(super) fn known(&self, w: u32) -> impl Iterator<Item = u32> + '_ {
+        let all = self.all(w);
+        let count = all.partition_point(|s| *s < w);
+        all[..count].iter().rev().take(MOST).copied()
+    }
+}
+
+/// Model of the question for one kind of value.
+#[derive(Debug, Default)]
+pub(super) struct SameValue {
+    by_ends: [[Bit; 4]; 16],
+    by_rank: [[Bit; 4]; 16],
+    weights: Weights<2>,
+}
+
+impl SameValue {
+    /// Whether a wedge has the value of a sibling, and of which; each value is asked about once.
+    /// `before` says whether two wedges agree in the kinds coded before.
+    pub(super) fn code<V: PartialEq + Copy>(
+        &mut self,
+        coder: &mut impl Coder,
+        (ring, siblings): (&Ring, &Siblings<'_>),
+        (values, w): (&[V], u32),
+        before: impl Fn(u32, u32) -> usize,
+    ) -> Option<V> {
+        let mut asked: Vec<V> = Vec::with_capacity(MOST);
+        let mut near = Vec::new();
+        let mut beside = Vec::new();
+        for sibling in siblings.known(w) {
+            let value = values[sibling as usize];
+            if asked.contains(&value) {
+                continue;
+            }
+            if asked.is_empty() {
+                ring.known(w, &mut near);
+            }
+            ring.known_below(sibling, w, &mut beside);
+            let mut ends = 0;
+            for &u in &near {
+                let at = siblings.point(u);
+                for &other in beside.iter().filter(|o| siblings.point(**o) == at) {
+                    let is_same = values[u as usize] == values[other as usize];
+                    // One wedge at the other end says less than two that agree or not.
+                    let found = match (u == other, is_same) {
+                        (true, _) => 1,
+                        (_, true) => 2,
+                        _ => 3,
+                    };
+                    ends = ends.max(found);
+                }
+            }
+            let before = before(w, sibling);
+            let rank = asked.len().min(3);
+            let models = [
+                &mut self.by_ends[before][ends],
+                &mut self.by_rank[before][rank],
+            ];
+            let is_same = value == values[w as usize];
+            if decide(coder, models, &mut self.weights, is_same) {
+                return Some(value);
+            }
+            asked.push(value);
+        }
+        None
+    }
+}
