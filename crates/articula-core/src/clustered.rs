@@ -177,6 +177,54 @@ impl Clusters {
     }
 }
 
+/// The triangles of all levels of one object, over vertices that stand where level after level
+/// adds them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClusteredTriangles {
+    /// Which levels show which of the triangles.
+    pub clusters: Clusters,
+    /// [`Clusters::stored_triangles`] of them.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl ClusteredTriangles {
+    /// The triangles of a level, in stored order.
+    pub fn level(&self, level: usize) -> impl Iterator<Item = [u32; 3]> + '_ {
+        let of = |r: Range<u32>| &self.triangles[r.start as usize..r.end as usize];
+        self.clusters.ranges(level).flat_map(of).copied()
+    }
+
+    /// Checks that the clusters hold all triangles, and every level only vertices of its own, of
+    /// `vertex_count` in all.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] that names the first triangle that does not fit.
+    pub fn check(&self, vertex_count: usize) -> Result<(), Mismatch> {
+        let stored = self.clusters.stored_triangles() as usize;
+        if stored != self.triangles.len() {
+            let what = format!("{} for clusters of {stored}", self.triangles.len());
+            return Err(Mismatch::new("triangles", what));
+        }
+        let finest = self.clusters.vertices(usize::MAX);
+        if finest as usize != vertex_count {
+            let what = format!("{finest} in the finest level, {vertex_count} in all");
+            return Err(Mismatch::new("clusters.vertices", what));
+        }
+        for cluster in self.clusters.clusters() {
+            let below = self.clusters.vertices(usize::from(cluster.first_level));
+            let range = cluster.triangles.start as usize..cluster.triangles.end as usize;
+            let mut corners = self.triangles[range.clone()].as_flattened().iter();
+            if let Some(c) = corners.position(|v| *v >= below) {
+                let at = format!("triangles[{}]", range.start + c / 3);
+                let level = cluster.first_level;
+                let what = format!("a vertex that level {level} with {below} vertices lacks");
+                return Err(Mismatch::new(at, what));
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Joins ranges that touch. The clusters rise.
 fn merged<'a>(
     clusters: impl Iterator<Item = &'a Cluster> + 'a,
@@ -274,6 +322,23 @@ mod tests {
             [4, 9]
         );
         assert_eq!(mesh.ranges_of(&[0]).map(|_| ()).unwrap_err().at, "levels");
+    }
+
+    #[test]
+    fn no_level_names_a_vertex_of_a_finer_one() {
+        let clusters = vec![cluster(0, 0, 0, 0..1), cluster(1, 1, 0, 1..2)];
+        let of = |triangles: &[[u32; 3]]| ClusteredTriangles {
+            clusters: Clusters::new(vec![3, 4], clusters.clone()).unwrap(),
+            triangles: triangles.to_vec(),
+        };
+        let good = of(&[[0, 1, 2], [0, 1, 3]]);
+        assert_eq!(good.check(4), Ok(()));
+        assert_eq!(good.level(1).collect::<Vec<_>>(), [[0, 1, 3]]);
+        let at = |of: ClusteredTriangles, count| of.check(count).unwrap_err().at;
+        assert_eq!(at(good, 5), "clusters.vertices");
+        assert_eq!(at(of(&[[0, 1, 3], [0, 1, 3]]), 4), "triangles[0]");
+        assert_eq!(at(of(&[[0, 1, 2], [4, 1, 3]]), 4), "triangles[1]");
+        assert_eq!(at(of(&[[0, 1, 2]]), 4), "triangles");
     }
 
     #[test]

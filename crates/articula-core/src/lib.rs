@@ -7,6 +7,7 @@
 //! - [`source`]: the editable nouns that readers give and builders take
 //! - [`rig`], [`clip`], [`mesh`]: the read-only nouns of the frame
 //! - [`clustered`]: the levels of a mesh as ranges of one index list
+//! - [`level_table`]: what each of them loses
 //! - [`articulation`]: H-Anim level and region of every joint
 //! - [`hanim_table`], [`fap_table`]: the joints of the standard humanoid, and the parameters of
 //!   its face
@@ -55,6 +56,7 @@ pub mod joint_state;
 pub mod key_table;
 pub mod ladder;
 pub mod level_error;
+pub mod level_table;
 pub mod loa;
 pub mod math;
 pub mod mesh;

@@ -2,6 +2,7 @@
 
 use super::{Clip, Credits, Expression, Mesh, Skeleton};
 use crate::articulation::Articulation;
+use crate::level_table::LevelTable;
 use glam::Vec4;
 
 /// How a surface looks, reduced to what a preview needs.
@@ -53,6 +54,8 @@ pub struct Character {
     pub articulation: Option<Articulation>,
     /// Meshes, in the order of the file's nodes.
     pub meshes: Vec<Mesh>,
+    /// What the levels of [`Mesh::clustered`] lose, if the file stores them.
+    pub mesh_levels: Option<LevelTable>,
     /// Motions, in the order of the file.
     pub clips: Vec<Clip>,
     /// Named expressions that clips may drive.

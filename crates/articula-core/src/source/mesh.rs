@@ -1,5 +1,6 @@
 //! Triangles, their skin and their morph targets.
 
+use crate::clustered::ClusteredTriangles;
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 /// Which joints move a mesh.
@@ -76,4 +77,7 @@ pub struct Mesh {
     pub screen_coverage: Option<f32>,
     /// Coarser forms of the same, the finest first.
     pub levels: Vec<MeshLevel>,
+    /// One for each primitive, or none: levels over its own vertices, the finest of them its
+    /// triangles. Who changes vertices or triangles of a primitive clears it.
+    pub clustered: Vec<ClusteredTriangles>,
 }

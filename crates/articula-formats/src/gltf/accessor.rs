@@ -167,7 +167,8 @@ impl<'a> Reader<'a> {
         self.accessor_at(self.root.entry("accessors", i).ok_or_else(missing)?)
     }
 
-    fn accessor_at(&self, place: Place<'a>) -> Result<Accessor<'a>, ReadError> {
+    /// The accessor that a place is.
+    pub(super) fn accessor_at(&self, place: Place<'a>) -> Result<Accessor<'a>, ReadError> {
         let component = component(&place)?;
         let width = width(&place)?;
         let count = place.require("count")?.whole()?;

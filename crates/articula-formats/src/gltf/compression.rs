@@ -6,10 +6,10 @@
 //! Source: KHR_meshopt_compression; EXT_meshopt_compression has the same members.
 
 use super::accessor::bytes_of;
-use super::append::{entries_mut, exact, index, object, push, set};
+use super::append::{entries_mut, index, object, push, set};
 use super::document::Document;
 use super::place::Place;
-use super::reader::{Notes, Reader};
+use super::reader::Notes;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use crate::meshopt::{Filter, Mode, Shape, decode};
@@ -201,35 +201,21 @@ fn take_extension(owner: &mut Value, name: &str) -> Option<Value> {
 /// States anew the bounds of accessors whose numbers a filter rounded: the format wants them
 /// exact, and they were those of the numbers before.
 fn mend_bounds(document: &mut Document, rounded: &BTreeSet<usize>, limits: &Limits) {
-    let mut reader = Reader::new(document, limits, Notes::default());
-    let mut found = Vec::new();
-    let accessors = reader.root.entries("accessors").unwrap_or_default();
-    for (i, place) in accessors.iter().enumerate() {
+    let root = Place::root(&document.json);
+    let mut stale = Vec::new();
+    for (i, place) in root
+        .entries("accessors")
+        .unwrap_or_default()
+        .iter()
+        .enumerate()
+    {
         let values = place.dig(&["sparse", "values"]);
         let owners = [Some(place.clone()), values].into_iter().flatten();
         let mut views = owners.filter_map(|owner| index(owner.value(), "bufferView"));
         let is_stated = place.get("min").is_some() || place.get("max").is_some();
-        if !is_stated || !views.any(|view| rounded.contains(&view)) {
-            continue;
-        }
-        // What cannot be read is told when it is needed.
-        if let Ok(bounds) = reader.bounds(place) {
-            found.push((i, bounds));
+        if is_stated && views.any(|view| rounded.contains(&view)) {
+            stale.push(i);
         }
     }
-    for (i, (least, greatest)) in found {
-        let accessor = &mut entries_mut(&mut document.json, "accessors")[i];
-        let is_float = index(accessor, "componentType") == Some(5126);
-        for (key, bound) in [("min", least), ("max", greatest)] {
-            if accessor.get(key).is_none() || bound.iter().any(|x| !x.is_finite()) {
-                continue;
-            }
-            let stated = if is_float {
-                exact(&bound)
-            } else {
-                bound.iter().map(|x| json!(*x as i64)).collect()
-            };
-            set(accessor, key, stated);
-        }
-    }
+    document.state_bounds(&stale, limits);
 }

@@ -7,6 +7,7 @@ use crate::error::ReadError;
 /// Extensions that change nothing that is read here, or that are read.
 const READ: &[&str] = &[
     "ARTICULA_articulation",
+    "ARTICULA_clustered_mesh",
     "EXT_meshopt_compression",
     "KHR_animation_pointer",
     "KHR_mesh_quantization",

@@ -51,6 +51,9 @@ impl Document {
         document.add_loose_joints(character);
         let node_of_joint: Vec<usize> = (0..character.skeleton.joints.len()).collect();
         document.replace_clips(&character.clips, &node_of_joint, &node_of_mesh)?;
+        if let Some(levels) = &character.mesh_levels {
+            document.add_stored_levels(levels, (&character.meshes, &node_of_mesh))?;
+        }
         if let Some(credits) = &character.credits {
             document.set_credits(credits);
         }

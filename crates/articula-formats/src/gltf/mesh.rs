@@ -2,6 +2,7 @@
 //!
 //! Source: glTF 2.0, 3.7. Differs: one mesh shown by two nodes becomes two meshes.
 
+use super::clustered;
 use super::lod::{self, Lods};
 use super::place::Place;
 use super::primitive;
@@ -55,6 +56,7 @@ pub(super) fn read_all(
         let mut mesh = Mesh {
             name: mesh_name(&node, &place),
             skin: joint_skin(reader, n, skin_of(&node, given)?, given.skeletal)?,
+            clustered: clustered::read_parts(reader, &place, &primitives),
             primitives,
             ..Mesh::default()
         };

@@ -14,7 +14,8 @@
 //! - `animation`, `pointer`: what moves
 //! - `vrm`, `khr_character`, `credits`: what is said of a human, and who made it
 //! - [`articulation`]: the extension `ARTICULA_articulation`
-//! - `append`, `clips`, `prune`: a document changed
+//! - [`clustered`]: the extension `ARTICULA_clustered_mesh`, and levels as `MSFT_lod`
+//! - `append`, `arrays`, `clips`, `bounds`, `prune`: a document changed
 //! - `fresh`, `geometry`: a document made from a character
 //! - `write`: back to bytes
 //!
@@ -23,8 +24,11 @@
 mod accessor;
 mod animation;
 mod append;
+mod arrays;
 pub mod articulation;
+mod bounds;
 mod clips;
+pub mod clustered;
 mod compression;
 mod container;
 mod credits;
@@ -167,11 +171,13 @@ pub fn read(
     let joint = |(node, bone): (usize, String)| Some((skeletal.joint_of_node[node]?, bone));
     let humanoid: Vec<_> = human.bones.into_iter().filter_map(joint).collect();
     let kept = vrm::read_kept(&reader.root, &expressions);
+    let mesh_levels = clustered::read_levels(&mut reader, &shown.meshes);
     let mut character = Character {
         name: name(&reader.root),
         skeleton: skeletal.skeleton,
         articulation,
         meshes: shown.meshes,
+        mesh_levels,
         clips,
         materials: look.materials,
         images: look.images,

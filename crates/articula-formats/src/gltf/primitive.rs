@@ -55,11 +55,14 @@ pub(super) fn read(
     }))
 }
 
-/// Number of vertices and triangles of a primitive that [`read`] takes; `None` for others.
+/// Number of vertices, and triangles.
+type Outline = (usize, Vec<[u32; 3]>);
+
+/// What [`read`] makes of a primitive without its attributes; `None` if it leaves it out.
 pub(super) fn outline(
     reader: &mut Reader<'_>,
     place: &Place<'_>,
-) -> Result<Option<(usize, Vec<[u32; 3]>)>, ReadError> {
+) -> Result<Option<Outline>, ReadError> {
     let mode = place.whole_or("mode", 4)?;
     let positions = place.dig(&["attributes", "POSITION"]);
     let Some(positions) = positions.filter(|_| matches!(mode, 4..=6)) else {

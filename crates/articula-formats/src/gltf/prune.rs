@@ -1,11 +1,12 @@
 //! Arrays and bytes that nothing uses any longer, dropped.
 //!
-//! Only what the old animations or compressed views named is ever dropped, and only if nothing
-//! else names it. For animations, an extension that is not known to leave accessors and buffer
+//! Only what the old animations, meshes or compressed views named is ever dropped, and only if
+//! nothing else names it. For animations and meshes, an extension that is not known to leave accessors and buffer
 //! views alone keeps everything.
 
 use super::append::{entries_mut, index, object, set};
 use super::articulation::NAME;
+use super::clustered;
 use super::document::Document;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -13,6 +14,7 @@ use std::collections::{BTreeMap, BTreeSet};
 /// Extensions that name neither accessors nor buffer views.
 const HARMLESS: &[&str] = &[
     "ARTICULA_articulation",
+    "ARTICULA_clustered_mesh",
     "KHR_animation_pointer",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
@@ -48,6 +50,18 @@ impl Document {
             accessors.extend(sampler_accessors(animation));
             views.extend(table_views(animation));
         }
+        self.drop_arrays(accessors, views);
+        old
+    }
+
+    /// Drops those of some accessors that nothing names any longer, with what only they used.
+    pub(super) fn drop_unnamed(&mut self, accessors: BTreeSet<usize>) {
+        if !has_unknown_extension(&self.json) {
+            self.drop_arrays(accessors, BTreeSet::new());
+        }
+    }
+
+    fn drop_arrays(&mut self, mut accessors: BTreeSet<usize>, mut views: BTreeSet<usize>) {
         each_accessor_reference(&mut self.json, &mut |i| {
             accessors.remove(&i);
             i
@@ -58,7 +72,6 @@ impl Document {
             i
         });
         self.drop_views(&views);
-        old
     }
 
     fn drop_accessors(&mut self, dropped: &BTreeSet<usize>, views: &mut BTreeSet<usize>) {
@@ -162,8 +175,8 @@ fn table_views(animation: &Value) -> Vec<usize> {
         .collect()
 }
 
-/// Visits every place outside animations that names an accessor, and puts the answer there.
-fn each_accessor_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usize) {
+/// Visits every place that names an accessor, and puts the answer there.
+pub(super) fn each_accessor_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usize) {
     for mesh in entries_mut(json, "meshes") {
         for primitive in entries_mut(mesh, "primitives") {
             change(primitive, "indices", visit);
@@ -171,6 +184,15 @@ fn each_accessor_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usi
             for target in entries_mut(primitive, "targets") {
                 change_all(Some(target), visit);
             }
+            if let Some(levels) = extension(primitive, clustered::NAME) {
+                change(levels, "indices", visit);
+            }
+        }
+    }
+    for animation in entries_mut(json, "animations") {
+        for sampler in entries_mut(animation, "samplers") {
+            change(sampler, "input", visit);
+            change(sampler, "output", visit);
         }
     }
     for skin in entries_mut(json, "skins") {
@@ -178,7 +200,7 @@ fn each_accessor_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usi
     }
 }
 
-/// Visits every place outside animations that names a buffer view, and puts the answer there.
+/// Visits every place that names a buffer view, and puts the answer there.
 fn each_view_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usize) {
     for accessor in entries_mut(json, "accessors") {
         change(accessor, "bufferView", visit);
@@ -191,6 +213,14 @@ fn each_view_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usize) 
     for image in entries_mut(json, "images") {
         change(image, "bufferView", visit);
     }
+    for animation in entries_mut(json, "animations") {
+        let tables = extension(animation, NAME).and_then(|e| e.get_mut("tables"));
+        change_all(tables, visit);
+    }
+}
+
+fn extension<'a>(owner: &'a mut Value, name: &str) -> Option<&'a mut Value> {
+    owner.get_mut("extensions")?.get_mut(name)
 }
 
 fn change(owner: &mut Value, key: &str, visit: &mut dyn FnMut(usize) -> usize) {

@@ -8,6 +8,7 @@
     reason = "tests fail by panicking, read files and say what they skip"
 )]
 
+mod clustered;
 mod compressed;
 mod features;
 mod files;
@@ -16,6 +17,10 @@ mod khr_character;
 mod levels;
 mod mutated;
 mod quantized;
+#[path = "../real/mod.rs"]
+mod real;
+#[path = "../thinned/mod.rs"]
+mod thinned;
 mod tiny;
 mod vertex_classes;
 mod vrm;

@@ -2,7 +2,7 @@
 //! with a value of bounded size or an error, and what was read can be written.
 
 use crate::tiny::Tiny;
-use crate::{compressed, khr_character, levels, vrm};
+use crate::{clustered, compressed, khr_character, levels, vrm};
 use articula_core::source::{MorphBinding, Property};
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document, GltfFile};
@@ -129,12 +129,8 @@ fn fixtures() -> Vec<Vec<u8>> {
     ];
     let views = [compressed::every_mode(), levels::skinned()];
     let plain = [moving, morphing, pictured];
-    plain
-        .iter()
-        .chain(&views)
-        .chain(&human)
-        .map(Tiny::glb)
-        .collect()
+    let tiny = plain.iter().chain(&views).chain(&human).map(Tiny::glb);
+    tiny.chain([clustered::stored()]).collect()
 }
 
 #[test]

@@ -1,0 +1,51 @@
+//! What each level of a character's meshes costs and loses: the numbers that selection works with.
+//!
+//! Source: `spec/clustered-mesh.md` 7. All objects of a character have the same list of levels.
+
+/// How far one surface lies from another over many points, metres. All infinite for a level that
+/// has nothing left to show, or whose error is not known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceError {
+    /// The greatest.
+    pub max_metres: f32,
+    /// 99th percentile.
+    pub p99_metres: f32,
+    /// 95th percentile.
+    pub p95_metres: f32,
+    /// Mean.
+    pub mean_metres: f32,
+}
+
+impl SurfaceError {
+    /// That of a level about which nothing is known.
+    pub const UNKNOWN: Self = Self {
+        max_metres: f32::INFINITY,
+        p99_metres: f32::INFINITY,
+        p95_metres: f32::INFINITY,
+        mean_metres: f32::INFINITY,
+    };
+}
+
+/// One level over all meshes of a character.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelRow {
+    /// Triangles that it shows.
+    pub triangles: u64,
+    /// Vertices that they need.
+    pub vertices: u64,
+    /// Distance from the original surface at rest.
+    pub rest: SurfaceError,
+    /// The same over poses of the character's motions.
+    pub motion: SurfaceError,
+}
+
+/// The levels of all meshes of a character.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct LevelTable {
+    /// Coarsest first; the last is the original.
+    pub levels: Vec<LevelRow>,
+    /// Names of the regions that may have levels of their own; none if there is but one.
+    pub regions: Vec<String>,
+    /// Coarsest level from which on regions may be at different levels.
+    pub mixable_from: usize,
+}

@@ -1,0 +1,111 @@
+//! The table of levels in the extension of the document.
+
+use super::{MOST_LEVELS, NAME};
+use crate::error::ReadError;
+use crate::gltf::append::{set, short};
+use crate::gltf::place::Place;
+use crate::gltf::reader::Reader;
+use crate::gltf::write::WriteError;
+use articula_core::level_table::{LevelRow, LevelTable, SurfaceError};
+use articula_core::source::Mesh;
+use serde_json::{Value, json};
+
+/// The table as JSON. Errors that are not known, infinite here, are left out there.
+pub(super) fn table(levels: &LevelTable) -> Result<Value, WriteError> {
+    let mut rows = Vec::new();
+    for (l, level) in levels.levels.iter().enumerate() {
+        let mut row = json!({"triangles": level.triangles, "vertices": level.vertices});
+        for (name, error) in [("errorRest", &level.rest), ("errorMotion", &level.motion)] {
+            let numbers = members(error);
+            if numbers.iter().any(|(_, x)| x.is_nan() || *x < 0.0) {
+                let what = "an error is no distance";
+                return Err(WriteError::mismatch(format!("levels[{l}].{name}"), what));
+            }
+            if numbers.iter().all(|(_, x)| x.is_finite()) {
+                let value: Value = numbers.iter().map(|(k, x)| (*k, short(*x))).collect();
+                set(&mut row, name, value);
+            }
+        }
+        rows.push(row);
+    }
+    let mut table = json!({ "levels": rows });
+    if !levels.regions.is_empty() {
+        set(&mut table, "regions", levels.regions.clone());
+        set(&mut table, "mixableFrom", levels.mixable_from);
+    }
+    Ok(table)
+}
+
+fn members(error: &SurfaceError) -> [(&'static str, f32); 4] {
+    [
+        ("max", error.max_metres),
+        ("p99", error.p99_metres),
+        ("p95", error.p95_metres),
+        ("mean", error.mean_metres),
+    ]
+}
+
+/// The table, if meshes that were read have levels. A broken one is a warning: the levels can be
+/// drawn, but nobody knows what they lose.
+pub(in crate::gltf) fn read_levels(reader: &mut Reader<'_>, meshes: &[Mesh]) -> Option<LevelTable> {
+    let extension = reader.root.dig(&["extensions", NAME])?;
+    let clustered = meshes.iter().flat_map(|m| &m.clustered);
+    let levels = clustered.map(|c| c.clusters.levels()).max()?;
+    match read_table(&extension, levels) {
+        Ok(table) => Some(table),
+        Err(error) => {
+            reader.warn(&extension, format!("table of levels left out: {error}"));
+            None
+        }
+    }
+}
+
+/// Number of levels that the table of the document has.
+pub(super) fn count(root: &Place<'_>) -> usize {
+    let extension = root.dig(&["extensions", NAME]);
+    extension.map_or(0, |e| e.count("levels").min(MOST_LEVELS + 1))
+}
+
+fn read_table(extension: &Place<'_>, levels: usize) -> Result<LevelTable, ReadError> {
+    let rows = extension.entries("levels")?;
+    let rows = rows.iter().map(read_row).collect::<Result<Vec<_>, _>>()?;
+    let regions = extension.entries("regions")?;
+    let name = |p: &Place<'_>| {
+        let name = p.value().as_str().map(str::to_owned);
+        name.ok_or_else(|| p.malformed("expected a name"))
+    };
+    let mixable_from = extension.get("mixableFrom");
+    Ok(LevelTable {
+        levels: rows,
+        regions: regions.iter().map(name).collect::<Result<_, _>>()?,
+        mixable_from: mixable_from.map_or(Ok(0), |p| p.index_below(levels))?,
+    })
+}
+
+fn read_row(row: &Place<'_>) -> Result<LevelRow, ReadError> {
+    let error = |key| {
+        let Some(place) = row.get(key) else {
+            return Ok(SurfaceError::UNKNOWN);
+        };
+        let number = |key| {
+            let number = place.require(key)?;
+            let metres = number.float()?;
+            if metres < 0.0 {
+                return Err(number.malformed("a distance is not negative"));
+            }
+            Ok(metres)
+        };
+        Ok(SurfaceError {
+            max_metres: number("max")?,
+            p99_metres: number("p99")?,
+            p95_metres: number("p95")?,
+            mean_metres: number("mean")?,
+        })
+    };
+    Ok(LevelRow {
+        triangles: row.require("triangles")?.whole()?,
+        vertices: row.require("vertices")?.whole()?,
+        rest: error("errorRest")?,
+        motion: error("errorMotion")?,
+    })
+}

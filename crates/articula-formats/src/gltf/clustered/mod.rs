@@ -1,0 +1,28 @@
+//! The extension `ARTICULA_clustered_mesh`: levels of meshes as ranges of stored triangles.
+//!
+//! Vertices of a primitive stand in the order in which level after level adds them, and its own
+//! index list is the finest level, so that any viewer shows that. The extension of the primitive
+//! names a longer index list, of which the primitive's own is the first part, and says which
+//! levels show which triangles of it. The extension of the document has a row for each level.
+//! The page is `docs/formats/ARTICULA_clustered_mesh.md`, the schema stands beside it.
+//!
+//! - `write`, `level_table`: levels into a document
+//! - `read`: levels out of a document
+//! - `level_nodes`: the same levels as nodes of `MSFT_lod`
+
+mod level_nodes;
+mod level_table;
+mod read;
+mod write;
+
+pub use level_nodes::LevelNodes;
+pub use write::{MeshParts, PartLevels};
+
+pub(super) use level_table::read_levels;
+pub(super) use read::read_parts;
+
+/// Name of the extension.
+pub const NAME: &str = "ARTICULA_clustered_mesh";
+
+/// Most levels that are read or written: whoever asks for each of them is done in time.
+pub const MOST_LEVELS: usize = 256;

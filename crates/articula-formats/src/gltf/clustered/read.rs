@@ -1,0 +1,114 @@
+//! Levels out of a document, believed only after every number was compared.
+
+use super::level_table;
+use super::{MOST_LEVELS, NAME};
+use crate::error::ReadError;
+use crate::gltf::origin::origins;
+use crate::gltf::place::Place;
+use crate::gltf::reader::Reader;
+use articula_core::clustered::{Cluster, ClusteredTriangles, Clusters};
+use articula_core::source::Primitive;
+
+/// The levels of each part of a mesh; none, with a warning, if anything is wrong with any: the
+/// finest level, which the primitives show without them, is there in any case.
+pub(in crate::gltf) fn read_parts(
+    reader: &mut Reader<'_>,
+    mesh: &Place<'_>,
+    parts: &[Primitive],
+) -> Vec<ClusteredTriangles> {
+    let places = mesh.entries("primitives").unwrap_or_default();
+    let has_levels = |p: &Place<'_>| p.dig(&["extensions", NAME]).is_some();
+    if !places.iter().any(has_levels) {
+        return Vec::new();
+    }
+    match try_read(reader, mesh, parts) {
+        Ok(found) => found,
+        Err(error) => {
+            reader.warn(mesh, format!("levels left out: {error}"));
+            Vec::new()
+        }
+    }
+}
+
+fn try_read(
+    reader: &mut Reader<'_>,
+    mesh: &Place<'_>,
+    parts: &[Primitive],
+) -> Result<Vec<ClusteredTriangles>, ReadError> {
+    let origins = origins(reader, mesh)?;
+    if origins.len() != parts.len() {
+        return Err(mesh.malformed("not every part of the mesh could be read"));
+    }
+    let mut out = Vec::with_capacity(parts.len());
+    for (origin, part) in origins.iter().zip(parts) {
+        let missing = || mesh.malformed("no such primitive");
+        let place = mesh
+            .entry("primitives", origin.primitive)
+            .ok_or_else(missing)?;
+        let extension = place.require("extensions")?.require(NAME)?;
+        let object = read_part(reader, &extension)?;
+        let expected = level_table::count(&reader.root);
+        if object.clusters.levels() != expected {
+            let what = format!(
+                "{} levels, {expected} in the table",
+                object.clusters.levels()
+            );
+            return Err(extension.malformed(what));
+        }
+        // Of vertices that several primitives share not all were kept: this fails then.
+        let fits = object.check(part.positions.len());
+        fits.map_err(|e| extension.malformed(e.to_string()))?;
+        if !object.level(usize::MAX).eq(part.triangles.iter().copied()) {
+            return Err(extension.malformed("the finest level is not what the primitive shows"));
+        }
+        out.push(object);
+    }
+    Ok(out)
+}
+
+/// What the extension of a primitive says, with its own numbers in order.
+pub(super) fn read_part(
+    reader: &mut Reader<'_>,
+    extension: &Place<'_>,
+) -> Result<ClusteredTriangles, ReadError> {
+    let accessor = reader.accessor(&extension.require("indices")?)?;
+    accessor.expect_type(&["SCALAR"])?;
+    let corners = reader.integers(&accessor)?;
+    let (triangles, rest) = corners.as_chunks::<3>();
+    if !rest.is_empty() {
+        return Err(extension.malformed("the indices are no whole triangles"));
+    }
+    let vertices = extension.entries("vertices")?;
+    if vertices.len() > MOST_LEVELS {
+        let what = format!("{} levels, at most {MOST_LEVELS} are read", vertices.len());
+        return Err(extension.malformed(what));
+    }
+    let vertices = vertices
+        .iter()
+        .map(number::<u32>)
+        .collect::<Result<_, _>>()?;
+    let mut clusters = Vec::new();
+    let mut end = 0u32;
+    for place in extension.entries("clusters")? {
+        let count = number::<u32>(&place.require("triangles")?)?;
+        let start = end;
+        let too_many = || place.malformed("more triangles than 32 bits count");
+        end = end.checked_add(count).ok_or_else(too_many)?;
+        clusters.push(Cluster {
+            first_level: number(&place.require("first")?)?,
+            last_level: number(&place.require("last")?)?,
+            region: place.get("region").map_or(Ok(0), |r| number(&r))?,
+            triangles: start..end,
+        });
+    }
+    let clusters = Clusters::new(vertices, clusters);
+    Ok(ClusteredTriangles {
+        clusters: clusters.map_err(|e| extension.malformed(e.to_string()))?,
+        triangles: triangles.to_vec(),
+    })
+}
+
+fn number<T: TryFrom<u64>>(place: &Place<'_>) -> Result<T, ReadError> {
+    let found = place.whole()?;
+    T::try_from(found).map_err(|_| place.malformed(format!("{found} is too large")))
+}

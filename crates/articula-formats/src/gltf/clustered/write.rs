@@ -1,0 +1,341 @@
+//! Levels into a document: every array of a primitive in the order of the levels.
+
+use super::{MOST_LEVELS, NAME};
+use crate::error::ReadError;
+use crate::gltf::append::{Use, entries_mut, object, push, set};
+use crate::gltf::arrays::{Reordered, reordered};
+use crate::gltf::document::Document;
+use crate::gltf::origin::{mesh_of, origins};
+use crate::gltf::place::{Place, whole};
+use crate::gltf::prune::each_accessor_reference;
+use crate::gltf::reader::{Notes, Reader};
+use crate::gltf::write::WriteError;
+use crate::limits::Limits;
+use articula_core::clustered::{Cluster, ClusteredTriangles, Clusters};
+use articula_core::level_table::LevelTable;
+use articula_core::source::Mesh;
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Vertices that 16 bits can number; 65535 itself would restart a strip.
+const MOST_SHORT: usize = 65535;
+
+/// Extensions of primitives that say nothing of single vertices but by attributes.
+const HARMLESS: &[&str] = &[NAME, "EXT_mesh_features", "KHR_materials_variants"];
+
+/// The levels of one part of a mesh, as `articula_build::clusters` makes them with the order
+/// `Store`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PartLevels<'a> {
+    /// For each stored vertex its number in the part as read.
+    pub vertices: &'a [u32],
+    /// Stored triangles, numbering the above; the finest level first, in one range.
+    pub triangles: &'a [[u32; 3]],
+    /// Which levels show which of them.
+    pub clusters: &'a Clusters,
+}
+
+/// The levels of all parts of the mesh that a node shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshParts<'a> {
+    /// The node, as `node_of_mesh` of [`GltfFile`](crate::gltf::GltfFile) has it.
+    pub node: usize,
+    /// One for each primitive of the mesh as read.
+    pub parts: Vec<PartLevels<'a>>,
+}
+
+/// A primitive with its vertices in a new order, not yet in the document.
+struct NewPrimitive {
+    primitive: usize,
+    /// Attribute or, with the index of its target, morph target, and which array it names.
+    slots: Vec<(Option<usize>, String, usize)>,
+    arrays: Vec<Reordered>,
+}
+
+impl Document {
+    /// Gives meshes levels, and the document the table of them.
+    ///
+    /// All arrays of vertices get the order of the levels (attributes of every kind and morph
+    /// targets, bytes of elements as they were, sparse ones sparse); vertices that no level uses
+    /// go. Strips, fans and triangles without indices become indexed triangles; points and
+    /// lines stay as they are. A mesh that several nodes show is stored once as long as they are
+    /// given the same levels. What nothing names any longer is dropped.
+    ///
+    /// Levels of before, also those of `MSFT_lod` on these nodes, are replaced.
+    ///
+    /// # Errors
+    /// [`WriteError::Mismatch`] if parts or vertices are not those that [`read`](crate::gltf::read)
+    /// gives, levels differ in number, the finest is not the first range, or a primitive has an
+    /// extension that may speak of single vertices. The document is then as it was.
+    pub fn set_mesh_levels(
+        &mut self,
+        levels: &LevelTable,
+        meshes: &[MeshParts<'_>],
+    ) -> Result<(), WriteError> {
+        self.write_mesh_levels(levels, meshes)?;
+        for mesh in meshes {
+            self.clear_level_nodes(mesh.node);
+        }
+        Ok(())
+    }
+
+    /// The same beside levels of `MSFT_lod`.
+    fn write_mesh_levels(
+        &mut self,
+        levels: &LevelTable,
+        meshes: &[MeshParts<'_>],
+    ) -> Result<(), WriteError> {
+        let table = super::level_table::table(levels)?;
+        for mesh in meshes {
+            for (p, part) in mesh.parts.iter().enumerate() {
+                check(part, levels.levels.len())
+                    .map_err(|what| mismatch(mesh.node, format!("part {p}: {what}")))?;
+            }
+        }
+        let planned = self.plan(meshes)?;
+        let mut given: Vec<(usize, &MeshParts<'_>, usize)> = Vec::new();
+        let untouched = self.json.get("meshes").cloned().unwrap_or_default();
+        let before = self.mesh_accessors();
+        for ((mesh, primitives), parts) in planned.into_iter().zip(meshes) {
+            let same = given
+                .iter()
+                .find(|(m, g, _)| *m == mesh && g.parts == parts.parts);
+            let stored = if let Some((_, _, stored)) = same {
+                *stored
+            } else {
+                let is_first = given.iter().all(|(m, _, _)| *m != mesh);
+                let stored = if is_first {
+                    mesh
+                } else {
+                    push(&mut self.json, "meshes", untouched[mesh].clone())
+                };
+                for (new, part) in primitives.into_iter().zip(&parts.parts) {
+                    self.put(stored, new, part);
+                }
+                stored
+            };
+            given.push((mesh, parts, stored));
+            set(
+                &mut entries_mut(&mut self.json, "nodes")[parts.node],
+                "mesh",
+                stored,
+            );
+        }
+        self.extend(NAME, table);
+        self.drop_unnamed(before);
+        Ok(())
+    }
+
+    /// The levels that meshes of a character have, onto the nodes that show them.
+    pub(in crate::gltf) fn add_stored_levels(
+        &mut self,
+        levels: &LevelTable,
+        (meshes, nodes): (&[Mesh], &[usize]),
+    ) -> Result<(), WriteError> {
+        let most = meshes
+            .iter()
+            .flat_map(|m| &m.primitives)
+            .map(|p| p.positions.len());
+        let same: Vec<u32> = (0..most.max().unwrap_or(0) as u32).collect();
+        let mut given = Vec::new();
+        for (mesh, node) in meshes.iter().zip(nodes) {
+            let drawn = mesh.primitives.iter().zip(&mesh.clustered);
+            let drawn = drawn.filter(|(primitive, _)| !primitive.triangles.is_empty());
+            let parts: Vec<_> = drawn
+                .map(|(primitive, object)| PartLevels {
+                    vertices: &same[..primitive.positions.len()],
+                    triangles: &object.triangles,
+                    clusters: &object.clusters,
+                })
+                .collect();
+            if !parts.is_empty() {
+                given.push(MeshParts { node: *node, parts });
+            }
+        }
+        if given.is_empty() {
+            return Ok(());
+        }
+        self.write_mesh_levels(levels, &given)
+    }
+
+    /// Mesh of each node, and its primitives in their new order; changes nothing.
+    fn plan(
+        &self,
+        meshes: &[MeshParts<'_>],
+    ) -> Result<Vec<(usize, Vec<NewPrimitive>)>, WriteError> {
+        let limits = Limits::default();
+        let mut reader = Reader::new(self, &limits, Notes::default());
+        let mut out: Vec<(usize, Vec<NewPrimitive>)> = Vec::new();
+        for (i, mesh) in meshes.iter().enumerate() {
+            let unread = |e: ReadError| mismatch(mesh.node, e.to_string());
+            let place = mesh_of(&reader, mesh.node).map_err(unread)?;
+            let index = self.json["nodes"][mesh.node].get("mesh");
+            let index = index.and_then(whole).unwrap_or(0) as usize;
+            let is_known = meshes[..i]
+                .iter()
+                .zip(&out)
+                .any(|(m, (o, _))| *o == index && m.parts == mesh.parts);
+            if is_known {
+                out.push((index, Vec::new()));
+                continue;
+            }
+            let origins = origins(&mut reader, &place).map_err(unread)?;
+            if origins.len() != mesh.parts.len() {
+                let what = format!("{} parts, read were {}", mesh.parts.len(), origins.len());
+                return Err(mismatch(mesh.node, what));
+            }
+            let mut primitives = Vec::new();
+            for (origin, part) in origins.iter().zip(&mesh.parts) {
+                let raw = |v: &u32| origin.vertices.get(*v as usize).copied();
+                let order: Option<Vec<u32>> = part.vertices.iter().map(raw).collect();
+                let order = order.ok_or_else(|| {
+                    let what = "a vertex that the part does not have";
+                    mismatch(mesh.node, format!("primitive {}: {what}", origin.primitive))
+                })?;
+                let place = place.entry("primitives", origin.primitive);
+                let place = place.ok_or_else(|| mismatch(mesh.node, "no such primitive"))?;
+                refuse_unknown(&place)?;
+                let new = new_primitive(&mut reader, (&place, origin.primitive), &order);
+                primitives.push(new.map_err(unread)?);
+            }
+            out.push((index, primitives));
+        }
+        Ok(out)
+    }
+
+    /// Stores a primitive in its new order.
+    fn put(&mut self, mesh: usize, new: NewPrimitive, part: &PartLevels<'_>) {
+        let arrays: Vec<usize> = new
+            .arrays
+            .into_iter()
+            .map(|a| self.add_reordered(a))
+            .collect();
+        self.state_bounds(&arrays, &Limits::default());
+        let short = part.vertices.len() <= MOST_SHORT;
+        let corners = part.triangles.as_flattened().iter();
+        let bytes: Vec<u8> = if short {
+            corners.flat_map(|&c| (c as u16).to_le_bytes()).collect()
+        } else {
+            corners.flat_map(|c| c.to_le_bytes()).collect()
+        };
+        let view = self.add_view(&bytes, Use::Indices);
+        let finest = part.clusters.triangles(usize::MAX) as usize;
+        let [own, all] = [finest, part.triangles.len()].map(|triangles| {
+            self.add_accessor(json!({
+                "bufferView": view,
+                "componentType": if short { 5123 } else { 5125 },
+                "count": triangles * 3,
+                "type": "SCALAR",
+            }))
+        });
+        let mesh = &mut entries_mut(&mut self.json, "meshes")[mesh];
+        let primitive = &mut entries_mut(mesh, "primitives")[new.primitive];
+        for (target, name, array) in new.slots {
+            let owner = match target {
+                None => &mut primitive["attributes"],
+                Some(t) => &mut primitive["targets"][t],
+            };
+            set(owner, &name, arrays[array]);
+        }
+        object(primitive).shift_remove("mode");
+        set(primitive, "indices", own);
+        let extensions = object(primitive)
+            .entry("extensions")
+            .or_insert_with(|| json!({}));
+        let clusters: Vec<Value> = part.clusters.clusters().iter().map(cluster).collect();
+        let vertices = part.clusters.vertex_counts();
+        let value = json!({"indices": all, "vertices": vertices, "clusters": clusters});
+        set(extensions, NAME, value);
+    }
+
+    /// All accessors that meshes name.
+    fn mesh_accessors(&self) -> BTreeSet<usize> {
+        let mut json = json!({ "meshes": self.json.get("meshes") });
+        let mut found = BTreeSet::new();
+        each_accessor_reference(&mut json, &mut |i| {
+            found.insert(i);
+            i
+        });
+        found
+    }
+}
+
+fn mismatch(node: usize, what: impl Into<String>) -> WriteError {
+    WriteError::mismatch(format!("nodes[{node}].mesh"), what)
+}
+
+fn check(part: &PartLevels<'_>, levels: usize) -> Result<(), String> {
+    let found = part.clusters.levels();
+    if found != levels || levels > MOST_LEVELS {
+        return Err(format!(
+            "{found} levels, {levels} in the table, at most {MOST_LEVELS}"
+        ));
+    }
+    let object = ClusteredTriangles {
+        clusters: part.clusters.clone(),
+        triangles: part.triangles.to_vec(),
+    };
+    object
+        .check(part.vertices.len())
+        .map_err(|e| e.to_string())?;
+    let finest: Vec<_> = part.clusters.ranges(levels - 1).collect();
+    match finest.as_slice() {
+        [range] if range.start == 0 => Ok(()),
+        _ => Err("the finest level is not the first range of the triangles".to_owned()),
+    }
+}
+
+fn refuse_unknown(primitive: &Place<'_>) -> Result<(), WriteError> {
+    let extensions = primitive.get("extensions");
+    for (name, place) in extensions.iter().flat_map(Place::members) {
+        if !HARMLESS.contains(&name) {
+            let what = "may name vertices, whose order changes; take it out first";
+            return Err(WriteError::mismatch(place.at(), what));
+        }
+    }
+    Ok(())
+}
+
+fn new_primitive<'a>(
+    reader: &mut Reader<'a>,
+    (place, primitive): (&Place<'a>, usize),
+    order: &[u32],
+) -> Result<NewPrimitive, ReadError> {
+    let mut owners = vec![(None, place.require("attributes")?)];
+    let targets = place.entries("targets")?;
+    owners.extend(targets.into_iter().enumerate().map(|(t, p)| (Some(t), p)));
+    let mut arrays = Vec::new();
+    let mut slots = Vec::new();
+    let mut known = BTreeMap::new();
+    for (target, owner) in owners {
+        for (name, index) in owner.members() {
+            let old = index.whole()?;
+            let array = match known.get(&old) {
+                Some(array) => *array,
+                None => {
+                    arrays.push(reordered(reader, &index, order)?);
+                    known.insert(old, arrays.len() - 1);
+                    arrays.len() - 1
+                }
+            };
+            slots.push((target, name.to_owned(), array));
+        }
+    }
+    Ok(NewPrimitive {
+        primitive,
+        slots,
+        arrays,
+    })
+}
+
+fn cluster(cluster: &Cluster) -> Value {
+    let mut value = json!({
+        "first": cluster.first_level,
+        "last": cluster.last_level,
+        "triangles": cluster.triangles.end - cluster.triangles.start,
+    });
+    if cluster.region > 0 {
+        set(&mut value, "region", cluster.region);
+    }
+    value
+}
