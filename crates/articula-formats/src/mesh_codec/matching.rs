@@ -49,13 +49,18 @@ impl<'a> Coarse<'a> {
     }
 }
 
+/// Most known points that are looked for near a gate.
+pub(super) const SEEDS: usize = 6;
+
 /// What surrounds a gate: the edge a-b of a visited face, and a face beyond it.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Gate {
     pub(super) a: u32,
     pub(super) b: u32,
     /// The last corner of the visited face, [`NONE`] if there is none.
     pub(super) o: u32,
+    /// Known points nearby, where neither end is known.
+    pub(super) seeds: [u32; SEEDS],
     /// The known neighbour of `b` that comes last before the gate, the steps to it; likewise the
     /// one of `a` that comes first after it.
     pub(super) about_b: Option<(u32, u8)>,
@@ -367,7 +372,11 @@ impl<'a> Matching<'a> {
         self.mark += 1;
         let mut seen: Vec<u32> = Vec::new();
         let anchors = [gate.about_b, gate.about_a].map(|n| n.map_or(NONE, |n| n.0));
-        for point in [gate.a, gate.b, gate.o].into_iter().chain(anchors) {
+        for point in anchors
+            .into_iter()
+            .chain([gate.a, gate.b, gate.o])
+            .chain(gate.seeds)
+        {
             if self.is_known(point) && self.marks[point as usize] != self.mark {
                 self.marks[point as usize] = self.mark;
                 seen.push(point);

@@ -140,7 +140,7 @@ pub(super) fn decide<const N: usize>(
 }
 
 /// How fast weights learn at last, and how much faster at first.
-const RATE: i64 = 4;
+const RATE: i64 = 32;
 const FIRST_RATE: i64 = 64;
 
 /// A number from 0 to 2^32 - 2 by the models of `N` contexts at once.

@@ -195,24 +195,36 @@ impl Places<'_> {
 /// Faces of a point that are looked at.
 const MOST_FACES: usize = 64;
 
+/// Kinds of contexts of a residual.
+const KINDS: usize = 5;
+
 /// Models of residuals.
 struct Residuals {
-    magnitudes: Vec<MixedNatural<3>>,
+    magnitudes: Vec<MixedNatural<KINDS>>,
     signs: [Bit; 3],
-    /// Sum of the residuals of each coded point.
-    sizes: Vec<u32>,
+    /// Residuals of each coded point, one more than they are; 0 for others.
+    sizes: Vec<[u32; 3]>,
 }
 
 impl Residuals {
     fn new(points: usize) -> Self {
         Self {
-            magnitudes: vec![MixedNatural::new([24 * 4, 24 * CLASSES, 24 * 24]); 3],
+            magnitudes: vec![
+                MixedNatural::new([
+                    24 * 4,
+                    24 * CLASSES,
+                    24 * 24,
+                    24 * CLASSES,
+                    24 * 24
+                ]);
+                3
+            ],
             signs: [Bit::default(); 3],
-            sizes: vec![0; points],
+            sizes: vec![[0; 3]; points],
         }
     }
 
-    fn code(&mut self, coder: &mut impl Coder, axis: usize, at: [usize; 3], value: i32) -> i32 {
+    fn code(&mut self, coder: &mut impl Coder, axis: usize, at: [usize; KINDS], value: i32) -> i32 {
         let magnitude = self.magnitudes[axis].code(coder, at, value.unsigned_abs());
         let magnitude = magnitude.min(1 << 24) as i32;
         if magnitude != 0 && coder.bit(&mut self.signs[axis], value < 0) {
@@ -286,15 +298,21 @@ fn code_point(
     let n = shortened(around.normal);
     let mut axes = [0, 1, 2];
     axes.sort_by_key(|&i| n[i].abs());
-    let (mut size, mut count) = (0, 0);
+    let (mut sizes, mut count) = ([0; 3], 0);
     for &h in places.rings.leaving(point as u32).iter().take(MOST_FACES) {
         let n = half_edges::end(places.faces, h) as usize;
-        if n < point && residuals.sizes[n] > 0 {
-            size += u64::from(residuals.sizes[n]);
+        if n < point && residuals.sizes[n][0] > 0 {
+            for turn in 0..3 {
+                sizes[turn] += u64::from(residuals.sizes[n][turn] - 1);
+            }
             count += 1;
         }
     }
-    let near = u64::checked_div(size, count).map_or(0, |s| 1 + class_of(s).min(22));
+    let nearby = |size: u64| u64::checked_div(size, count).map_or(0, |s| 1 + class_of(s).min(22));
+    let near = nearby(sizes.iter().sum());
+    let bend =
+        class_of(extent(sub(predicted.map(|x| i64::from(x) * FINE), around.base)).unsigned_abs());
+    let gap = class_of(extent(around.parts[0]).unsigned_abs());
     let scale = class_of(around.scale.unsigned_abs());
     let mut found = predicted;
     let mut done = 0u64;
@@ -311,14 +329,16 @@ fn code_point(
         let at = [
             near * 4 + around.known.min(3),
             scale * CLASSES + around.class,
-            sum * 24 + near,
+            sum * 24 + nearby(sizes[turn]),
+            bend * CLASSES + around.class,
+            gap * 24 + scale,
         ];
         let value = given[axis].wrapping_sub(predicted[axis] + shift);
         let residual = residuals.code(coder, turn, at, value);
         found[axis] = predicted[axis] + shift + residual;
         done += u64::from(residual.unsigned_abs());
+        residuals.sizes[point][turn] = residual.unsigned_abs().min(1 << 24) + 1;
     }
-    residuals.sizes[point] = done.min(1 << 24) as u32 + 1;
     found
 }
 

@@ -15,7 +15,7 @@ mod symbols;
 mod truth;
 
 use super::half_edges::{self, NONE};
-use super::matching::{Coarse, Gate, Matching};
+use super::matching::{Coarse, Gate, Matching, SEEDS};
 use super::range_coder::{Bit, Coder};
 use border::{Beyond, Border};
 use symbols::{Symbol, Symbols};
@@ -322,13 +322,54 @@ impl<C: Coder> Walk<'_, '_, C> {
     fn around(&self, gate: u32) -> Gate {
         let half_edge = self.border.at(gate).half_edge;
         let faces = &self.walked.faces;
+        let (a, b) = (
+            half_edges::start(faces, half_edge),
+            half_edges::end(faces, half_edge),
+        );
+        let is_known = |p: u32| self.matching.is_known(p);
+        let seeds = if is_known(a) || is_known(b) {
+            [NONE; SEEDS]
+        } else {
+            self.known_nearby(half_edge)
+        };
         Gate {
+            seeds,
             a: half_edges::start(faces, half_edge),
             b: half_edges::end(faces, half_edge),
             o: half_edges::apex(faces, half_edge),
             about_b: self.first_known(half_edge, half_edges::next, half_edges::start),
             about_a: self.first_known(half_edge, half_edges::previous, half_edges::end),
         }
+    }
+
+    /// Known points in faces that were visited near a half-edge, the nearest first.
+    fn known_nearby(&self, half_edge: u32) -> [u32; SEEDS] {
+        let mut seeds = [NONE; SEEDS];
+        if self.matching.coarse.points() == 0 {
+            return seeds;
+        }
+        let mut found = 0;
+        let mut faces = vec![half_edge / 3];
+        let mut at = 0;
+        while at < faces.len() && at < FACES_REACH {
+            let face = faces[at];
+            at += 1;
+            for k in 0..3 {
+                let point = self.walked.faces[face as usize][k];
+                if self.matching.is_known(point) && !seeds.contains(&point) {
+                    seeds[found] = point;
+                    found += 1;
+                    if found == SEEDS {
+                        return seeds;
+                    }
+                }
+                let twin = self.twins[face as usize * 3 + k];
+                if twin != NONE && !faces.contains(&(twin / 3)) {
+                    faces.push(twin / 3);
+                }
+            }
+        }
+        seeds
     }
 
     /// The first known neighbour that comes in a fan of visited faces, and the steps to it.
@@ -363,6 +404,9 @@ impl<C: Coder> Walk<'_, '_, C> {
     }
 }
 
+/// Faces near a gate that are searched for known points.
+const FACES_REACH: usize = 40;
+
 /// Faces of a fan that are searched for a known point.
 const FAN_REACH: u8 = 12;
 
@@ -373,7 +417,9 @@ fn seed_gate(points: [u32; 3], k: usize, is_known: impl Fn(u32) -> bool) -> Gate
         a: points[k - 1],
         b: points[0],
         o: NONE,
-        ..Gate::default()
+        seeds: [NONE; SEEDS],
+        about_a: None,
+        about_b: None,
     };
     if k == 2 {
         gate.about_b = known(points[1]);
