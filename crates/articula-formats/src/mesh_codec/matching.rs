@@ -16,6 +16,7 @@ use super::range_coder::{Bit, Coder};
 pub(super) struct Coarse<'a> {
     positions: &'a [[i32; 3]],
     faces: Vec<[u32; 3]>,
+    wedge_faces: &'a [[u32; 3]],
     rings: Rings,
 }
 
@@ -27,6 +28,7 @@ impl<'a> Coarse<'a> {
         Self {
             positions: &mesh.positions,
             faces,
+            wedge_faces: &mesh.faces,
             rings,
         }
     }
@@ -34,6 +36,16 @@ impl<'a> Coarse<'a> {
     /// Number of known points.
     pub(super) fn points(&self) -> usize {
         self.positions.len()
+    }
+
+    /// The wedges at both ends of an edge, in the face on its left.
+    pub(super) fn wedges(&self, from: u32, to: u32) -> Option<[u32; 2]> {
+        if from as usize >= self.points() || to as usize >= self.points() {
+            return None;
+        }
+        let half_edge = self.rings.find(&self.faces, from, to)?;
+        let start = half_edges::start(self.wedge_faces, half_edge);
+        Some([start, half_edges::end(self.wedge_faces, half_edge)])
     }
 
     /// The point that follows `neighbour` counter-clockwise around `about`.

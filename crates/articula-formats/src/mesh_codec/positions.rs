@@ -302,8 +302,8 @@ fn code_point(
     for &h in places.rings.leaving(point as u32).iter().take(MOST_FACES) {
         let n = half_edges::end(places.faces, h) as usize;
         if n < point && residuals.sizes[n][0] > 0 {
-            for turn in 0..3 {
-                sizes[turn] += u64::from(residuals.sizes[n][turn] - 1);
+            for (sum, size) in sizes.iter_mut().zip(residuals.sizes[n]) {
+                *sum += u64::from(size - 1);
             }
             count += 1;
         }

@@ -7,7 +7,7 @@
 
 use super::attributes;
 use super::canonical::Canonical;
-use super::connectivity::{self, Fault, Truth, Walked};
+use super::connectivity::{self, Fault, Truth};
 use super::half_edges::NONE;
 use super::matching::Coarse;
 use super::mesh::{Layout, QuantisedMesh};
@@ -145,7 +145,7 @@ fn code(
         .map(|(t, faces)| Truth::new(faces, t.points, coarse.points()));
     let view = Coarse::new(coarse);
     let walked = connectivity::walk(coder, &view, true_walk.as_mut(), count)?;
-    let points = coarse.points() + walked.gates.len();
+    let points = coarse.points() + walked.new_points;
     let true_corners: Option<Vec<[u32; 3]>> = truth.zip(true_walk.as_ref()).map(|(t, walk)| {
         let corner = |h: u32| t.fine.faces[h as usize / 3][h as usize % 3];
         let turned = |&h: &u32| {
@@ -158,7 +158,7 @@ fn code(
         .zip(true_corners.as_deref())
         .map(|(t, corners)| (corners, t.wedges));
     let known = Known::new(coarse);
-    let wedges = seams::code_wedges(coder, &walked.faces, points, &known, true_wedges)?;
+    let wedges = seams::code_wedges(coder, &walked.faces, points, (&view, &known), true_wedges)?;
     check_size(
         layout,
         bounds,
@@ -170,7 +170,7 @@ fn code(
         || coarse.clone(),
         |((t, walk), corners)| coarse.extended(t.fine, walk.ids(), corners, &wedges),
     );
-    mesh.reserve_values(layout, &walked, &wedges);
+    mesh.reserve_values(layout, points, &wedges);
     let is_given = truth.is_some();
     let places = (mesh.positions.as_mut_slice(), is_given);
     let known_points = coarse.points();
@@ -296,18 +296,8 @@ impl QuantisedMesh {
     }
 
     /// Gives a level its faces, and room for the values of what is new where there is none yet.
-    fn reserve_values(&mut self, layout: &Layout, walked: &Walked, wedges: &Wedges) {
-        let points = self.points().max(self.positions.len());
+    fn reserve_values(&mut self, layout: &Layout, points: usize, wedges: &Wedges) {
         let known_wedges = self.wedge_points.len();
-        let points = points.max(
-            walked
-                .faces
-                .iter()
-                .flatten()
-                .map(|&p| p as usize + 1)
-                .max()
-                .unwrap_or(0),
-        );
         self.wedge_points.extend(&wedges.new_points);
         self.faces = wedges.faces.clone();
         let count = known_wedges + wedges.new_points.len();

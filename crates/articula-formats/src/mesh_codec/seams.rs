@@ -7,6 +7,7 @@
 
 use super::connectivity::Fault;
 use super::half_edges::{self, NONE};
+use super::matching::Coarse;
 use super::mesh::QuantisedMesh;
 use super::mixing::{Weights, decide};
 use super::range_coder::{Bit, Coder};
@@ -22,7 +23,7 @@ pub(super) struct Wedges {
 /// Models of seams.
 struct Models {
     is_seam: [Vec<Bit>; 3],
-    is_seam_weights: Weights<3>,
+    is_seam_weights: [Weights<3>; 9],
     parts_end: Vec<Bit>,
     is_known: Vec<Bit>,
     is_this: Vec<Bit>,
@@ -33,11 +34,11 @@ impl Models {
     fn new() -> Self {
         let bits = |count| vec![Bit::default(); count];
         Self {
-            is_seam: [bits(256), bits(256), bits(4096)],
-            is_seam_weights: Weights::default(),
-            parts_end: bits(512),
+            is_seam: [bits(16 * 9), bits(256 * 9), bits(4096)],
+            is_seam_weights: Default::default(),
+            parts_end: bits(512 * 9),
             is_known: bits(64),
-            is_this: bits(64),
+            is_this: bits(256),
             is_used: bits(64),
         }
     }
@@ -49,6 +50,8 @@ struct Seams<'a> {
     twins: Vec<u32>,
     /// Number of known wedges of each known point, where they start.
     known: &'a Known,
+    /// For each corner the known wedge that it had in the coarser level, as far as edges tell.
+    expected: Vec<u32>,
     /// Seams seen so far at each point.
     seen: Vec<u8>,
     sectors: Sectors,
@@ -179,7 +182,7 @@ pub(super) fn code_wedges(
     coder: &mut impl Coder,
     faces: &[[u32; 3]],
     points: usize,
-    known: &Known,
+    (coarse, known): (&Coarse<'_>, &Known),
     truth: Option<(&[[u32; 3]], &[u32])>,
 ) -> Result<Wedges, Fault> {
     let corners = faces.len() as u32 * 3;
@@ -187,6 +190,7 @@ pub(super) fn code_wedges(
         faces,
         twins: half_edges::twins(faces),
         known,
+        expected: expected(faces, coarse),
         seen: vec![0; points],
         sectors: Sectors {
             parents: (0..corners).collect(),
@@ -205,7 +209,35 @@ pub(super) fn code_wedges(
     seams.code_sectors(coder, &mut models, points, truth)
 }
 
+/// Faces that lie left of a known edge in both levels have the same wedges at its ends: collapses
+/// move the third corner alone.
+fn expected(faces: &[[u32; 3]], coarse: &Coarse<'_>) -> Vec<u32> {
+    let mut expected = vec![NONE; faces.len() * 3];
+    for half_edge in 0..expected.len() as u32 {
+        let (from, to) = (
+            half_edges::start(faces, half_edge),
+            half_edges::end(faces, half_edge),
+        );
+        if let Some([start, end]) = coarse.wedges(from, to) {
+            expected[half_edge as usize] = start;
+            let next = &mut expected[half_edges::next(half_edge) as usize];
+            if *next == NONE {
+                *next = end;
+            }
+        }
+    }
+    expected
+}
+
 impl Seams<'_> {
+    /// 0 if nothing is expected of two corners at a point, 1 that they have one wedge, 2 two.
+    fn expectation(&self, corner: u32, other: u32) -> usize {
+        match [corner, other].map(|c| self.expected[c as usize]) {
+            [NONE, _] | [_, NONE] => 0,
+            [a, b] => 1 + usize::from(a != b),
+        }
+    }
+
     fn code_edge(
         &mut self,
         coder: &mut impl Coder,
@@ -230,17 +262,22 @@ impl Seams<'_> {
         let apexes = [half_edge, twin].map(|h| half_edges::apex(self.faces, h));
         let beside = apexes.map(|p| usize::from(self.seen[p as usize].min(3)));
         let sides = beside[0].min(beside[1]) * 4 + beside[0].max(beside[1]);
+        let expected = [0, 1].map(|k| self.expectation(ends[k], beyond[k]));
+        let hope = expected[0].min(expected[1]) * 3 + expected[0].max(expected[1]);
         let [x, y, z] = &mut models.is_seam;
-        let bits = [&mut x[low * 4 + high], &mut y[i], &mut z[i * 16 + sides]];
-        if decide(
-            coder,
-            bits,
-            &mut models.is_seam_weights,
-            parts[0] || parts[1],
-        ) {
-            let at = |k: usize| (classes[k] * 4 + seen[k]) * 16 + classes[1 - k] * 4 + seen[1 - k];
+        let bits = [
+            &mut x[(low * 4 + high) * 9 + hope],
+            &mut y[i * 9 + hope],
+            &mut z[i * 16 + sides],
+        ];
+        let weights = &mut models.is_seam_weights[hope];
+        if decide(coder, bits, weights, parts[0] || parts[1]) {
+            let at = |k: usize| {
+                let of = |k: usize| classes[k] * 4 + seen[k];
+                (of(k) * 16 + of(1 - k)) * 9 + expected[k] * 3 + expected[1 - k]
+            };
             let first = coder.bit(&mut models.parts_end[at(0)], parts[0]);
-            let second = !first || coder.bit(&mut models.parts_end[256 + at(1)], parts[1]);
+            let second = !first || coder.bit(&mut models.parts_end[256 * 9 + at(1)], parts[1]);
             for (k, is_parted) in [first, second].into_iter().enumerate() {
                 if is_parted {
                     let seen = &mut self.seen[points[k] as usize];
@@ -268,6 +305,7 @@ impl Seams<'_> {
         let mut given = vec![NONE; truth.map_or(0, |t| t.1.len())];
         let mut new = New::at(points);
         let mut is_used = vec![false; self.known.total];
+        let sector_expected = self.sector_expected();
         for corner in 0..wedges.len() as u32 {
             let root = self.sectors.root(corner);
             if root != corner {
@@ -277,7 +315,8 @@ impl Seams<'_> {
             let point = half_edges::start(self.faces, corner);
             let true_wedge = truth.map(|t| half_edges::start(t.0, corner));
             let wanted = true_wedge.zip(truth).map_or(NONE, |(w, t)| t.1[w as usize]);
-            let mut wedge = self.code_known(coder, models, point, wanted, &mut is_used);
+            let asked = (point, sector_expected[corner as usize], wanted);
+            let mut wedge = self.code_known(coder, models, asked, &mut is_used);
             if wedge == NONE {
                 let wanted = true_wedge.map_or(NONE, |w| given[w as usize]);
                 let model = &mut models.is_used[self.known.class(point)];
@@ -298,13 +337,24 @@ impl Seams<'_> {
         Ok(found)
     }
 
+    /// For the first corner of each sector what is expected of the first corner that has any.
+    fn sector_expected(&mut self) -> Vec<u32> {
+        let mut found = vec![NONE; self.expected.len()];
+        for corner in 0..found.len() {
+            let root = self.sectors.root(corner as u32) as usize;
+            if found[root] == NONE {
+                found[root] = self.expected[corner];
+            }
+        }
+        found
+    }
+
     /// Codes whether a sector is a known wedge of its point, and which; [`NONE`] if it is not.
     fn code_known(
         &self,
         coder: &mut impl Coder,
         models: &mut Models,
-        point: u32,
-        wanted: u32,
+        (point, expected, wanted): (u32, u32, u32),
         is_used: &mut [bool],
     ) -> u32 {
         let known = self.known.of(point);
@@ -314,7 +364,11 @@ impl Seams<'_> {
         }
         let few = known.clone().take(FEW);
         let unused = few.filter(|&w| !is_used[w as usize]).count();
-        let context = class * 4 + unused.min(3);
+        let state = match expected {
+            _ if !known.contains(&expected) => 0,
+            wedge => 1 + usize::from(is_used[wedge as usize]),
+        };
+        let context = (class * 4 + unused.min(3)) * 3 + state;
         if !coder.bit(&mut models.is_known[context], wanted != NONE) {
             return NONE;
         }
@@ -325,10 +379,12 @@ impl Seams<'_> {
             is_used[found as usize] = true;
             return found;
         }
-        // Those that no sector has come first; the last one needs no decision.
-        let used = known.clone().filter(|&w| is_used[w as usize]);
-        let free = known.clone().filter(|&w| !is_used[w as usize]);
-        let order: Vec<u32> = free.chain(used).collect();
+        // The expected one comes first, then those that no sector has; the last one needs no decision.
+        let rest = || known.clone().filter(|&w| w != expected);
+        let used = rest().filter(|&w| is_used[w as usize]);
+        let free = rest().filter(|&w| !is_used[w as usize]);
+        let first = (state > 0).then_some(expected);
+        let order: Vec<u32> = first.into_iter().chain(free).chain(used).collect();
         let mut found = order[order.len() - 1];
         for (i, &wedge) in order[..order.len() - 1].iter().enumerate() {
             let model = &mut models.is_this[context * 4 + i.min(3)];

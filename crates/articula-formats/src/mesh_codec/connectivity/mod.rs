@@ -25,8 +25,8 @@ pub(super) use truth::Truth;
 #[derive(Debug, Default)]
 pub(super) struct Walked {
     pub(super) faces: Vec<[u32; 3]>,
-    /// For each new point the gate `[a, b, o]` through which it was found.
-    pub(super) gates: Vec<Option<[u32; 3]>>,
+    /// Number of new points.
+    pub(super) new_points: usize,
 }
 
 /// What a decoder finds wrong.
@@ -118,7 +118,7 @@ impl<C: Coder> Walk<'_, '_, C> {
                     self.matching.code(self.coder, &gate, hint, [0; 2], wanted)
                 };
                 let found = found.ok_or("a point is matched twice or out of range")?;
-                self.note_point(found, None);
+                self.note_point(found);
                 found
             };
             if let Some(truth) = &mut self.truth {
@@ -145,10 +145,10 @@ impl<C: Coder> Walk<'_, '_, C> {
     }
 
     /// Keeps count of a point that was just found.
-    fn note_point(&mut self, point: u32, gate: Option<[u32; 3]>) {
+    fn note_point(&mut self, point: u32) {
         if !self.matching.is_known(point) {
             self.visits.push(0);
-            self.walked.gates.push(gate);
+            self.walked.new_points += 1;
         }
     }
 
@@ -224,7 +224,7 @@ impl<C: Coder> Walk<'_, '_, C> {
                     .matching
                     .code(self.coder, &around, hint, valences, wanted)
                     .ok_or("a point is matched twice or out of range")?;
-                self.note_point(point, Some([around.a, around.b, around.o]));
+                self.note_point(point);
                 self.add_face(gate, point, None)
             }
             Symbol::Right => {
