@@ -31,7 +31,7 @@ pub(super) fn code<C: Coder>(
     }
     let blend = Blend::code(coder, CLASSES, &samples);
     let mut same = SameValue::default();
-    let mut residuals = [(); 4].map(|()| Residuals::new([SIZES, SIZES, CLASSES], 1));
+    let mut residuals = [(); 4].map(|()| Residuals::new([SIZES, SIZES, CLASSES, 1], 1));
     for w in walk.known_wedges as u32..values.len() as u32 {
         let at = w as usize;
         let ask: Place<'_, '_> = (&walk.wedges, &walk.siblings);
@@ -56,7 +56,7 @@ pub(super) fn code<C: Coder>(
                 (value.min(low), value.max(high))
             });
             let spread = class_of(u32::from(high.saturating_sub(low)));
-            let contexts = [spread, class_of(before), class];
+            let contexts = [spread, class_of(before), class, 0];
             let given = i32::from(values[at][i]) - expected[i];
             let got = residuals[i].code(coder, contexts, 0, given);
             values[at][i] = expected[i].saturating_add(got).clamp(0, 255) as u8;

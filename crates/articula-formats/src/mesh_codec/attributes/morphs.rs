@@ -3,7 +3,7 @@
 //! Most targets move few points, near each other: a point that moves is told by its neighbours.
 
 use super::blend::{Blend, Sample};
-use super::residual::{Misses, NEAR, Residuals, SIZES, class_of, sign_of};
+use super::residual::{BOTH, Misses, NEAR, Residuals, SIZES, both, class_of, sign_of};
 use super::stencil::{CLASSES, FRACTION, PREDICTORS, Stencils};
 use crate::mesh_codec::mixing::{Weights, decide};
 use crate::mesh_codec::range_coder::{Bit, Coder};
@@ -67,7 +67,7 @@ pub(super) fn code<C: Coder>(
             }
         }
     }
-    let contexts = [SIZES * 3, NEAR, SIZES * 4];
+    let contexts = [SIZES * 3, NEAR, SIZES * 4, BOTH];
     let mut models = Models {
         blend: Blend::code(coder, CLASSES, &samples),
         is_used: Bit::default(),
@@ -127,6 +127,7 @@ fn code_target(
                 class_of(apart >> 2) + SIZES * i,
                 near,
                 class_of(size) + SIZES * (before.min(6) / 2),
+                both(class_of(apart >> 2), near),
             ];
             let sign = sign_of(expected);
             let given = values[at][i].wrapping_sub(expected);

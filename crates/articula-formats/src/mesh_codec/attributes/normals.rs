@@ -2,8 +2,8 @@
 
 use super::blend::{Blend, Sample};
 use super::geometry::{self, Normals};
-use super::residual::{Misses, NEAR, Residuals, SIZES, class_of, sign_of};
-use super::siblings::SameValue;
+use super::residual::{BOTH, Misses, NEAR, Residuals, SIZES, both, class_of, sign_of};
+use super::siblings::{SameAround, SameValue};
 use super::{Place, Walk};
 use crate::mesh_codec::range_coder::Coder;
 
@@ -86,6 +86,7 @@ impl Predictor<'_> {
 struct Models {
     blend: Blend<CANDIDATES>,
     same: SameValue,
+    around: SameAround,
     residuals: [Residuals; 2],
     misses: Misses,
 }
@@ -111,10 +112,11 @@ pub(super) fn code<C: Coder>(
     };
     let mut vectors: Vec<[i32; 3]> = normals[..walk.known_wedges].iter().map(vector).collect();
     vectors.resize(normals.len(), [0; 3]);
-    let contexts = [SIZES * 2, NEAR, CLASSES * 2 * 3];
+    let contexts = [SIZES * 2, NEAR, CLASSES * 2 * 3, BOTH];
     let mut models = Models {
         blend: Blend::code(coder, CLASSES, &samples),
         same: SameValue::default(),
+        around: SameAround::default(),
         residuals: [(); 2].map(|()| Residuals::new(contexts, 3)),
         misses: Misses::new(walk.known_wedges, normals.len()),
     };
@@ -126,6 +128,8 @@ pub(super) fn code<C: Coder>(
             if let Some(sibling) = walk.siblings.known(w).next() {
                 models.misses.copy(w, sibling);
             }
+        } else if let Some(found) = models.around.code(coder, ask, (normals, w)) {
+            normals[at] = found;
         } else {
             normals[at] = predictor.code(coder, &mut models, w, (&vectors, normals[at]));
         }
@@ -186,6 +190,7 @@ impl Predictor<'_> {
                 spread + SIZES * usize::from(missed > 2),
                 near,
                 (class * 3 + other) * 2 + usize::from(is_bent),
+                both(spread, near),
             ];
             let sign = if i == 0 { 1 } else { sign_of(got[0]) };
             got[i] = models.residuals[i].code(coder, contexts, sign, name[i] - expected[i]);

@@ -4,9 +4,9 @@ use super::super::mixing::{MixedNatural, Weights, decide};
 use super::super::range_coder::{Bit, Coder};
 
 /// Contexts of a difference.
-pub(super) const CONTEXTS: usize = 3;
+pub(super) const CONTEXTS: usize = 4;
 
-/// Model of signed numbers in three contexts.
+/// Model of signed numbers in several contexts.
 #[derive(Debug)]
 pub(super) struct Residuals {
     magnitude: MixedNatural<CONTEXTS>,
@@ -106,4 +106,12 @@ impl Misses {
         let mean = (2 * sum).checked_div(count).unwrap_or(0);
         class_of(mean.min(1 << 30) as u32) + SIZES * count.min(2) as usize
     }
+}
+
+/// Contexts of [`both`].
+pub(super) const BOTH: usize = SIZES / 2 * NEAR.div_ceil(2);
+
+/// A size and a context of [`Misses::near`] as one, each half as fine.
+pub(super) fn both(size: usize, near: usize) -> usize {
+    size / 2 * NEAR.div_ceil(2) + near / 2
 }

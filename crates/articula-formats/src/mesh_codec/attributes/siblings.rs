@@ -118,3 +118,71 @@ impl SameValue {
         None
     }
 }
+
+/// Neighbouring values that are asked about.
+const MOST_AROUND: usize = 2;
+
+/// Model of the question whether a wedge has the very value of a neighbour, as those of a flat
+/// face have.
+#[derive(Debug)]
+pub(super) struct SameAround {
+    by_votes: [[[Bit; 4]; 4]; MOST_AROUND],
+    by_history: [[Bit; 2]; 256],
+    weights: Weights<2>,
+    history: usize,
+}
+
+impl Default for SameAround {
+    fn default() -> Self {
+        Self {
+            by_votes: Default::default(),
+            by_history: [[Bit::default(); 2]; 256],
+            weights: Weights::default(),
+            history: 0,
+        }
+    }
+}
+
+impl SameAround {
+    /// Whether a wedge that has the value of no sibling has that of a neighbour, and of which:
+    /// the most frequent ones are asked about.
+    pub(super) fn code<V: PartialEq + Copy>(
+        &mut self,
+        coder: &mut impl Coder,
+        (ring, siblings): (&Ring, &Siblings<'_>),
+        (values, w): (&[V], u32),
+    ) -> Option<V> {
+        let mut near = Vec::new();
+        ring.known(w, &mut near);
+        let mut votes: Vec<(V, usize)> = Vec::with_capacity(near.len());
+        for u in &near {
+            let value = values[*u as usize];
+            match votes.iter_mut().find(|v| v.0 == value) {
+                Some(found) => found.1 += 1,
+                None => votes.push((value, 1)),
+            }
+        }
+        votes.retain(|v| siblings.known(w).all(|s| values[s as usize] != v.0));
+        votes.sort_by_key(|v| std::cmp::Reverse(v.1));
+        let faces = ring.edges(w).take(4).count();
+        for (rank, (value, count)) in votes.into_iter().take(MOST_AROUND).enumerate() {
+            let is_all = usize::from(count == near.len());
+            let models = [
+                &mut self.by_votes[rank][count.min(3)][faces - 1],
+                &mut self.by_history[self.history][is_all],
+            ];
+            let is_same = decide(
+                coder,
+                models,
+                &mut self.weights,
+                value == values[w as usize],
+            );
+            self.history =
+                (self.history << 1 | usize::from(is_same)) & 15 | (faces - 1) << 6 | rank << 5;
+            if is_same {
+                return Some(value);
+            }
+        }
+        None
+    }
+}

@@ -5,7 +5,7 @@
 
 use super::Walk;
 use super::blend::{Blend, Sample};
-use super::residual::{Misses, NEAR, Residuals, SIZES, class_of, sign_of};
+use super::residual::{BOTH, Misses, NEAR, Residuals, SIZES, both, class_of, sign_of};
 use super::stencil::{CLASSES, FRACTION, PREDICTORS};
 use crate::mesh_codec::mixing::{MixedNatural, Weights, decide};
 use crate::mesh_codec::range_coder::{Bit, Coder};
@@ -122,7 +122,7 @@ impl Models {
             presence: Weights::default(),
             more: MixedNatural::new([8, 8]),
             strangers: Strangers::new(joints),
-            weights: Residuals::new([SIZES * 3, NEAR, 64], 3),
+            weights: Residuals::new([SIZES * 3, NEAR, 64, BOTH], 3),
         }
     }
 
@@ -252,6 +252,7 @@ fn code_weights(
             spread + SIZES * i.min(2),
             near,
             (apart / 3).min(7) + 8 * size,
+            both(spread, near),
         ];
         let residual = i32::from(weight_of(given, joint)) - expected;
         let got = models

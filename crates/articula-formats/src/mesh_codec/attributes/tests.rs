@@ -1,3 +1,5 @@
+//! Laws of coded values, on random meshes and broken bytes.
+
 use super::super::mesh::MorphLayout;
 use super::super::range_coder::{Decoder, Encoder};
 use super::*;

@@ -5,7 +5,7 @@
 //! the face beyond the edge, and the mean of all such edges is taken.
 
 use super::blend::{Blend, Sample};
-use super::residual::{Misses, NEAR, Residuals, SIZES, class_of, sign_of};
+use super::residual::{BOTH, Misses, NEAR, Residuals, SIZES, both, class_of, sign_of};
 use super::siblings::SameValue;
 use super::stencil::{self, CLASSES, FRACTION, PREDICTORS};
 use super::{Place, Walk};
@@ -93,7 +93,7 @@ pub(super) fn code<C: Coder>(
     }
     let blend = Blend::code(coder, CLASSES, &samples);
     let mut same = SameValue::default();
-    let contexts = [SIZES * 3, NEAR, CLASSES * 4];
+    let contexts = [SIZES * 3, NEAR, CLASSES * 4, BOTH];
     let mut residuals = [(); 2].map(|()| Residuals::new(contexts, 3));
     let mut misses = Misses::new(walk.known_wedges, values.len());
     for w in walk.known_wedges as u32..values.len() as u32 {
@@ -123,7 +123,12 @@ pub(super) fn code<C: Coder>(
                 (0, _) => 0,
                 (_, n) => 1 + class_of(n).min(6) / 3,
             };
-            let contexts = [spread + SIZES * other.min(2), near, class * 4 + other];
+            let contexts = [
+                spread + SIZES * other.min(2),
+                near,
+                class * 4 + other,
+                both(spread, near),
+            ];
             let sign = if i == 0 { 1 } else { sign_of(got[0]) };
             got[i] = residuals[i].code(
                 coder,

@@ -1,3 +1,5 @@
+//! Rounding by hand, and its bounds.
+
 use super::*;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
