@@ -7,8 +7,10 @@ mod contestants;
 mod errors;
 mod page;
 mod sizes;
+mod targets;
 
 use super::Run;
+use crate::measure::thread_ns;
 use crate::peers::draco;
 use anyhow::Result;
 use articula_build::poses::PoseSource;
@@ -21,7 +23,9 @@ const SHARES: [&str; 5] = ["1.5 %", "10 %", "25 %", "50 %", "100 %"];
 
 /// Poses that are measured on.
 const POSES: usize = 24;
-/// The same in a small run.
+/// Rounds of which the least time is kept.
+const ROUNDS: usize = 3;
+/// Poses of a small run.
 const SMALL_POSES: usize = 6;
 
 /// Which part of the table is run.
@@ -41,6 +45,8 @@ struct Found {
     poses: usize,
     /// How tall it is said to be, metres.
     height_metres: f32,
+    /// Seconds of one thread that ours simplified in, tables of poses apart.
+    simplify_secs: f64,
     errors: Vec<errors::Row>,
     sizes: sizes::Sizes,
 }
@@ -51,10 +57,9 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
         Some(only) => e.name.contains(only.as_str()),
         None => !run.small || e.name == SMALL,
     };
-    let poses = if run.small { SMALL_POSES } else { POSES };
     let mut all = Vec::new();
     for entry in CHARACTERS.iter().filter(shown) {
-        all.push(found(run, entry, poses)?);
+        all.push(found(run, entry)?);
     }
     if all
         .iter()
@@ -66,17 +71,25 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
     run.save_csv("mesh-levels-bytes", &page::bytes_csv(&all)?)
 }
 
-fn found(run: &Run, entry: &Entry, poses: usize) -> Result<Found> {
+fn found(run: &Run, entry: &Entry) -> Result<Found> {
+    let (poses, rounds) = if run.small {
+        (SMALL_POSES, 1)
+    } else {
+        (POSES, ROUNDS)
+    };
     let subject = entry.open(&run.data)?;
     let posed = Posed::of(&subject, poses)?;
     let opts = SimplifyOptions::default();
+    let start = thread_ns();
     let ours = simplify(&subject.asset.mesh, &posed.shaping, &opts)?.levels;
+    let simplify_secs = 1e-9 * (thread_ns() - start) as f64;
     Ok(Found {
         name: subject.name,
         source: posed.source,
         poses: posed.measuring.len(),
         height_metres: subject.told_height_metres,
+        simplify_secs,
         errors: errors::rows(&subject, &posed, &ours, &Contestant::ALL)?,
-        sizes: sizes::sizes(&subject, &ours)?,
+        sizes: sizes::sizes(&subject, &ours, rounds)?,
     })
 }

@@ -2,19 +2,21 @@
 
 use super::contestants::Contestant;
 use super::errors::{LINES_PX, Row};
-use super::{Found, SHARES};
+use super::{Found, SHARES, targets};
 use anyhow::Result;
 use articula_build::poses::PoseSource;
 use std::fmt::Write as _;
 
 /// Level of 25 % of the triangles, the one with a target.
-const QUARTER: usize = 2;
+pub(super) const QUARTER: usize = 2;
 
 const HEAD: &str = "# Mesh levels
 
 Made by `cargo run --release -p articula-lab -- mesh-levels`. Five levels of each character: 100, 50,
 25, 10 and 1.5 % of its triangles.
+";
 
+const ERRORS: &str = "
 ## How far a level lies from the original
 
 Millimetres for a figure of 1.8 m (a head alone: 0.25 m) between the original surface and the
@@ -34,6 +36,8 @@ motion.
 /// The whole page.
 pub(super) fn page(all: &[Found]) -> Result<String> {
     let mut page = HEAD.to_owned();
+    targets::write(&mut page, all)?;
+    page.push_str(ERRORS);
     errors(&mut page, all)?;
     weightings(&mut page, all)?;
     sizes(&mut page, all)?;
@@ -47,7 +51,7 @@ impl Found {
     }
 
     /// Ours to meshoptimizer's, greatest distance in motion.
-    fn ratio(&self, level: usize) -> Option<f32> {
+    pub(super) fn ratio(&self, level: usize) -> Option<f32> {
         let of = |who| self.row(who, level).map(|r| r.motion.max);
         Some(of(Contestant::Ours)? / of(Contestant::Meshopt)?)
     }
@@ -107,22 +111,7 @@ fn errors(page: &mut String, all: &[Found]) -> Result<()> {
             )?;
         }
     }
-    let mut ratios: Vec<f32> = all.iter().filter_map(|f| f.ratio(QUARTER)).collect();
-    ratios.sort_by(f32::total_cmp);
-    writeln!(
-        page,
-        "\nAt 25 % the ratio is {:.2} in the median and {:.2} at worst.",
-        median(&ratios),
-        ratios.last().copied().unwrap_or(f32::NAN)
-    )?;
     Ok(())
-}
-
-/// Of sorted numbers.
-fn median(sorted: &[f32]) -> f32 {
-    let at = |i: usize| sorted.get(i).copied().unwrap_or(f32::NAN);
-    let (low, high) = (sorted.len().saturating_sub(1) / 2, sorted.len() / 2);
-    0.5 * (at(low) + at(high))
 }
 
 fn weightings(page: &mut String, all: &[Found]) -> Result<()> {
@@ -164,50 +153,100 @@ times 1 + 4 (1 - greatest skin weight).
 }
 
 fn sizes(page: &mut String, all: &[Found]) -> Result<()> {
-    page.push_str(
-        "
-## Bytes
-
-Of our level meshes, all parts of a character, in the same whole numbers for everyone: position 14
-bits on one grid for each mesh, normal 10, texture coordinates 12, weights 8 bits; morph targets left
-out, since neither peer codes them. *Draco*: npm `draco3dgltf`, edgebreaker, speed 0, which is its
-best; *meshopt*: vertices of up to 24 bytes in the vertex codec and indices in the index codec, both in
-the order that its functions give. *Plain*: those vertices and 16-bit indices (32 where needed) as they
-lie in a buffer; *STORE* holds all levels that way. *Ranges* show the level from STORE, that of
-vertices counted; the thesis has 3i + 1.
-
-| character | level | triangles | vertices | Draco | meshopt | plain | ranges (3i + 1) | STORE / sum of plain |
-| --- | --- | --- | --- | --- | --- | --- | --- | --- |
-",
-    );
+    page.push_str(BYTES);
     for found in all {
         let sizes = &found.sizes;
         let sum: usize = sizes.levels.iter().map(|l| l.plain).sum();
         for (l, level) in sizes.levels.iter().enumerate().rev() {
             let top = l + 1 == sizes.levels.len();
+            let store = format!(
+                "{} / {sum} = {:.2}",
+                sizes.store,
+                sizes.store as f64 / sum as f64
+            );
+            let direct = level.draco.map(|d| level.direct as f64 / d as f64);
             writeln!(
                 page,
-                "| {} | {} | {} | {} | {} | {} | {} | {} ({}) | {} |",
+                "| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} ({}) | {} |",
                 if top { found.name } else { "" },
                 SHARES[l],
                 level.triangles,
                 level.vertices,
+                level.direct,
+                level.chunk,
                 level.draco.map_or("–".into(), |d| d.to_string()),
+                direct.map_or("–".into(), |r| format!("{r:.2}")),
                 level.meshopt,
                 level.plain,
                 level.ranges,
                 3 * l + 1,
-                if top {
-                    format!(
-                        "{} / {sum} = {:.2}",
-                        sizes.store,
-                        sizes.store as f64 / sum as f64
-                    )
-                } else {
-                    String::new()
-                }
+                if top { store } else { String::new() }
             )?;
         }
+    }
+    wholes(page, all)
+}
+
+const BYTES: &str = "
+## Bytes
+
+Of our level meshes, all parts of a character, in the same whole numbers for everyone: position 14
+bits on one grid for each mesh, normal 10, texture coordinates 12, weights 8 bits; morph targets left
+out, since neither peer codes them. *Direct*: ours, the level alone; *chunk*: ours, what the level adds to
+the coarser one. *Draco*: npm `draco3dgltf`, edgebreaker, speed 0, which is its best; *meshopt*:
+vertices of up to 24 bytes in the vertex codec and indices in the index codec, both in the order that
+its functions give. *Plain*: those vertices and 16-bit indices (32 where needed) as they lie in a
+buffer; *STORE* holds all levels that way. *Ranges* show the level from STORE, that of vertices
+counted; the thesis has 3i + 1, which takes level 0 as one.
+
+| character | level | triangles | vertices | direct | chunk | Draco | direct / Draco | meshopt | plain | ranges (3i + 1) | STORE / sum of plain |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
+";
+
+fn wholes(page: &mut String, all: &[Found]) -> Result<()> {
+    page.push_str(
+        "
+All levels in one stream (TRANSPORT, the sum of the chunks) beside what else would be sent, and
+processor time of one thread for it: the least of three rounds, triangles of all levels for each
+second. Times of one run may be compared with each other. *With morph targets*: ours, all levels and
+the finest alone.
+
+| character | whole | / Draco's finest | / five of Draco | / meshopt's finest | / own finest | with morph targets | simplify | round | encode | decode |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
+",
+    );
+    for found in all {
+        let sizes = &found.sizes;
+        let whole = sizes.whole();
+        let triangles: usize = sizes.levels.iter().map(|l| l.triangles).sum();
+        let plain: usize = sizes.levels.iter().map(|l| l.plain).sum();
+        let ratio = |of: Option<f64>| of.map_or("–".into(), |r| format!("{r:.2}"));
+        let speed = |secs: f64| {
+            format!(
+                "{:.0} ms, {:.2} million, {:.0} MB/s",
+                1e3 * secs,
+                1e-6 * triangles as f64 / secs,
+                1e-6 * plain as f64 / secs
+            )
+        };
+        writeln!(
+            page,
+            "| {} | {whole} | {} | {} | {} | {} | {} | {:.0} ms | {:.0} ms | {} | {} |",
+            found.name,
+            ratio(found.to_draco()),
+            ratio(found.to_draco_levels()),
+            ratio(found.to_meshopt()),
+            ratio(found.to_own()),
+            sizes
+                .with_morphs
+                .map_or(String::new(), |(whole, finest)| format!(
+                    "{whole} / {finest}"
+                )),
+            1e3 * found.simplify_secs,
+            1e3 * sizes.seconds.rounding,
+            speed(sizes.seconds.encoding),
+            speed(sizes.seconds.decoding),
+        )?;
     }
     Ok(())
 }
@@ -243,7 +282,7 @@ pub(super) fn errors_csv(all: &[Found]) -> Result<String> {
 /// One line for each character and level.
 pub(super) fn bytes_csv(all: &[Found]) -> Result<String> {
     let mut csv = String::from(
-        "character,level,triangles,vertices,draco,meshopt,plain,ranges,store,draco_kinds\n",
+        "character,level,triangles,vertices,direct,chunk,draco,meshopt,plain,ranges,store,draco_kinds\n",
     );
     for found in all {
         let kinds: Vec<String> = found
@@ -256,10 +295,12 @@ pub(super) fn bytes_csv(all: &[Found]) -> Result<String> {
             let top = l + 1 == found.sizes.levels.len();
             writeln!(
                 csv,
-                "{},{l},{},{},{},{},{},{},{},{}",
+                "{},{l},{},{},{},{},{},{},{},{},{},{}",
                 found.name.replace(',', ";"),
                 level.triangles,
                 level.vertices,
+                level.direct,
+                level.chunk,
                 level.draco.map_or(String::new(), |d| d.to_string()),
                 level.meshopt,
                 level.plain,

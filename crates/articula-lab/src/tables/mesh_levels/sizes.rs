@@ -1,13 +1,18 @@
 //! What levels take: ours and what others make of the same meshes.
 
 use super::characters::Subject;
+use crate::measure::thread_ns;
 use crate::peers::{draco, meshopt};
 use crate::wire_mesh::{PRECISION, WireMesh};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use articula_build::clusters::{Order, cluster};
 use articula_build::simplify::LevelTriangles;
 use articula_core::source::Primitive;
-use articula_formats::mesh_codec::{Grid, Quantised, quantise};
+use articula_formats::Limits;
+use articula_formats::mesh_codec::{
+    Grid, Quantised, QuantisedMesh, decode_level, decode_refinement, encode_level,
+    encode_refinement, quantise,
+};
 
 /// Bytes of all parts of a character at one level.
 #[derive(Debug, Clone, Default)]
@@ -15,6 +20,10 @@ pub(super) struct Level {
     pub(super) triangles: usize,
     /// Vertices as a GPU has them.
     pub(super) vertices: usize,
+    /// Ours, the level alone.
+    pub(super) direct: usize,
+    /// Ours, what the level adds to the coarser one; level 0 alone.
+    pub(super) chunk: usize,
     /// Draco; `None` without node.
     pub(super) draco: Option<usize>,
     pub(super) meshopt: usize,
@@ -32,8 +41,28 @@ pub(super) struct Sizes {
     pub(super) levels: Vec<Level>,
     /// All levels in the written form, as they lie in a buffer.
     pub(super) store: usize,
+    /// Ours with morph targets: all chunks, and the finest level alone. `None` without any.
+    pub(super) with_morphs: Option<(usize, usize)>,
     /// Draco's finest level by kind: position, normal, ...
     pub(super) draco_kinds: Vec<(&'static str, usize)>,
+    /// Least processor time that all chunks take, without morph targets.
+    pub(super) seconds: Seconds,
+}
+
+/// Seconds of one thread.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Seconds {
+    /// Rounding to whole numbers.
+    pub(super) rounding: f64,
+    pub(super) encoding: f64,
+    pub(super) decoding: f64,
+}
+
+impl Sizes {
+    /// All chunks.
+    pub(super) fn whole(&self) -> usize {
+        self.levels.iter().map(|l| l.chunk).sum()
+    }
 }
 
 /// A part of a character with its levels, and the same in whole numbers.
@@ -42,15 +71,20 @@ struct Object {
     vertices: usize,
     /// Without morph targets, which no other codec has.
     bare: Quantised,
+    /// With them, if there are any.
+    full: Option<Quantised>,
 }
 
 /// Measures the levels of a character.
-pub(super) fn sizes(subject: &Subject, levels: &[LevelTriangles]) -> Result<Sizes> {
+pub(super) fn sizes(subject: &Subject, levels: &[LevelTriangles], rounds: usize) -> Result<Sizes> {
+    let start = thread_ns();
     let objects = objects(subject, levels)?;
     let mut sizes = Sizes {
         levels: vec![Level::default(); levels.len()],
         ..Sizes::default()
     };
+    sizes.seconds.rounding = 1e-9 * (thread_ns() - start) as f64;
+    add_ours(&objects, rounds, &mut sizes)?;
     let mut meshes = Vec::new();
     for object in &objects {
         let wire = (0..levels.len()).map(|l| WireMesh::new(&object.bare, l));
@@ -79,7 +113,13 @@ fn objects(subject: &Subject, levels: &[LevelTriangles]) -> Result<Vec<Object>> 
                 morphs: Vec::new(),
                 ..primitive.clone()
             };
+            let full = if primitive.morphs.is_empty() {
+                None
+            } else {
+                Some(quantise(primitive, &levels, &grid, &PRECISION)?)
+            };
             objects.push(Object {
+                full,
                 bare: quantise(&bare, &levels, &grid, &PRECISION)?,
                 vertices: part.vertices.len(),
                 levels,
@@ -89,7 +129,84 @@ fn objects(subject: &Subject, levels: &[LevelTriangles]) -> Result<Vec<Object>> 
     Ok(objects)
 }
 
-/// Everything but Draco, which takes all meshes at once.
+/// The bytes of our codec, and its time.
+fn add_ours(objects: &[Object], rounds: usize, sizes: &mut Sizes) -> Result<()> {
+    for object in objects {
+        let chunks = chunks(&object.bare)?;
+        for (l, chunk) in chunks.iter().enumerate() {
+            sizes.levels[l].chunk += chunk.len();
+            sizes.levels[l].direct +=
+                encode_level(&object.bare.levels[l], &object.bare.layout)?.len();
+        }
+        let (whole, finest) = match &object.full {
+            Some(full) => {
+                let of_levels = self::chunks(full)?;
+                let finest = full.levels.last().context("no level")?;
+                let whole = of_levels.iter().map(Vec::len).sum();
+                (whole, encode_level(finest, &full.layout)?.len())
+            }
+            None => {
+                let whole = chunks.iter().map(Vec::len).sum();
+                let finest = object.bare.levels.last().context("no level")?;
+                (whole, encode_level(finest, &object.bare.layout)?.len())
+            }
+        };
+        let sum = sizes.with_morphs.get_or_insert((0, 0));
+        *sum = (sum.0 + whole, sum.1 + finest);
+    }
+    if objects.iter().all(|o| o.full.is_none()) {
+        sizes.with_morphs = None;
+    }
+    let mut least = [f64::INFINITY; 2];
+    for _ in 0..rounds {
+        let taken = race(objects)?;
+        least = [least[0].min(taken[0]), least[1].min(taken[1])];
+    }
+    [sizes.seconds.encoding, sizes.seconds.decoding] = least;
+    Ok(())
+}
+
+/// Level 0, then what each level adds.
+fn chunks(part: &Quantised) -> Result<Vec<Vec<u8>>> {
+    let layout = &part.layout;
+    let mut chunks = Vec::new();
+    for (l, fine) in part.levels.iter().enumerate() {
+        chunks.push(match l.checked_sub(1) {
+            Some(coarse) => encode_refinement(&part.levels[coarse], fine, layout)?,
+            None => encode_level(fine, layout)?,
+        });
+    }
+    Ok(chunks)
+}
+
+/// Seconds that all chunks take to be made, and to be read; what is read must be as large.
+fn race(objects: &[Object]) -> Result<[f64; 2]> {
+    let start = thread_ns();
+    let coded: Result<Vec<_>> = objects.iter().map(|o| chunks(&o.bare)).collect();
+    let coded = coded?;
+    let middle = thread_ns();
+    let mut back = Vec::new();
+    for (object, chunks) in objects.iter().zip(&coded) {
+        let layout = &object.bare.layout;
+        let mut level: Option<QuantisedMesh> = None;
+        for chunk in chunks {
+            level = Some(match level {
+                Some(coarse) => decode_refinement(&coarse, chunk, layout, &Limits::default())?,
+                None => decode_level(chunk, layout, &Limits::default())?,
+            });
+        }
+        back.push(level.context("no level")?);
+    }
+    let end = thread_ns();
+    for (object, mesh) in objects.iter().zip(&back) {
+        let finest = object.bare.levels.last().context("no level")?;
+        let same = (mesh.faces.len(), mesh.wedges()) == (finest.faces.len(), finest.wedges());
+        ensure!(same, "another mesh comes back");
+    }
+    Ok([middle - start, end - middle].map(|ns| 1e-9 * ns as f64))
+}
+
+/// What others make, but for Draco, which takes all meshes at once.
 fn add_object(object: &Object, wire: &[WireMesh], sizes: &mut Sizes) -> Result<()> {
     for (mesh, level) in wire.iter().zip(&mut sizes.levels) {
         level.triangles += mesh.triangles.len();
