@@ -3,7 +3,7 @@
 use super::characters::Subject;
 use crate::peers::meshopt::{Seams, Simplifier};
 use anyhow::Result;
-use articula_build::poses::{PoseOptions, PoseSource, poses, positions};
+use articula_build::poses::{PoseOptions, PoseSource, SkinPose, poses, positions};
 use articula_build::simplify::{LevelTriangles, SimplifyOptions, Weighting, simplify};
 use glam::Vec3;
 
@@ -55,6 +55,8 @@ pub(super) struct Posed {
     pub(super) shaping: Vec<Vec<Vec3>>,
     /// What everyone is measured on.
     pub(super) measuring: Vec<Vec<Vec3>>,
+    /// The poses of those.
+    pub(super) measuring_poses: Vec<SkinPose>,
 }
 
 impl Posed {
@@ -68,6 +70,7 @@ impl Posed {
             source: found.source,
             shaping: positions(&subject.asset, &found.shaping),
             measuring: positions(&subject.asset, &found.measuring),
+            measuring_poses: found.measuring,
         })
     }
 

@@ -6,6 +6,7 @@ mod characters;
 mod contestants;
 mod errors;
 mod page;
+mod sheet;
 mod sizes;
 mod targets;
 
@@ -17,6 +18,7 @@ use articula_build::poses::PoseSource;
 use articula_build::simplify::{SimplifyOptions, simplify};
 use characters::{CHARACTERS, Entry, SMALL};
 use contestants::{Contestant, Posed};
+use std::path::{Path, PathBuf};
 
 /// Shares of the triangles, coarsest level first.
 const SHARES: [&str; 5] = ["1.5 %", "10 %", "25 %", "50 %", "100 %"];
@@ -34,6 +36,9 @@ pub(crate) struct Choice {
     /// Characters whose names contain this, and no others.
     #[arg(long)]
     only: Option<String>,
+    /// Folder that receives a sheet of each character at every level.
+    #[arg(long)]
+    sheets: Option<PathBuf>,
 }
 
 /// What was found of one character.
@@ -59,7 +64,7 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
     };
     let mut all = Vec::new();
     for entry in CHARACTERS.iter().filter(shown) {
-        all.push(found(run, entry)?);
+        all.push(found(run, entry, choice.sheets.as_deref())?);
     }
     if all
         .iter()
@@ -71,7 +76,7 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
     run.save_csv("mesh-levels-bytes", &page::bytes_csv(&all)?)
 }
 
-fn found(run: &Run, entry: &Entry) -> Result<Found> {
+fn found(run: &Run, entry: &Entry, sheets: Option<&Path>) -> Result<Found> {
     let (poses, rounds) = if run.small {
         (SMALL_POSES, 1)
     } else {
@@ -83,6 +88,11 @@ fn found(run: &Run, entry: &Entry) -> Result<Found> {
     let start = thread_ns();
     let ours = simplify(&subject.asset.mesh, &posed.shaping, &opts)?.levels;
     let simplify_secs = 1e-9 * (thread_ns() - start) as f64;
+    if let Some(folder) = sheets {
+        std::fs::create_dir_all(folder)?;
+        let path = folder.join(subject.name.replace([' ', ','], "_"));
+        sheet::write(&subject, &posed, &ours, &path.with_extension("png"))?;
+    }
     Ok(Found {
         name: subject.name,
         source: posed.source,

@@ -138,18 +138,12 @@ fn add_ours(objects: &[Object], rounds: usize, sizes: &mut Sizes) -> Result<()> 
             sizes.levels[l].direct +=
                 encode_level(&object.bare.levels[l], &object.bare.layout)?.len();
         }
-        let (whole, finest) = match &object.full {
-            Some(full) => {
-                let of_levels = self::chunks(full)?;
-                let finest = full.levels.last().context("no level")?;
-                let whole = of_levels.iter().map(Vec::len).sum();
-                (whole, encode_level(finest, &full.layout)?.len())
-            }
-            None => {
-                let whole = chunks.iter().map(Vec::len).sum();
-                let finest = object.bare.levels.last().context("no level")?;
-                (whole, encode_level(finest, &object.bare.layout)?.len())
-            }
+        let full = object.full.as_ref().unwrap_or(&object.bare);
+        let finest = full.levels.last().context("no level")?;
+        let finest = encode_level(finest, &full.layout)?.len();
+        let whole = match &object.full {
+            Some(full) => self::chunks(full)?.iter().map(Vec::len).sum(),
+            None => chunks.iter().map(Vec::len).sum::<usize>(),
         };
         let sum = sizes.with_morphs.get_or_insert((0, 0));
         *sum = (sum.0 + whole, sum.1 + finest);

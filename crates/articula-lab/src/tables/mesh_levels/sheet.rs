@@ -1,0 +1,180 @@
+//! A character in motion at every level, whole and close up, to be looked at: hands, face and armpits.
+
+use super::SHARES;
+use super::characters::Subject;
+use super::contestants::{Contestant, Posed, levels};
+use anyhow::{Context, Result};
+use articula_build::poses::SkinPose;
+use articula_build::simplify::LevelTriangles;
+use articula_core::mesh::Mesh;
+use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::view::Viewport;
+use articula_flat::appearance::Appearance;
+use articula_flat::codec;
+use articula_flat::contact_sheet::{Cell, ContactSheet, Row, Tile};
+use articula_flat::frame::{Bounds, orbit_view};
+use articula_flat::render::{RenderOptions, render};
+use glam::{Affine3A, Vec3};
+use std::path::Path;
+
+const TILE_PX: (u32, u32) = (230, 250);
+const FOV_Y_RADIANS: f32 = 0.4;
+/// Moments that are shown.
+const MOMENTS: usize = 3;
+/// What is seen of a shoulder, part of the height.
+const ARMPIT: f32 = 0.09;
+
+/// What a picture is of.
+#[derive(Clone, Copy)]
+enum View {
+    Body,
+    /// The skin of a joint and what hangs on it, from an azimuth in radians.
+    Below(&'static str, f32),
+    /// What is near a joint.
+    Near(&'static str, f32),
+}
+
+const VIEWS: [View; 4] = [
+    View::Body,
+    View::Below("l_wrist", 1.2),
+    View::Below("skullbase", 0.5),
+    View::Near("l_shoulder", 0.7),
+];
+
+/// Draws some poses of those that are measured on.
+pub(super) fn write(
+    subject: &Subject,
+    posed: &Posed,
+    ours: &[LevelTriangles],
+    path: &Path,
+) -> Result<()> {
+    let source = &subject.source;
+    let (paint, _) = Appearance::new(&source.materials, &source.images);
+    let count = posed.measuring_poses.len();
+    let at = |m: usize| (2 * m + 1) * count / (2 * MOMENTS);
+    let moments: Vec<SkinnedMesh> = (0..MOMENTS.min(count))
+        .map(|m| skinned(subject, &posed.measuring_poses[at(m)]))
+        .collect();
+    let peer = levels(Contestant::Meshopt, subject, posed, ours)?;
+    let mut rows = Vec::new();
+    for (l, level) in ours.iter().enumerate().rev() {
+        rows.push(row(subject, &moments, level, &paint, SHARES[l])?);
+    }
+    for l in [2, 1, 0] {
+        let label = format!("meshopt, {}", SHARES[l]);
+        rows.push(row(subject, &moments, &peer.levels[l], &paint, &label)?);
+    }
+    let sheet = ContactSheet {
+        title: format!(
+            "{}, levels in poses that they were not made by",
+            subject.name
+        ),
+        rows,
+        ..ContactSheet::default()
+    };
+    let png = codec::png(&sheet.draw()?)?;
+    std::fs::write(path, png).with_context(|| path.display().to_string())
+}
+
+fn skinned(subject: &Subject, pose: &SkinPose) -> SkinnedMesh {
+    let mesh = &subject.asset.mesh;
+    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
+    palette(mesh, &pose.model(&subject.asset), &mut matrices);
+    let mut skinned = SkinnedMesh::new(mesh);
+    skin(mesh, &matrices, &pose.morphs, &mut skinned);
+    skinned
+}
+
+fn row(
+    subject: &Subject,
+    moments: &[SkinnedMesh],
+    level: &LevelTriangles,
+    paint: &Appearance,
+    label: &str,
+) -> Result<Row> {
+    let mut mesh = subject.asset.mesh.clone();
+    mesh.triangles.clone_from(&level.triangles);
+    for (part, triangles) in mesh.parts.iter_mut().zip(&level.parts) {
+        part.triangles = triangles.clone();
+    }
+    let mut tiles = Vec::new();
+    for moment in moments {
+        for view in VIEWS {
+            let Some((bounds, azimuth)) = seen(subject, moment, view) else {
+                continue;
+            };
+            tiles.push(tile(&mesh, moment, paint, &bounds, azimuth)?);
+        }
+    }
+    Ok(Row {
+        label: format!("{label}, {} triangles", level.triangles.len()),
+        cells: vec![Cell { tiles }],
+    })
+}
+
+/// The box that is looked at, and from where; `None` if the character has no such thing.
+fn seen(subject: &Subject, moment: &SkinnedMesh, view: View) -> Option<(Bounds, f32)> {
+    let mesh = &subject.asset.mesh;
+    let rig = &subject.asset.rig;
+    let positions = &moment.positions;
+    let of = |vertices: &mut dyn Iterator<Item = usize>| {
+        Bounds::around(vertices.map(|v| (positions[v], positions[v])))
+    };
+    let joint = |name: &str| {
+        let joints = &rig.articulation().joints;
+        joints.iter().position(|j| j.hanim.as_deref() == Some(name))
+    };
+    let follows = |v: usize, joint: usize| {
+        let below = mesh
+            .influences_of(v)
+            .filter(|(j, _)| rig.is_at_or_below(*j, joint));
+        below.map(|(_, w)| w).sum::<f32>() > 0.5
+    };
+    match view {
+        View::Body => Some((of(&mut (0..mesh.len()))?, 0.6)),
+        View::Below(name, azimuth) => {
+            let joint = joint(name)?;
+            Some((
+                of(&mut (0..mesh.len()).filter(|v| follows(*v, joint)))?,
+                azimuth,
+            ))
+        }
+        View::Near(name, azimuth) => {
+            let joint = joint(name)?;
+            let whole = of(&mut (0..mesh.len()))?;
+            let near = of(&mut (0..mesh.len()).filter(|v| {
+                let direct = mesh.influences_of(*v).find(|(j, _)| *j == joint);
+                direct.is_some_and(|(_, w)| w > 0.3 && w < 0.7)
+            }))?;
+            let half = Vec3::splat(ARMPIT * (whole.high - whole.low).max_element());
+            let middle = near.middle();
+            Some((
+                Bounds {
+                    low: middle - half,
+                    high: middle + half,
+                },
+                azimuth,
+            ))
+        }
+    }
+}
+
+fn tile(
+    mesh: &Mesh,
+    moment: &SkinnedMesh,
+    paint: &Appearance,
+    bounds: &Bounds,
+    azimuth_radians: f32,
+) -> Result<Tile> {
+    let viewport = Viewport {
+        width_px: TILE_PX.0 as f32,
+        height_px: TILE_PX.1 as f32,
+        fov_y_radians: FOV_Y_RADIANS,
+    };
+    let camera = orbit_view(bounds, azimuth_radians, 0.1, viewport);
+    let picture = render(mesh, moment, paint, &camera, &RenderOptions::default())?;
+    Ok(Tile {
+        picture,
+        caption: String::new(),
+    })
+}
