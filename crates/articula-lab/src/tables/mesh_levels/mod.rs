@@ -103,3 +103,43 @@ fn found(run: &Run, entry: &Entry, sheets: Option<&Path>) -> Result<Found> {
         sizes: sizes::sizes(&subject, &ours, rounds)?,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::data;
+
+    /// What the page promises of one real character; sizes of Draco where node is there.
+    #[test]
+    fn a_real_character_holds_the_targets() {
+        let Some(data) = data::folder(None).unwrap() else {
+            println!("skipped: no data");
+            return;
+        };
+        let run = Run {
+            data,
+            out: PathBuf::new(),
+            small: true,
+        };
+        let entry = CHARACTERS.iter().find(|e| e.name == SMALL).unwrap();
+        let found = found(&run, entry, None).unwrap();
+        let error = found.ratio(page::QUARTER).unwrap();
+        assert!(
+            error < 0.6,
+            "{error} of meshoptimizer's error in motion at 25 %"
+        );
+        assert!(found.to_meshopt().unwrap() < 0.6);
+        assert!(found.to_own().unwrap() < 1.35, "goal of the specification");
+        if let Some(draco) = found.to_draco() {
+            assert!(draco < 1.1, "goal of the specification, found {draco}");
+            assert!(found.to_draco_levels().unwrap() < 0.55);
+        }
+        // Triangles fall, and what is left is nearer to the original the more there are of them.
+        for level in 1..SHARES.len() - 1 {
+            let row = |l| found.row(Contestant::Ours, l).unwrap();
+            assert!(row(level).triangles > row(level - 1).triangles);
+            assert!(row(level).motion.max < row(level - 1).motion.max);
+            assert!(row(level).motion.mean < row(level - 1).motion.mean);
+        }
+    }
+}

@@ -45,7 +45,7 @@ pub(super) fn page(all: &[Found]) -> Result<String> {
 }
 
 impl Found {
-    fn row(&self, who: Contestant, level: usize) -> Option<&Row> {
+    pub(super) fn row(&self, who: Contestant, level: usize) -> Option<&Row> {
         let mut rows = self.errors.iter();
         rows.find(|r| r.who == who && r.level == level)
     }
