@@ -1,5 +1,6 @@
 // Judges the extensions of files by their JSON schemas: `node schemas.mjs FOLDER FILE...`.
-// FOLDER holds schemas called OWNER.EXTENSION.schema.json, where OWNER is glTF, node or animation.
+// FOLDER holds schemas called OWNER.EXTENSION.schema.json, where OWNER is glTF, node, skin, animation
+// or mesh.primitive, or EXTENSION.schema.json for all owners.
 // Prints one JSON array with an entry a file: {file, judged, faults}; `judged` counts the extension
 // objects that have a schema. Ends with 1 if any file has faults, 2 on wrong usage.
 
@@ -27,9 +28,14 @@ function document(bytes) {
 /** Every object that may carry extensions of the kinds that are judged, and its path. */
 function* owners(json) {
   yield ["glTF", "", json];
-  for (const [kind, key] of [["node", "nodes"], ["animation", "animations"]]) {
+  for (const [kind, key] of [["node", "nodes"], ["skin", "skins"], ["animation", "animations"]]) {
     for (const [i, owner] of (json[key] ?? []).entries()) {
       yield [kind, `/${key}/${i}`, owner];
+    }
+  }
+  for (const [i, mesh] of (json.meshes ?? []).entries()) {
+    for (const [j, owner] of mesh.primitives.entries()) {
+      yield ["mesh.primitive", `/meshes/${i}/primitives/${j}`, owner];
     }
   }
 }
@@ -51,7 +57,7 @@ for (const file of files) {
   const verdict = { file, judged: 0, faults: [] };
   for (const [kind, path, owner] of owners(document(await readFile(file)))) {
     for (const [name, value] of Object.entries(owner.extensions ?? {})) {
-      const validate = ajv.getSchema(`${kind}.${name}.schema.json`);
+      const validate = ajv.getSchema(`${kind}.${name}.schema.json`) ?? ajv.getSchema(`${name}.schema.json`);
       if (validate === undefined) {
         continue;
       }

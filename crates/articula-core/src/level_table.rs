@@ -2,6 +2,9 @@
 //!
 //! Source: `spec/clustered-mesh.md` 7. All objects of a character have the same list of levels.
 
+use crate::Mismatch;
+use crate::mesh_level::MeshErrors;
+
 /// How far one surface lies from another over many points, metres. All infinite for a level that
 /// has nothing left to show, or whose error is not known.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -48,4 +51,53 @@ pub struct LevelTable {
     pub regions: Vec<String>,
     /// Coarsest level from which on regions may be at different levels.
     pub mixable_from: usize,
+}
+
+impl LevelTable {
+    /// The errors in motion that a level is chosen by.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if there is no level, or the last one is not free of error.
+    pub fn errors(&self) -> Result<MeshErrors, Mismatch> {
+        let list = |number: fn(&SurfaceError) -> f32| -> Vec<f32> {
+            self.levels.iter().map(|l| number(&l.motion)).collect()
+        };
+        MeshErrors::of_statistics(&list(|e| e.p95_metres), &list(|e| e.max_metres))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn levels_are_chosen_by_motion() {
+        let error = |p95_metres, max_metres| SurfaceError {
+            max_metres,
+            p99_metres: max_metres,
+            p95_metres,
+            mean_metres: 0.0,
+        };
+        let row = |motion| LevelRow {
+            triangles: 1,
+            vertices: 3,
+            rest: error(0.0, 0.0),
+            motion,
+        };
+        let mut table = LevelTable {
+            levels: vec![
+                row(error(0.01, 0.05)),
+                row(error(0.01, 0.011)),
+                row(error(0.0, 0.0)),
+            ],
+            ..LevelTable::default()
+        };
+        let errors = table.errors().unwrap();
+        assert_eq!(
+            [0, 1, 2].map(|l| errors.error_metres(l)),
+            [0.025, 0.01, 0.0]
+        );
+        table.levels.pop();
+        assert!(table.errors().is_err());
+    }
 }

@@ -8,8 +8,6 @@
 
 mod judges;
 mod program;
-#[path = "../../articula-formats/tests/thinned/mod.rs"]
-mod thinned;
 
 use articula_build::character;
 use articula_build::clip::ClipOptions;
@@ -301,50 +299,6 @@ fn what_we_write_is_valid() {
         if *name != FAULTY {
             write(name, "through", &file.document);
         }
-    }
-    let (verdict, good) = ask("validate.mjs", &written);
-    assert!(good, "{}", faults_of(&verdict));
-}
-
-/// Characters with skins and morph targets, sparse, quantised and shared arrays.
-const CLUSTERED: &[&str] = &[
-    "glb/pab_arnaud.glb",
-    "glb/KayKit_Knight.glb",
-    "glb/RobotExpressive.glb",
-    "glb/MorphStressTest.gltf",
-    "glb/mh_female_default163_arkit52.glb",
-    "glb/AnimatedMorphCube.glb",
-    "vrm/Godette_vrm_v4.vrm",
-    "fixtures/msft_lod/SimpleSkinLOD.gltf",
-];
-
-#[test]
-fn stored_levels_are_valid() {
-    if !judges_are_here() || !data_is_here() {
-        return;
-    }
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("valid-levels");
-    std::fs::create_dir_all(&folder).unwrap();
-    let mut written = Vec::new();
-    for name in CLUSTERED {
-        let mut file = open(name);
-        let meshes = file.character.meshes.iter();
-        let of: Vec<_> = meshes.map(|m| thinned::clustered(m, 4)).collect();
-        thinned::store(&mut file, &of).unwrap();
-        let stem = Path::new(name).file_stem().unwrap().to_string_lossy();
-        let mut write = |how: &str, document: &Document| {
-            let path = folder.join(format!("{stem}.{how}.glb"));
-            std::fs::write(&path, document.write_glb().unwrap()).unwrap();
-            written.push(path.to_string_lossy().into_owned());
-        };
-        write("stored", &file.document);
-        for node in file.node_of_mesh.clone() {
-            let opts = gltf::clustered::LevelNodes::new(1.0);
-            file.document
-                .add_level_nodes(node, &thinned::table(4), &opts)
-                .unwrap();
-        }
-        write("nodes", &file.document);
     }
     let (verdict, good) = ask("validate.mjs", &written);
     assert!(good, "{}", faults_of(&verdict));
