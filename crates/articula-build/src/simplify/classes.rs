@@ -27,6 +27,8 @@ pub(super) struct Classes {
     /// First vertex of its class that equals it in part, texture coordinates and colour: all but
     /// its normal.
     pub(super) chart: Vec<u32>,
+    /// Part of each vertex.
+    pub(super) part: Vec<u32>,
 }
 
 impl Classes {
@@ -74,6 +76,7 @@ impl Classes {
         classes.chart = firsts(mesh.len(), chart);
         let wedge = |v: usize| (classes.chart[v], bits(mesh.normals[v]), bends[v]);
         classes.wedge = firsts(mesh.len(), wedge);
+        classes.part = parts;
         classes
     }
 }

@@ -5,11 +5,13 @@
 
 use super::SimplifyOptions;
 use super::classes::Classes;
+use super::components::Components;
 use super::cost::{Costs, MOST_FACES, area_vector};
 use super::levels::Sources;
 use super::ring::Ring;
+use super::strays::Strays;
 use super::topology::Surface;
-use super::wedges::Images;
+use super::wedges::{Images, Wedges};
 use super::{LevelTriangles, classes};
 use articula_core::mesh::Mesh;
 use glam::Vec3;
@@ -27,15 +29,20 @@ const NORMAL_LENGTH: f64 = 0.01;
 /// normals is in the cost.
 type Entry = Reverse<(u64, u32, u32, u32, bool)>;
 
+/// Target of an entry that is of a whole component.
+const WHOLE: u32 = u32::MAX;
+/// What the squared distance of removed vertices counts beside the mean of quadrics.
+const STRAY: f64 = 2.0;
+
 /// Classes between regions, when there are several.
 const BETWEEN: u16 = u16::MAX;
 
 /// A mesh on its way from finest to coarsest.
 pub(super) struct Simplifier<'a> {
-    classes: &'a Classes,
-    normals: &'a [Vec3],
+    wedges: Wedges<'a>,
     surface: Surface,
     costs: Costs,
+    components: Components,
     kept: Vec<bool>,
     /// Region of each class; empty if there is but one.
     regions: Vec<u16>,
@@ -46,6 +53,7 @@ pub(super) struct Simplifier<'a> {
     normal_weight: f64,
     ring: Ring,
     images: Images,
+    strays: Strays,
     /// Stamps of neighbours of the target that is looked at.
     stamps: Vec<u32>,
     stamp: u32,
@@ -65,19 +73,21 @@ impl<'a> Simplifier<'a> {
         for v in &options.locked {
             kept[classes.of_vertex[*v as usize] as usize] = true;
         }
-        let extent = f64::from(classes::extent(&poses[0])) * NORMAL_LENGTH;
+        let extent = classes::extent(&poses[0]);
+        let length = f64::from(extent) * NORMAL_LENGTH;
         let mut simplifier = Self {
-            classes,
-            normals: &mesh.normals,
+            wedges: Wedges { mesh, classes },
             regions: regions(options, classes),
             seams_open: false,
             versions: vec![0; classes.len()],
             queue: BinaryHeap::with_capacity(classes.len()),
-            normal_weight: extent * extent * poses.len() as f64,
+            normal_weight: length * length * poses.len() as f64,
             ring: Ring::default(),
             images: Images::default(),
+            strays: Strays::new(sources.triangles.len(), classes.len()),
             stamps: vec![0; classes.len()],
             stamp: 0,
+            components: Components::new(&surface, &costs, &kept, extent),
             surface,
             costs,
             kept,
@@ -112,6 +122,10 @@ impl<'a> Simplifier<'a> {
                 self.fill();
                 continue;
             };
+            if to == WHOLE {
+                self.vanish(from);
+                continue;
+            }
             if self.versions[from as usize] != version {
                 continue;
             }
@@ -121,15 +135,15 @@ impl<'a> Simplifier<'a> {
                 }
                 continue;
             }
-            if !priced {
-                let turn = self.turn_cost(to);
-                if turn > 0.0 {
-                    let cost = f64::from_bits(bits) + turn;
-                    self.queue
-                        .push(Reverse((cost.to_bits(), from, to, version, true)));
-                    self.push_next(from, Some((bits, to)));
-                    continue;
-                }
+            let ends = (from, to);
+            let stray = self.strays.distance_squared(&self.costs, &self.ring, ends);
+            let further = self.change_cost(from, to) + STRAY * f64::from(stray);
+            if !priced && further > 0.0 {
+                let bits_now = (f64::from_bits(bits) + further).to_bits();
+                self.queue
+                    .push(Reverse((bits_now, from, to, version, true)));
+                self.push_next(from, Some((bits, to)));
+                continue;
             }
             self.apply(from, to);
         }
@@ -138,9 +152,13 @@ impl<'a> Simplifier<'a> {
     /// Puts the cheapest move of each vertex into the queue.
     fn fill(&mut self) {
         self.queue.clear();
-        for class in 0..self.classes.len() as u32 {
+        for class in 0..self.versions.len() as u32 {
             self.versions[class as usize] += 1;
             self.push_next(class, None);
+        }
+        for (component, size) in self.components.tiny() {
+            let bits = (size * STRAY).to_bits();
+            self.queue.push(Reverse((bits, component, WHOLE, 0, true)));
         }
     }
 
@@ -191,9 +209,7 @@ impl<'a> Simplifier<'a> {
         {
             return false;
         }
-        self.images
-            .find(&self.surface, self.classes, self.normals, &self.ring, to)
-            && !self.turns_over(from, to)
+        self.images.find(&self.surface, self.wedges, &self.ring, to) && !self.turns_over(from, to)
     }
 
     fn within_region(&self, from: u32) -> bool {
@@ -261,26 +277,43 @@ impl<'a> Simplifier<'a> {
         false
     }
 
-    /// What changes of normals cost, in the unit of quadrics.
-    fn turn_cost(&self, to: u32) -> f64 {
-        let ring = &self.ring;
-        if self.images.turns.iter().all(|t| *t == 0.0) {
+    /// What changes of attributes cost.
+    fn change_cost(&self, from: u32, to: u32) -> f64 {
+        if self.images.changes.iter().all(|c| *c == 0.0) {
             return 0.0;
         }
+        let stays = |f: &&(usize, usize, u32, u32)| f.2 != to && f.3 != to;
+        let faces = self.ring.faces.iter().filter(stays);
         let mut sum = 0.0;
-        let mut turns = self.images.turns.iter();
-        for (face, _, a, b) in &ring.faces {
+        for ((face, ..), change) in faces.zip(&self.images.changes) {
             let corners = self.surface.faces[*face].map(|c| self.costs.points(c)[0]);
-            let area = 0.5 * area_vector(corners).length();
-            let stays = *a != to && *b != to;
-            if stays && let Some(turn) = turns.next() {
-                sum += area * f64::from(*turn);
+            sum += 0.5 * area_vector(corners).length() * f64::from(*change);
+        }
+        let cost = sum * self.normal_weight / 3.0;
+        self.costs.squared_distance(from, cost) * f64::from(self.costs.factor(from))
+    }
+
+    /// Removes a whole component.
+    fn vanish(&mut self, component: u32) {
+        let within = |face: &u32| {
+            let classes = self.surface.faces[*face as usize];
+            let first = self.regions[classes[0] as usize];
+            first != BETWEEN && classes.iter().all(|c| self.regions[*c as usize] == first)
+        };
+        let faces = self.components.faces(component);
+        let mut alive = faces.iter().filter(|f| self.surface.is_alive(**f as usize));
+        if !self.regions.is_empty() && !self.seams_open && !alive.all(within) {
+            return;
+        }
+        for face in faces {
+            if self.surface.is_alive(*face as usize) {
+                self.surface.kill(*face as usize);
             }
         }
-        sum * self.normal_weight / 3.0
     }
 
     fn apply(&mut self, from: u32, to: u32) {
+        self.strays.apply(&self.ring);
         self.surface.collapse(from, to, &self.images.of_corners);
         self.costs.merge(from, to);
         self.versions[from as usize] += 1;

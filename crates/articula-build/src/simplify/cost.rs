@@ -9,7 +9,7 @@ use articula_core::mesh::Mesh;
 use glam::{DVec3, Vec3};
 
 /// Weight of a border plane over that of a face of the edge's squared length.
-const BORDER: f64 = 10.0;
+const BORDER: f64 = 1.0;
 /// The same of an edge at which texture coordinates, colours or parts differ.
 const SEAM: f64 = 0.3;
 /// Faces around a class beyond which its edges are not looked at.
@@ -22,6 +22,12 @@ pub(super) struct Costs {
     /// Class by class, its point in each pose.
     points: Vec<Vec3>,
     quadrics: Vec<Quadric>,
+    /// How much an error at each class counts.
+    factors: Vec<f32>,
+    /// Area around each class, with all that it stands for; the mean over poses.
+    areas: Vec<f64>,
+    /// Mean of the areas at the start.
+    mean_area: f64,
     /// Classes without a finite point in some pose.
     pub(super) lost: Vec<bool>,
 }
@@ -40,6 +46,7 @@ impl Costs {
             quadrics: vec![Quadric::default(); classes.len() * poses.len()],
             lost: vec![false; classes.len()],
             points: Vec::with_capacity(classes.len() * poses.len()),
+            ..Self::default()
         };
         for (class, v) in classes.first.iter().enumerate() {
             for pose in poses {
@@ -51,6 +58,7 @@ impl Costs {
             }
         }
         costs.add_faces(surface);
+        costs.scale();
         costs.hold_edges(surface, classes);
         costs.weigh(mesh, options, classes);
         costs
@@ -107,21 +115,49 @@ impl Costs {
     }
 
     fn weigh(&mut self, mesh: &Mesh, options: &SimplifyOptions, classes: &Classes) {
-        let mut factors = vec![0.0f64; classes.len()];
+        let mut factors = vec![0.0f32; classes.len()];
         for (v, class) in classes.of_vertex.iter().enumerate() {
-            let mut factor = options.vertex_weights.get(v).map_or(1.0, |w| f64::from(*w));
+            let mut factor = options.vertex_weights.get(v).copied().unwrap_or(1.0);
             if let Weighting::Joint { strength } = options.weighting {
                 let most = mesh.influences_of(v).map(|i| i.1).fold(0.0, f32::max);
-                factor *= f64::from(1.0 + strength * (1.0 - most));
+                factor *= 1.0 + strength * (1.0 - most);
             }
             let known = &mut factors[*class as usize];
             *known = known.max(factor);
         }
-        for (quadrics, factor) in self.quadrics.chunks_exact_mut(self.poses).zip(factors) {
-            for q in quadrics.iter_mut().filter(|_| factor != 1.0) {
-                *q = q.scaled(factor);
-            }
+        self.factors = factors;
+    }
+
+    /// Squared distances are sums over area divided by a mean of a class's own area and that of
+    /// all: by its own alone, small faces of little worth would be kept; by one for all, dense
+    /// parts such as faces and hands would go first.
+    fn scale(&mut self) {
+        let poses = self.poses as f64;
+        let areas = self.quadrics.chunks_exact(self.poses);
+        let area = |q: &[Quadric]| q.iter().map(|q| q.weight).sum::<f64>() / poses;
+        self.areas = areas.map(area).collect();
+        let used = self.areas.iter().filter(|a| **a > 0.0).count().max(1);
+        self.mean_area = self.areas.iter().sum::<f64>() / used as f64;
+    }
+
+    /// How much an error at a class counts.
+    pub(super) fn factor(&self, class: u32) -> f32 {
+        self.factors[class as usize]
+    }
+
+    /// What makes a squared distance of an area times squared distances in all poses.
+    pub(super) fn squared_distance(&self, class: u32, cost: f64) -> f64 {
+        let area = (self.areas[class as usize] * self.mean_area).sqrt();
+        if area > 0.0 {
+            cost / (self.poses as f64 * area)
+        } else {
+            0.0
         }
+    }
+
+    /// Number of poses.
+    pub(super) fn poses(&self) -> usize {
+        self.poses
     }
 
     fn point(&self, class: u32, pose: usize) -> Vec3 {
@@ -140,6 +176,7 @@ impl Costs {
         let quadrics = &self.quadrics[at..at + self.poses];
         let pairs = quadrics.iter().zip(self.points(to));
         let sum: f64 = pairs.map(|(q, p)| q.at(p.as_dvec3())).sum();
+        let sum = self.squared_distance(from, sum) * f64::from(self.factor(from));
         if sum.is_nan() { f64::INFINITY } else { sum }
     }
 
@@ -149,6 +186,7 @@ impl Costs {
             let moved = self.quadrics[from as usize * self.poses + pose];
             self.quadrics[to as usize * self.poses + pose].add(&moved);
         }
+        self.areas[to as usize] += self.areas[from as usize];
     }
 }
 

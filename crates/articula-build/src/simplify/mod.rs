@@ -2,7 +2,8 @@
 //!
 //! Half-edge collapses, cheapest first: a vertex goes onto a neighbour, so that no position is
 //! ever made and the vertices of a level are among those of every finer one. What a collapse
-//! costs is the quadric error summed over poses.
+//! costs is the quadric error summed over poses, and the greatest distance over all poses that
+//! it leaves a removed vertex at.
 //!
 //! Source: Garland and Heckbert (1997) for quadrics; Mohr and Gleicher, *Deformation Sensitive
 //! Decimation* (2003), and DeCoro and Rusinkiewicz, *Pose-independent Simplification of
@@ -12,11 +13,13 @@
 
 mod classes;
 mod collapse;
+mod components;
 mod cost;
 mod levels;
 mod quadric;
 mod region_weights;
 mod ring;
+mod strays;
 mod topology;
 mod wedges;
 

@@ -11,6 +11,8 @@ pub(super) struct Quadric {
     a: [f64; 6],
     b: DVec3,
     c: f64,
+    /// Sum of weights.
+    pub(super) weight: f64,
 }
 
 impl Quadric {
@@ -29,6 +31,7 @@ impl Quadric {
             .map(|v| v * weight),
             b: n * (d * weight),
             c: d * d * weight,
+            weight,
         }
     }
 
@@ -39,15 +42,7 @@ impl Quadric {
         }
         self.b += o.b;
         self.c += o.c;
-    }
-
-    /// This form, `factor` times as heavy.
-    pub(super) fn scaled(&self, factor: f64) -> Self {
-        Self {
-            a: self.a.map(|v| v * factor),
-            b: self.b * factor,
-            c: self.c * factor,
-        }
+        self.weight += o.weight;
     }
 
     /// Its value at a point; never below 0.
@@ -70,7 +65,7 @@ mod tests {
     fn a_plane_costs_its_weight_times_the_squared_distance() {
         let mut q = Quadric::plane(DVec3::Z, DVec3::new(5.0, -2.0, 1.0), 3.0);
         assert!((q.at(DVec3::new(7.0, 7.0, 3.0)) - 12.0).abs() < 1e-12);
-        q.add(&Quadric::plane(DVec3::X, DVec3::ZERO, 1.0).scaled(2.0));
+        q.add(&Quadric::plane(DVec3::X, DVec3::ZERO, 2.0));
         // 3 * (3 - 1)^2 + 2 * 7^2.
         assert!((q.at(DVec3::new(7.0, 7.0, 3.0)) - 110.0).abs() < 1e-12);
         assert_eq!(q.at(DVec3::new(0.0, 0.0, 1.0)), 0.0);

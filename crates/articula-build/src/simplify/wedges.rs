@@ -2,21 +2,47 @@
 //!
 //! Source: `spec/clustered-mesh.md` 5: a wedge goes to the one that shares a removed face with
 //! it, which keeps seams, creases and material borders. Differs: where that gives none but the
-//! two agree in all but normals, the nearest normal is taken, at a cost. Otherwise meshes whose
-//! every face has normals of its own could not be simplified at all.
+//! two agree in all but normals, the nearest normal is taken, at a cost; otherwise meshes whose
+//! every face has normals of its own could not be simplified at all. Seams of texture coordinates
+//! and colours go the same way at a far higher cost, so in coarse levels only; parts never mix.
 
 use super::classes::Classes;
 use super::ring::Ring;
 use super::topology::Surface;
-use glam::Vec3;
+use articula_core::mesh::Mesh;
+
+/// A change of texture coordinates by 1 counts as much as this change of a unit normal, squared.
+const TEXCOORDS: f32 = 2500.0;
+/// The same of linear colours.
+const COLORS: f32 = 100.0;
+
+/// The wedges of a mesh.
+#[derive(Clone, Copy)]
+pub(super) struct Wedges<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) classes: &'a Classes,
+}
+
+impl Wedges<'_> {
+    /// Squared change of attributes between two wedges.
+    fn change(&self, a: u32, b: u32) -> f32 {
+        let (a, b) = (a as usize, b as usize);
+        let mesh = self.mesh;
+        let normals = mesh.normals[a].distance_squared(mesh.normals[b]);
+        let texcoords = mesh.texcoords[a].distance_squared(mesh.texcoords[b]);
+        let colors = mesh.colors[a].distance_squared(mesh.colors[b]);
+        let sum = normals + TEXCOORDS * texcoords + COLORS * colors;
+        if sum.is_finite() { sum } else { 0.0 }
+    }
+}
 
 /// Images of the corners around a class, refilled for each collapse looked at.
 #[derive(Debug, Default)]
 pub(super) struct Images {
     /// New wedge of each face around the class that stays, in the ring's order.
     pub(super) of_corners: Vec<u32>,
-    /// Squared change of normal at each of them beyond what the shape asks for.
-    pub(super) turns: Vec<f32>,
+    /// Squared change of attributes at each of them beyond what the shape asks for.
+    pub(super) changes: Vec<f32>,
     /// Wedges that share a removed face.
     pairs: Vec<(u32, u32)>,
     /// All wedges around the target.
@@ -28,13 +54,12 @@ impl Images {
     pub(super) fn find(
         &mut self,
         surface: &Surface,
-        classes: &Classes,
-        normals: &[Vec3],
+        wedges: Wedges<'_>,
         ring: &Ring,
         to: u32,
     ) -> bool {
         self.of_corners.clear();
-        self.turns.clear();
+        self.changes.clear();
         self.pairs.clear();
         self.targets.clear();
         for (face, at, a, b) in &ring.faces {
@@ -43,8 +68,8 @@ impl Images {
                 to if to == *b => (at + 2) % 3,
                 _ => continue,
             };
-            let wedges = surface.wedges[*face];
-            self.pairs.push((wedges[*at], wedges[target]));
+            let corners = surface.wedges[*face];
+            self.pairs.push((corners[*at], corners[target]));
         }
         for (face, at, a, b) in &ring.faces {
             if *a == to || *b == to {
@@ -53,15 +78,14 @@ impl Images {
             let wedge = surface.wedges[*face][*at];
             if let Some(image) = self.strict(wedge) {
                 self.of_corners.push(image);
-                self.turns.push(0.0);
+                self.changes.push(0.0);
                 continue;
             }
-            let Some(image) = self.nearest(surface, classes, normals, (wedge, to)) else {
+            let Some(image) = self.nearest(surface, wedges, wedge, to) else {
                 return false;
             };
             self.of_corners.push(image);
-            let turn = normals[wedge as usize].distance_squared(normals[image as usize]);
-            self.turns.push(if turn.is_finite() { turn } else { 0.0 });
+            self.changes.push(wedges.change(wedge, image));
         }
         true
     }
@@ -73,25 +97,17 @@ impl Images {
         images.all(|i| i == first).then_some(first)
     }
 
-    /// The wedge of the class `to` with the nearest normal among those that removed faces tell
-    /// to agree with `wedge` in all else.
+    /// The wedge of the class `to` that differs least from `wedge` among those that removed faces
+    /// tell to agree with it in all but normals or, if none does, of its part.
     fn nearest(
         &mut self,
         surface: &Surface,
-        classes: &Classes,
-        normals: &[Vec3],
-        (wedge, to): (u32, u32),
+        wedges: Wedges<'_>,
+        wedge: u32,
+        to: u32,
     ) -> Option<u32> {
-        let chart = classes.chart[wedge as usize];
-        let mut charts = self
-            .pairs
-            .iter()
-            .filter(|p| classes.chart[p.0 as usize] == chart)
-            .map(|p| classes.chart[p.1 as usize]);
-        let image = charts.next()?;
-        if !charts.all(|c| c == image) {
-            return None;
-        }
+        let classes = wedges.classes;
+        let chart = self.chart_of_image(classes, wedge);
         if self.targets.is_empty() {
             let corners = surface.around(to);
             self.targets
@@ -99,12 +115,22 @@ impl Images {
             self.targets.sort_unstable();
             self.targets.dedup();
         }
-        let normal = normals[wedge as usize];
-        let far = |w: u32| normal.distance_squared(normals[w as usize]);
-        self.targets
-            .iter()
-            .copied()
-            .filter(|w| classes.chart[*w as usize] == image)
-            .min_by(|a, b| far(*a).total_cmp(&far(*b)))
+        let part = classes.part[wedge as usize];
+        let agrees = |w: &u32| match chart {
+            Some(chart) => classes.chart[*w as usize] == chart,
+            None => classes.part[*w as usize] == part,
+        };
+        let targets = self.targets.iter().copied().filter(agrees);
+        let change = |w: &u32| wedges.change(wedge, *w);
+        targets.min_by(|a, b| change(a).total_cmp(&change(b)))
+    }
+
+    /// The one chart that shares removed faces with that of `wedge`.
+    fn chart_of_image(&self, classes: &Classes, wedge: u32) -> Option<u32> {
+        let chart = |w: u32| classes.chart[w as usize];
+        let beside = self.pairs.iter().filter(|p| chart(p.0) == chart(wedge));
+        let mut images = beside.map(|p| chart(p.1));
+        let first = images.next()?;
+        images.all(|i| i == first).then_some(first)
     }
 }
