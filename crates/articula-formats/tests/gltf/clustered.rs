@@ -12,7 +12,10 @@ use serde_json::{Value, json};
 /// A sheet of 4 x 4 squares with every kind of array: interleaved and strided, integers, sparse
 /// over zeros and over values, named twice, unused vertices; skinned and morphed.
 fn sheet() -> Tiny {
-    let mut tiny = Tiny::skinned();
+    sheet_in(Tiny::skinned())
+}
+
+fn sheet_in(mut tiny: Tiny) -> Tiny {
     let side = 5u32;
     let count = (side * side + 2) as usize;
     // Positions and the second texture coordinates interleaved, two unused vertices at the end.
@@ -318,6 +321,52 @@ fn strips_fans_points_and_shared_arrays() {
     let bytes = file.document.write_glb().unwrap();
     let after = read(&bytes).unwrap().value;
     same_levels(&before, &after.character.meshes[0], &of[0], 3);
+    let opts = LevelNodes::new(1.0);
+    file.document.add_level_nodes(0, &table(3), &opts).unwrap();
+    let coarser = &file.document.json["meshes"][1]["primitives"];
+    let modes: Vec<_> = coarser
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|p| &p["mode"])
+        .collect();
+    assert_eq!(
+        modes.last(),
+        Some(&&json!(0)),
+        "and points are there at every level"
+    );
+}
+
+/// New clips drop the arrays of the old ones, so accessors are numbered anew.
+#[test]
+fn levels_survive_new_clips() {
+    let mut tiny = Tiny::skinned();
+    let turns = tiny.floats("VEC4", &[0., 0., 0., 1., 0., 1., 0., 0.]);
+    tiny.channel(
+        json!({"node": 1, "path": "rotation"}),
+        "LINEAR",
+        &[0., 1.],
+        turns,
+    );
+    // The arrays of the animation come before those of the sheet.
+    let animations = tiny.json["animations"].take();
+    let mut tiny = sheet_in(tiny);
+    tiny.json["animations"] = animations;
+    let mut file = tiny.read().unwrap().value;
+    let of = vec![clustered(&file.character.meshes[0], 4)];
+    store(&mut file, &of).unwrap();
+    file.document
+        .add_level_nodes(2, &table(4), &LevelNodes::new(1.0))
+        .unwrap();
+    let before = reread(&file.document).character;
+    let count = |d: &Document| d.json["accessors"].as_array().unwrap().len();
+    let accessors = count(&file.document);
+    let (joints, meshes) = (file.node_of_joint.clone(), file.node_of_mesh.clone());
+    file.document.replace_clips(&[], &joints, &meshes).unwrap();
+    assert_eq!(count(&file.document), accessors - 2);
+    let after = reread(&file.document).character;
+    assert_eq!(after.meshes, before.meshes);
+    assert_eq!(after.mesh_levels, before.mesh_levels);
 }
 
 #[test]

@@ -231,10 +231,14 @@ impl Document {
         self.add_accessor(accessor)
     }
 
-    /// A node in no scene that shows primitives where another node stands.
-    fn add_level_node(&mut self, node: usize, primitives: Vec<Value>) -> usize {
+    /// A node in no scene that shows primitives where another node stands, and what of the other's
+    /// mesh has no levels, such as lines.
+    fn add_level_node(&mut self, node: usize, mut primitives: Vec<Value>) -> usize {
         let fine = self.json["nodes"][node].clone();
         let mut mesh = self.json["meshes"][index(&fine, "mesh").unwrap_or(0)].clone();
+        let has_levels = |p: &Value| p.get("extensions").and_then(|e| e.get(NAME)).is_some();
+        let others = entries_mut(&mut mesh, "primitives").iter();
+        primitives.extend(others.filter(|p| !has_levels(p)).cloned());
         set(&mut mesh, "primitives", primitives);
         let mut value = json!({"mesh": push(&mut self.json, "meshes", mesh)});
         let placed = ["matrix", "translation", "rotation", "scale"];
