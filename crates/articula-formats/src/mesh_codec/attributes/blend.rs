@@ -40,8 +40,10 @@ impl<const K: usize> Blend<K> {
             }
             let mut out = [0; K];
             for k in 1..K {
-                let given = (fitted[k] + 128) as u32;
-                out[k] = coder.raw(COEFFICIENT_BITS, given) as i32 - 128;
+                if coder.raw(1, u32::from(fitted[k] != 0)) == 1 {
+                    let given = (fitted[k] + 128) as u32;
+                    out[k] = coder.raw(COEFFICIENT_BITS, given) as i32 - 128;
+                }
             }
             out
         };
@@ -99,13 +101,31 @@ fn cost<const K: usize, const D: usize>(samples: &Taken<'_, K, D>, c: &[i32; K])
     samples.iter().map(of_sample).sum()
 }
 
-/// Coefficients that are worth their bits.
+/// Samples up to which single candidates are tried: of more, all are worth fitting.
+const FEW: usize = 4000;
+
+/// Coefficients that are worth their bits; none if the default will do.
 fn fit<const K: usize, const D: usize>(samples: &Taken<'_, K, D>) -> Option<[i32; K]> {
-    if samples.len() < 2 * K {
+    if samples.is_empty() {
         return None;
     }
     let mut best = (cost(samples, &default_coefficients()), None);
-    let price = f64::from(COEFFICIENT_BITS) * (K - 1) as f64;
+    let mut consider = |c: [i32; K]| {
+        let used = c.iter().filter(|x| **x != 0).count() as f64;
+        let price = used * f64::from(COEFFICIENT_BITS) + (K - 1) as f64;
+        let bits = cost(samples, &c) + price;
+        if bits < best.0 {
+            best = (bits, Some(c));
+        }
+    };
+    if samples.len() < FEW {
+        consider([0; K]);
+        for k in 1..K {
+            for c in [32, 64] {
+                consider(std::array::from_fn(|i| if i == k { c } else { 0 }));
+            }
+        }
+    }
     let mut c = [0f64; K];
     for round in 0..4 {
         let weight = |r: f64| {
@@ -115,12 +135,11 @@ fn fit<const K: usize, const D: usize>(samples: &Taken<'_, K, D>) -> Option<[i32
                 1.0 / (r.abs() + 12.0)
             }
         };
-        c = solve(samples, &c, weight)?;
-        let rounded = c.map(|x| (x * 64.0).round().clamp(-128.0, 127.0) as i32);
-        let bits = cost(samples, &rounded) + price;
-        if bits < best.0 {
-            best = (bits, Some(rounded));
-        }
+        let Some(next) = solve(samples, &c, weight) else {
+            break;
+        };
+        c = next;
+        consider(c.map(|x| (x * 64.0).round().clamp(-128.0, 127.0) as i32));
     }
     best.1
 }

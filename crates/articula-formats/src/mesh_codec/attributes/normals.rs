@@ -8,8 +8,9 @@ use super::{Place, Walk};
 use crate::mesh_codec::range_coder::Coder;
 
 /// Candidates: by angle and by area over the wedge's faces, by angle and area over the point's,
-/// the neighbours' mean correction, its affine fit, the neighbours' mean.
-const CANDIDATES: usize = 7;
+/// the neighbours' mean correction, its affine fit, the neighbours' mean, its affine fit, and by
+/// angle over all faces of the point's neighbours.
+const CANDIDATES: usize = 9;
 /// Surroundings: whether a neighbour is known, whether the point has other wedges.
 const CLASSES: usize = 6;
 
@@ -17,14 +18,28 @@ const CLASSES: usize = 6;
 pub(super) struct Geometry {
     of_wedges: Normals,
     of_points: Normals,
+    /// Those of points by angle, over all neighbours.
+    smoothed: Vec<[i32; 3]>,
 }
 
 impl Geometry {
     pub(super) fn new(walk: &Walk<'_>) -> Self {
         let at = |w: u32| walk.positions[walk.siblings.point(w) as usize];
+        let of_points = Normals::new(&walk.points, |p| walk.positions[p as usize]);
+        let smooth = |p: u32| {
+            let mut sum = of_points.by_angle[p as usize].map(i64::from);
+            for u in walk.points.edges(p).flatten() {
+                let normal = of_points.by_angle[u as usize];
+                for d in 0..3 {
+                    sum[d] += i64::from(normal[d]);
+                }
+            }
+            geometry::unit(sum)
+        };
         Self {
             of_wedges: Normals::new(&walk.wedges, at),
-            of_points: Normals::new(&walk.points, |p| walk.positions[p as usize]),
+            smoothed: (0..walk.points.len() as u32).map(smooth).collect(),
+            of_points,
         }
     }
 }
@@ -77,6 +92,8 @@ impl Predictor<'_> {
             off(mean),
             off(whole(corrections[2])),
             if has_none { base } else { whole(means[0]) },
+            if has_none { base } else { whole(means[2]) },
+            geometry.smoothed[point],
         ];
         (candidates, apart / count)
     }
@@ -128,7 +145,18 @@ pub(super) fn code<C: Coder>(
             if let Some(sibling) = walk.siblings.known(w).next() {
                 models.misses.copy(w, sibling);
             }
-        } else if let Some(found) = models.around.code(coder, ask, (normals, w)) {
+            vectors[at] = vector(&normals[at]);
+            continue;
+        }
+        let shape = geometry.of_wedges.by_angle[at];
+        let far = |u: u32| {
+            let other = vectors[u as usize];
+            (0..3)
+                .map(|d| u64::from(shape[d].abs_diff(other[d])).pow(2))
+                .sum()
+        };
+        let around = (&walk.wedges, &walk.points, &walk.siblings);
+        if let Some(found) = models.around.code(coder, around, (normals, w), far) {
             normals[at] = found;
         } else {
             normals[at] = predictor.code(coder, &mut models, w, (&vectors, normals[at]));

@@ -51,6 +51,13 @@ impl<'a> Siblings<'a> {
         &self.wedges[self.starts[p] as usize..self.starts[p + 1] as usize]
     }
 
+    /// The wedges of a point that come before `end`.
+    pub(super) fn at(&self, p: u32, end: u32) -> impl Iterator<Item = u32> + '_ {
+        let p = p as usize;
+        let all = &self.wedges[self.starts[p] as usize..self.starts[p + 1] as usize];
+        all.iter().copied().take(MOST).take_while(move |w| *w < end)
+    }
+
     /// Those that come before it, the latest first.
     pub(super) fn known(&self, w: u32) -> impl Iterator<Item = u32> + '_ {
         let all = self.all(w);
@@ -119,15 +126,17 @@ impl SameValue {
     }
 }
 
-/// Neighbouring values that are asked about.
+/// Values around that are asked about: of neighbours, and of other wedges of their points.
 const MOST_AROUND: usize = 2;
+/// Wedges of neighbouring points that are looked at.
+const MOST_NEARBY: usize = 48;
 
-/// Model of the question whether a wedge has the very value of a neighbour, as those of a flat
+/// Model of the question whether a wedge has the very value of one around, as those of a flat
 /// face have.
 #[derive(Debug)]
 pub(super) struct SameAround {
-    by_votes: [[[Bit; 4]; 4]; MOST_AROUND],
-    by_history: [[Bit; 2]; 256],
+    by_votes: [[[Bit; 4]; 4]; 2 * MOST_AROUND],
+    by_history: Vec<[Bit; 2]>,
     weights: Weights<2>,
     history: usize,
 }
@@ -136,7 +145,7 @@ impl Default for SameAround {
     fn default() -> Self {
         Self {
             by_votes: Default::default(),
-            by_history: [[Bit::default(); 2]; 256],
+            by_history: vec![[Bit::default(); 2]; 16 * 16],
             weights: Weights::default(),
             history: 0,
         }
@@ -144,45 +153,73 @@ impl Default for SameAround {
 }
 
 impl SameAround {
-    /// Whether a wedge that has the value of no sibling has that of a neighbour, and of which:
-    /// the most frequent ones are asked about.
+    /// Whether a wedge that has the value of no sibling has that of a neighbour, the most
+    /// frequent first, or that of another wedge at a neighbour's point, the one that is least
+    /// `far` first; and which.
     pub(super) fn code<V: PartialEq + Copy>(
         &mut self,
         coder: &mut impl Coder,
-        (ring, siblings): (&Ring, &Siblings<'_>),
+        (wedges, points, siblings): (&Ring, &Ring, &Siblings<'_>),
         (values, w): (&[V], u32),
+        far: impl Fn(u32) -> u64,
     ) -> Option<V> {
         let mut near = Vec::new();
-        ring.known(w, &mut near);
+        wedges.known(w, &mut near);
+        let is_asked = |v: &V| siblings.known(w).any(|s| values[s as usize] == *v);
         let mut votes: Vec<(V, usize)> = Vec::with_capacity(near.len());
         for u in &near {
             let value = values[*u as usize];
             match votes.iter_mut().find(|v| v.0 == value) {
                 Some(found) => found.1 += 1,
-                None => votes.push((value, 1)),
+                None if !is_asked(&value) => votes.push((value, 1)),
+                None => (),
             }
         }
-        votes.retain(|v| siblings.known(w).all(|s| values[s as usize] != v.0));
         votes.sort_by_key(|v| std::cmp::Reverse(v.1));
-        let faces = ring.edges(w).take(4).count();
-        for (rank, (value, count)) in votes.into_iter().take(MOST_AROUND).enumerate() {
-            let is_all = usize::from(count == near.len());
-            let models = [
-                &mut self.by_votes[rank][count.min(3)][faces - 1],
-                &mut self.by_history[self.history][is_all],
-            ];
-            let is_same = decide(
-                coder,
-                models,
-                &mut self.weights,
-                value == values[w as usize],
-            );
-            self.history =
-                (self.history << 1 | usize::from(is_same)) & 15 | (faces - 1) << 6 | rank << 5;
-            if is_same {
+        let faces = wedges.edges(w).take(4).count() - 1;
+        for (rank, (value, count)) in votes.iter().take(MOST_AROUND).enumerate() {
+            let is_all = usize::from(*count == near.len());
+            let given = *value == values[w as usize];
+            if self.ask(coder, (rank, faces, (*count).min(3), is_all), given) {
+                return Some(*value);
+            }
+        }
+        votes.truncate(MOST_AROUND);
+        let around = points.edges(siblings.point(w)).flatten();
+        let all = around.flat_map(|p| siblings.at(p, w)).take(MOST_NEARBY);
+        let mut nearby: Vec<(u64, u32)> = all.map(|u| (far(u), u)).collect();
+        nearby.sort_unstable();
+        let mut rank = MOST_AROUND;
+        for (_, u) in nearby {
+            let value = values[u as usize];
+            if rank == 2 * MOST_AROUND {
+                break;
+            }
+            if is_asked(&value) || votes.iter().any(|v| v.0 == value) {
+                continue;
+            }
+            let given = value == values[w as usize];
+            if self.ask(coder, (rank, faces, votes.len(), 0), given) {
                 return Some(value);
             }
+            votes.push((value, 0));
+            rank += 1;
         }
         None
+    }
+
+    fn ask(
+        &mut self,
+        coder: &mut impl Coder,
+        (rank, faces, count, is_all): (usize, usize, usize, usize),
+        given: bool,
+    ) -> bool {
+        let models = [
+            &mut self.by_votes[rank][count.min(3)][faces],
+            &mut self.by_history[(self.history & 15) | (rank << 6) | (faces << 4)][is_all],
+        ];
+        let is_same = decide(coder, models, &mut self.weights, given);
+        self.history = (self.history << 1) | usize::from(is_same);
+        is_same
     }
 }

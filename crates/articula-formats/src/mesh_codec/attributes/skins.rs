@@ -107,7 +107,8 @@ struct Models {
     by_weight: Vec<[Bit; 8]>,
     by_rank: Vec<[Bit; 32]>,
     by_range: Vec<[Bit; 4]>,
-    presence: Weights<3>,
+    by_joint: Vec<[Bit; 16]>,
+    presence: Weights<4>,
     more: MixedNatural<2>,
     strangers: Strangers,
     weights: Residuals,
@@ -119,6 +120,7 @@ impl Models {
             by_weight: vec![[Bit::default(); 8]; 32],
             by_rank: vec![[Bit::default(); 32]; 16],
             by_range: vec![[Bit::default(); 4]; SIZES * SIZES],
+            by_joint: vec![[Bit::default(); 16]; usize::from(joints)],
             presence: Weights::default(),
             more: MixedNatural::new([8, 8]),
             strangers: Strangers::new(joints),
@@ -142,6 +144,7 @@ impl Models {
             &mut self.by_weight[weight][share.min(4)],
             &mut self.by_rank[rank.min(15)][near],
             &mut self.by_range[range][found.min(3)],
+            &mut self.by_joint[usize::from(c.joint)][weight / 2],
         ];
         decide(coder, models, &mut self.presence, given)
     }
