@@ -33,6 +33,7 @@ pub mod figure_levels;
 pub mod human;
 pub mod influences;
 pub mod ladder;
+pub mod mesh_levels;
 pub mod motion_bounds;
 pub mod motion_error;
 pub mod occluders;

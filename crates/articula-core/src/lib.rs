@@ -73,6 +73,7 @@ pub mod skin;
 pub mod skin_groups;
 pub mod source;
 pub mod sphere;
+pub mod stream;
 pub mod thesis_metric;
 pub mod view;
 pub mod visibility;

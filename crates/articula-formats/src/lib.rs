@@ -20,6 +20,8 @@
 pub mod acclaim;
 pub mod bva;
 pub mod bvh;
+mod bytes;
+pub mod clustered_stream;
 pub mod error;
 mod euler;
 pub mod gltf;

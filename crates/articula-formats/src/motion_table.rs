@@ -5,6 +5,7 @@
 //! are nested: the coarsest comes first and whole, each finer one adds the keys it has more,
 //! so a prefix of the levels is usable. The page is `docs/formats/motion-tables.md`.
 
+use crate::bytes::{Bytes, varint};
 use crate::{Limits, ReadError};
 use articula_core::key_table::{KeyMode, KeyTable, PoseKeys, TableHashes};
 use articula_core::loa::MAX_JOINTS;
@@ -51,7 +52,7 @@ pub fn write_segs(table: &KeyTable) -> Vec<u8> {
 /// [`ReadError::Malformed`] with the byte offset, [`ReadError::Unsupported`] for another
 /// version, [`ReadError::LimitExceeded`].
 pub fn read_segs(bytes: &[u8], limits: &Limits) -> Result<KeyTable, ReadError> {
-    let mut r = Bytes { bytes, at: 0 };
+    let mut r = Bytes::new(bytes);
     let (mode, hashes, base_metres) = r.head(SEGS)?;
     let mode = match mode {
         0 => KeyMode::Hold,
@@ -107,7 +108,7 @@ pub fn write_pose_keys(keys: &PoseKeys) -> Vec<u8> {
 /// # Errors
 /// As [`read_segs`].
 pub fn read_pose_keys(bytes: &[u8], limits: &Limits) -> Result<PoseKeys, ReadError> {
-    let mut r = Bytes { bytes, at: 0 };
+    let mut r = Bytes::new(bytes);
     let (_, hashes, base_metres) = r.head(POSE_KEYS)?;
     let tick_hz = r.positive("a tick rate")?;
     let ticks = r.u32()?;
@@ -145,14 +146,6 @@ fn head(magic: &[u8; 4], mode: u8, hashes: &TableHashes, base_metres: f32) -> Ve
     out
 }
 
-fn varint(out: &mut Vec<u8>, mut value: u64) {
-    while value >= 0x80 {
-        out.push((value & 0x7f) as u8 | 0x80);
-        value >>= 7;
-    }
-    out.push((value & 0x7f) as u8);
-}
-
 /// A count, then each number less the one before it (the first as it is).
 fn gaps(out: &mut Vec<u8>, rising: &[u32]) {
     varint(out, rising.len() as u64);
@@ -163,43 +156,7 @@ fn gaps(out: &mut Vec<u8>, rising: &[u32]) {
     }
 }
 
-struct Bytes<'a> {
-    bytes: &'a [u8],
-    at: usize,
-}
-
 impl Bytes<'_> {
-    fn bad(&self, what: impl Into<String>) -> ReadError {
-        ReadError::malformed(format!("byte {}", self.at), what)
-    }
-
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], ReadError> {
-        let found = self
-            .bytes
-            .get(self.at..)
-            .and_then(|rest| rest.first_chunk::<N>());
-        let found =
-            *found.ok_or_else(|| self.bad(format!("the end, {N} more bytes are expected")))?;
-        self.at += N;
-        Ok(found)
-    }
-
-    fn u32(&mut self) -> Result<u32, ReadError> {
-        self.take().map(u32::from_le_bytes)
-    }
-
-    fn u64(&mut self) -> Result<u64, ReadError> {
-        self.take().map(u64::from_le_bytes)
-    }
-
-    fn positive(&mut self, what: &str) -> Result<f32, ReadError> {
-        let value = f32::from_le_bytes(self.take()?);
-        if value.is_finite() && value > 0.0 {
-            return Ok(value);
-        }
-        Err(self.bad(format!("{value} where {what} above 0 is expected")))
-    }
-
     fn head(&mut self, magic: &[u8; 4]) -> Result<(u8, TableHashes, f32), ReadError> {
         let found = self.take::<4>()?;
         if found != *magic {
@@ -225,25 +182,6 @@ impl Bytes<'_> {
         Ok((mode, hashes, self.positive("a tolerance")?))
     }
 
-    fn varint(&mut self) -> Result<u64, ReadError> {
-        let mut value = 0u64;
-        for shift in (0..35).step_by(7) {
-            let [byte] = self.take::<1>()?;
-            value |= u64::from(byte & 0x7f) << shift;
-            if byte & 0x80 == 0 {
-                return Ok(value);
-            }
-        }
-        Err(self.bad("a number of more than 35 bits"))
-    }
-
-    fn count(&mut self, which: &'static str, limit: usize) -> Result<usize, ReadError> {
-        let at = format!("byte {}", self.at);
-        let count = self.varint()?;
-        Limits::check(&at, which, count, limit as u64)?;
-        Ok(count as usize)
-    }
-
     /// Rising numbers below `end`; each takes a byte at least, so the file bounds their count.
     fn gaps(&mut self, end: u32) -> Result<Vec<u32>, ReadError> {
         let count = self.varint()?;
@@ -263,13 +201,6 @@ impl Bytes<'_> {
             values.push(before as u32);
         }
         Ok(values)
-    }
-
-    fn end(&self) -> Result<(), ReadError> {
-        if self.at == self.bytes.len() {
-            return Ok(());
-        }
-        Err(self.bad(format!("{} bytes too many", self.bytes.len() - self.at)))
     }
 }
 

@@ -1,0 +1,125 @@
+//! All levels of a character's meshes: simplified by how it moves, measured on other poses,
+//! stored as ranges.
+//!
+//! Source: thesis 3.1.2, `spec/clustered-mesh.md`. One queue over all parts of the character
+//! (`simplify`), one object for each part (`clusters`), one error for each level of the whole
+//! character (`surface_distance`).
+
+use crate::character::Asset;
+use crate::clusters::{Clustered, Order, cluster};
+use crate::poses::{PoseOptions, PoseSource, Poses, poses, positions};
+use crate::simplify::{Simplified, SimplifyOptions, simplify};
+use crate::surface_distance::{DistanceOptions, Distances, LevelDistances, surface_distances};
+use articula_core::Mismatch;
+use articula_core::level_table::{LevelRow, LevelTable, SurfaceError};
+use articula_core::mesh::Part;
+
+/// How mesh levels are made and measured.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MeshLevelOptions {
+    /// How the mesh is simplified.
+    pub simplify: SimplifyOptions,
+    /// Which poses it is simplified by, and which it is measured on.
+    pub poses: PoseOptions,
+    /// Which points are measured.
+    pub distance: DistanceOptions,
+}
+
+/// All mesh levels of a character; level 0 is the coarsest, the last the original.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshLevels {
+    /// What each level shows and loses, at rest and in poses that it was not made by.
+    pub table: LevelTable,
+    /// One object for each part of the character's mesh; vertices are numbered within the part.
+    pub objects: Vec<Clustered>,
+    /// Triangles of each part at each level, vertices numbered within the part.
+    pub parts: Vec<Vec<Vec<[u32; 3]>>>,
+    /// Where the poses come from.
+    pub source: PoseSource,
+    /// Poses that errors were measured on, the rest pose not counted.
+    pub poses_measured: usize,
+}
+
+/// Makes all mesh levels of a character and measures them.
+///
+/// # Errors
+/// A [`Mismatch`] if options do not fit the mesh, or the asset's parts are of another character.
+pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels, Mismatch> {
+    let mesh = &asset.mesh;
+    let poses = poses(asset, &opts.poses)?;
+    let simplified = simplify(mesh, &positions(asset, &poses.shaping), &opts.simplify)?;
+    let distances = measured(asset, &simplified, &poses, &opts.distance)?;
+    let mut objects = Vec::with_capacity(mesh.parts.len());
+    let mut parts = Vec::with_capacity(mesh.parts.len());
+    for (p, part) in mesh.parts.iter().enumerate() {
+        let levels = part_levels(&simplified, p, part);
+        let of_part = opts.simplify.regions.get(part.vertices.clone());
+        let regions: Vec<u16> = of_part.unwrap_or(&[]).iter().map(|r| (*r).into()).collect();
+        objects.push(cluster(
+            &levels,
+            part.vertices.len(),
+            &regions,
+            Order::Store,
+        )?);
+        parts.push(levels);
+    }
+    let row = |(l, distances): (usize, &LevelDistances)| LevelRow {
+        triangles: simplified.levels[l].triangles.len() as u64,
+        vertices: objects
+            .iter()
+            .map(|o: &Clustered| u64::from(o.clusters.vertices(l)))
+            .sum(),
+        rest: error(&distances.rest),
+        motion: error(&distances.motion),
+    };
+    let table = LevelTable {
+        levels: distances.iter().enumerate().map(row).collect(),
+        regions: Vec::new(),
+        mixable_from: objects.iter().map(|o| o.mixable_from).max().unwrap_or(0),
+    };
+    Ok(MeshLevels {
+        table,
+        objects,
+        parts,
+        source: poses.source,
+        poses_measured: poses.measuring.len(),
+    })
+}
+
+/// Triangles of one part at each level, vertices numbered within it.
+fn part_levels(simplified: &Simplified, p: usize, part: &Part) -> Vec<Vec<[u32; 3]>> {
+    let first = part.vertices.start as u32;
+    let local = |t: &[u32; 3]| t.map(|v| v - first);
+    let of_level = simplified.levels.iter().map(|level| {
+        let triangles = &level.triangles[level.parts[p].clone()];
+        triangles.iter().map(local).collect()
+    });
+    of_level.collect()
+}
+
+fn error(distances: &Distances) -> SurfaceError {
+    SurfaceError {
+        max_metres: distances.max_metres,
+        p99_metres: distances.p99_metres,
+        p95_metres: distances.p95_metres,
+        mean_metres: distances.mean_metres,
+    }
+}
+
+fn measured(
+    asset: &Asset,
+    simplified: &Simplified,
+    poses: &Poses,
+    opts: &DistanceOptions,
+) -> Result<Vec<LevelDistances>, Mismatch> {
+    let Some((original, coarser)) = simplified.levels.split_last() else {
+        return Ok(Vec::new());
+    };
+    let coarser: Vec<&[[u32; 3]]> = coarser.iter().map(|l| l.triangles.as_slice()).collect();
+    let rest = positions(asset, &poses.shaping[..1]);
+    let motion = positions(asset, &poses.measuring);
+    let mut all = surface_distances(&original.triangles, &coarser, &rest[0], &motion, opts)?;
+    // The original lies on itself.
+    all.push(LevelDistances::default());
+    Ok(all)
+}
