@@ -14,6 +14,7 @@ mod crowd;
 mod fault;
 mod files;
 mod load;
+mod mesh_levels;
 mod motion_tables;
 mod play;
 mod prepared;

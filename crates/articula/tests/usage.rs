@@ -36,7 +36,12 @@ fn help_is_no_error_and_wrong_words_are_usage() {
         &["lod", "a.glb", "--display-hz", "30"],
         &["lod", "a.glb", "--chain", "split"],
         &["inspect", "a.bvh", "--unit-metres", "0"],
-        &["build", "a.glb", "b.glb", "--levels", "3"],
+        &["build", "a.glb", "b.glb", "--levels", "0"],
+        &["build", "a.glb", "b.glb", "--levels", "3", "--targets", "100,50"],
+        &["build", "a.glb", "b.glb", "--targets", "100,50,60"],
+        &["build", "a.glb", "b.glb", "--levels", "3", "--region-weight", "nose=2"],
+        &["build", "a.glb", "b.glb", "--levels", "3", "--split", "nose"],
+        &["build", "a.glb", "b.glb", "--msft-lod"],
         &["human", "--triangles", "many", "a.glb"],
     ] {
         assert_eq!(articula(&here, words).status, 2, "{words:?}");

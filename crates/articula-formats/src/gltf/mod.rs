@@ -17,6 +17,7 @@
 //! - [`clustered`]: the extension `ARTICULA_clustered_mesh`, and levels as `MSFT_lod`
 //! - `append`, `arrays`, `clips`, `bounds`, `prune`: a document changed
 //! - `fresh`, `geometry`: a document made from a character
+//! - `weight`: what meshes weigh
 //! - `write`: back to bytes
 //!
 //! Source: glTF 2.0 specification (ISO/IEC 12113:2022). The page is `docs/formats/gltf.md`.
@@ -52,6 +53,7 @@ mod skeleton;
 mod skin;
 mod texcoord;
 mod vrm;
+mod weight;
 mod write;
 
 pub use document::Document;

@@ -4,6 +4,7 @@ use crate::arguments::ReadArgs;
 use crate::console::Console;
 use crate::fault::clean;
 use crate::load::{self, Behind, Format, Loaded};
+use crate::mesh_levels::{self, Levels, MeshLevelArgs, report};
 use crate::motion_tables::{self, ClipTables, POSE_KEYS, SEGS};
 use crate::prepared::{Prepared, articulation_of};
 use crate::table::{Table, counted};
@@ -27,6 +28,8 @@ pub(crate) struct BuildArgs {
     /// Seed of the choice of vertices that whole-pose keys watch
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    mesh_levels: MeshLevelArgs,
 }
 
 #[derive(Debug, Serialize)]
@@ -40,8 +43,14 @@ struct Report {
     mapped: usize,
     profile: String,
     clips: Vec<Clip>,
-    /// Mesh levels; none are made yet.
-    levels: Vec<usize>,
+    /// Mesh levels, the finest first; none unless they are asked for.
+    levels: Vec<report::Level>,
+    /// What they weigh.
+    bytes: Option<report::Bytes>,
+    /// What their errors in motion were measured on.
+    #[serde(skip)]
+    measured: String,
+    mesh_stream: Option<String>,
     warnings: Vec<String>,
 }
 
@@ -61,46 +70,86 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         let what = "an asset is a GLB; name the file .glb";
         return Err(fault::usage(format!("{}: {what}", files::shown(&args.out))));
     }
+    let targets = args.mesh_levels.wanted()?;
+    let wanted = targets.map(|targets| (&args.mesh_levels, targets));
     let loaded = load::character(&args.input, &args.names)?;
-    let (bytes, prepared, tables) = asset(loaded, args.seed, console)?;
-    files::write(&args.out, &bytes)?;
-    let report = Report::new(args, bytes.len(), &prepared, &tables);
+    let built = asset(loaded, wanted, args.seed, console)?;
+    files::write(&args.out, &built.bytes)?;
+    if let (Some(path), Some(levels)) = (&args.mesh_levels.mesh_stream, &built.levels) {
+        files::write(path, &levels.transport.stream)?;
+    }
+    let report = Report::new(args, &built);
     console.result(&report, Report::text)
 }
 
-/// The bytes of the asset of a character, what it was made of, and its tables.
+/// An asset, and what went into it.
+#[derive(Debug)]
+pub(crate) struct Built {
+    pub(crate) bytes: Vec<u8>,
+    prepared: Prepared,
+    tables: Vec<ClipTables>,
+    pub(crate) levels: Option<Levels>,
+    /// Bytes that its meshes take.
+    pub(crate) mesh_bytes: usize,
+}
+
+/// The asset of a character, with mesh levels at some shares of its triangles if wanted.
 pub(crate) fn asset(
     loaded: Loaded,
+    wanted: Option<(&MeshLevelArgs, Vec<f64>)>,
     seed: u64,
     console: &Console,
-) -> anyhow::Result<(Vec<u8>, Prepared, Vec<ClipTables>)> {
-    let loaded = with_document(loaded)?;
+) -> anyhow::Result<Built> {
+    let mut loaded = with_document(loaded)?;
     let place = loaded.place();
+    let mut levels = None;
+    if let Some((args, targets)) = wanted {
+        let prepared = Prepared::from_loaded(loaded)?;
+        let behind = prepared.loaded.behind.as_ref();
+        let mut document = behind
+            .context("the character has no document")?
+            .document
+            .clone();
+        let made = mesh_levels::add(&prepared, &mut document, args, targets, console)
+            .with_context(|| place.clone())?;
+        // Tables are bound to the order of the vertices, which is new.
+        loaded = reread(prepared.loaded, &document).with_context(|| place.clone())?;
+        levels = Some(made);
+    }
     let prepared = Prepared::from_loaded(loaded)?;
     let tables = motion_tables::made(&prepared.asset, seed, console);
-    let bytes = written(&prepared, &tables).context(place)?;
-    Ok((bytes, prepared, tables))
+    let (bytes, mesh_bytes) = written(&prepared, &tables).context(place)?;
+    Ok(Built {
+        bytes,
+        prepared,
+        tables,
+        levels,
+        mesh_bytes,
+    })
 }
 
 /// A character of another format as the document that it will be.
-fn with_document(mut loaded: Loaded) -> anyhow::Result<Loaded> {
+fn with_document(loaded: Loaded) -> anyhow::Result<Loaded> {
     if loaded.behind.is_some() {
         return Ok(loaded);
     }
     let place = loaded.place();
-    let glb = Document::from_character(&loaded.character).context(place.clone())?;
-    let glb = glb.write_glb().context(place.clone())?;
+    let document = Document::from_character(&loaded.character).context(place.clone())?;
+    reread(loaded, &document).context(place)
+}
+
+/// A character as a document shows it.
+fn reread(mut loaded: Loaded, document: &Document) -> anyhow::Result<Loaded> {
     let nothing: &mut Resolver<'_> = &mut |_: &str| Err("a GLB has nothing beside it".into());
-    let file = gltf::read(&glb, &Limits::default(), nothing)
-        .context(place)?
-        .value;
+    let file = gltf::read(&document.write_glb()?, &Limits::default(), nothing)?.value;
     let (character, behind) = Behind::split(file);
     loaded.character = character;
     loaded.behind = Some(behind);
     Ok(loaded)
 }
 
-fn written(prepared: &Prepared, tables: &[ClipTables]) -> anyhow::Result<Vec<u8>> {
+/// The bytes of the asset, and how many of them are its meshes.
+fn written(prepared: &Prepared, tables: &[ClipTables]) -> anyhow::Result<(Vec<u8>, usize)> {
     let behind = prepared.loaded.behind.as_ref();
     let behind = behind.context("the character has no document")?;
     let mut document = behind.document.clone();
@@ -109,11 +158,12 @@ fn written(prepared: &Prepared, tables: &[ClipTables]) -> anyhow::Result<Vec<u8>
         document.set_motion_table(clip, SEGS, &tables.segs)?;
         document.set_motion_table(clip, POSE_KEYS, &tables.pose_keys)?;
     }
-    Ok(document.write_glb()?)
+    Ok((document.write_glb()?, document.mesh_bytes()))
 }
 
 impl Report {
-    fn new(args: &BuildArgs, bytes_out: usize, prepared: &Prepared, tables: &[ClipTables]) -> Self {
+    fn new(args: &BuildArgs, built: &Built) -> Self {
+        let (prepared, levels) = (&built.prepared, built.levels.as_ref());
         let asset = &prepared.asset;
         let articulation = asset.rig.articulation();
         let clip = |(clip, tables): (&articula_core::clip::Clip, &ClipTables)| Clip {
@@ -127,12 +177,15 @@ impl Report {
             input: prepared.loaded.place(),
             out: files::shown(&args.out),
             bytes_in: prepared.loaded.bytes,
-            bytes_out,
+            bytes_out: built.bytes.len(),
             joints: asset.rig.skin_joints().len(),
             mapped: articulation.mapped(),
             profile: articulation.profile.clone(),
-            clips: asset.clips.iter().zip(tables).map(clip).collect(),
-            levels: Vec::new(),
+            clips: asset.clips.iter().zip(&built.tables).map(clip).collect(),
+            levels: levels.map(report::levels).unwrap_or_default(),
+            bytes: levels.map(|l| report::bytes(l, built.mesh_bytes)),
+            measured: levels.map(report::measured).unwrap_or_default(),
+            mesh_stream: args.mesh_levels.mesh_stream.as_deref().map(files::shown),
             warnings: prepared.loaded.warnings(),
         }
     }
@@ -177,6 +230,13 @@ impl Report {
             text.push_str("no clip: levels and regions only\n");
         } else {
             text.push_str(&table.text());
+        }
+        if let Some(bytes) = &self.bytes {
+            text.push('\n');
+            text.push_str(&report::text(&self.levels, bytes, &self.measured));
+        }
+        if let Some(stream) = &self.mesh_stream {
+            text.push_str(&format!("mesh levels as a stream: {}\n", clean(stream)));
         }
         for warning in &self.warnings {
             text.push_str(&format!("warning: {}\n", clean(warning)));

@@ -99,8 +99,8 @@ fn make_asset(folder: &Folder, console: &Console) -> anyhow::Result<PathBuf> {
     let document = Document::from_character(&character).context("the reference human")?;
     folder.write("human.glb", &document.write_glb()?)?;
     let loaded = load::character(&folder.file("human.glb"), &ReadArgs::default())?;
-    let (bytes, _, _) = build::asset(loaded, 1, console)?;
-    folder.write("asset.glb", &bytes)?;
+    let built = build::asset(loaded, None, 1, console)?;
+    folder.write("asset.glb", &built.bytes)?;
     Ok(folder.file("asset.glb"))
 }
 
