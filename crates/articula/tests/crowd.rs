@@ -284,6 +284,59 @@ fn figures_without_mesh_or_motion_play() {
 }
 
 #[test]
+fn coarser_meshes_go_with_coarser_joints_and_stay_within_the_tolerance() {
+    let play = |name, more: &[&str]| crowd(name, &[&["--count", "1500"], more].concat());
+    let plain = play("crowd-mesh-1", &[]);
+    let found = play("crowd-mesh-5", &["--mesh-levels", "5"]);
+    let sums = |found: &Value| {
+        let all = &found["renderer"];
+        ["triangles", "triangles_full", "skinned_vertices"].map(|f| number(&all[f]))
+    };
+    let [drawn, full, vertices] = sums(&plain);
+    assert_eq!(drawn, full, "everyone has the original");
+    let [coarse, same, fewer] = sums(&found);
+    assert!((same - full).abs() < 1e-6 * full, "the same characters");
+    assert!(
+        coarse < 0.7 * drawn && fewer < 0.7 * vertices,
+        "{coarse} of {drawn}"
+    );
+    let p95 = number(&found["error_px"]["p95"]);
+    assert!(p95 <= 1.0, "{p95}");
+    let mut last = [f64::INFINITY; 3];
+    for tier in found["tiers"].as_object().unwrap().values() {
+        let size = ["joints", "triangles", "influences"].map(|f| number(&tier[f]));
+        let (bound, seen) = (number(&tier["error_bound_px"]), &tier["error_px"]["p95"]);
+        assert!(bound <= 1.0 + 1e-3, "{tier}");
+        assert!(seen.is_null() || number(seen) <= 1.2, "{tier}");
+        assert!(size.iter().zip(&last).all(|(a, b)| a <= b), "{tier}");
+        last = size;
+    }
+    let again = play(
+        "crowd-mesh-again",
+        &["--mesh-levels", "5", "--threads", "2"],
+    );
+    assert_eq!(again["palette_hash"], found["palette_hash"]);
+    let cached = play(
+        "crowd-mesh-cache",
+        &["--mesh-levels", "5", "--cache", "gpu"],
+    );
+    assert!(number(&cached["error_px"]["p95"]) <= 1.0);
+    let wrong = fault(
+        &folder("crowd-mesh-full"),
+        2,
+        &[
+            "crowd",
+            word(human()),
+            "--mesh-levels",
+            "2",
+            "--level",
+            "full",
+        ],
+    );
+    assert!(wrong.contains("--level auto"), "{wrong}");
+}
+
+#[test]
 fn mistakes_are_answered_with_their_mend() {
     let here = folder("crowd-wrong");
     let with = |more: &[&'static str]| -> Vec<&str> {
@@ -303,6 +356,7 @@ fn mistakes_are_answered_with_their_mend() {
         ["--count", "0"],
         ["--count", "1e9"],
         ["--threads", "0"],
+        ["--mesh-levels", "6"],
         ["--budget-ms", "NaN"],
         ["--epsilon-px", "-1"],
         ["--backend", "mmx"],

@@ -6,7 +6,7 @@ use crate::ladder::{
     LevelSkin, Poser, Tally, Watched, compare, model_of, pose_of, share_frames, skin_part,
     spread_frames,
 };
-use crate::surface_distance::SkinPoint;
+use crate::surface_distance::{SkinPoint, corners};
 use articula_core::mesh::{Binding, Mesh};
 use glam::Vec3;
 
@@ -44,15 +44,7 @@ impl<'a> Scene<'a> {
         bindings: &[Binding],
         points: &[Vec<SkinPoint>],
     ) -> Self {
-        let mut vertices: Vec<u32> = points.iter().flatten().flat_map(|p| p.corners).collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        // Every corner is in the list, so that its place is where it would be put.
-        let place = |v: u32| vertices.partition_point(|u| *u < v) as u32;
-        let local = |p: &SkinPoint| SkinPoint {
-            corners: p.corners.map(place),
-            weights: p.weights,
-        };
+        let vertices = corners(&points.concat());
         Self {
             asset,
             watched,
@@ -62,7 +54,7 @@ impl<'a> Scene<'a> {
                 .collect(),
             points: points
                 .iter()
-                .map(|level| level.iter().map(local).collect())
+                .map(|level| level.iter().map(|p| p.among(&vertices)).collect())
                 .collect(),
         }
     }

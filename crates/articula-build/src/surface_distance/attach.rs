@@ -25,6 +25,18 @@ impl SkinPoint {
         }
     }
 
+    /// The same point, its corners named by their places among some vertices, which rise and hold
+    /// them.
+    #[must_use]
+    pub fn among(&self, vertices: &[u32]) -> Self {
+        Self {
+            corners: self
+                .corners
+                .map(|v| vertices.partition_point(|u| *u < v) as u32),
+            weights: self.weights,
+        }
+    }
+
     /// Where it is, given where all vertices are.
     ///
     /// # Panics
@@ -38,6 +50,14 @@ impl SkinPoint {
         }
         a * u + b * v + c * w
     }
+}
+
+/// All corners of some points, rising.
+pub fn corners(points: &[SkinPoint]) -> Vec<u32> {
+    let mut vertices: Vec<u32> = points.iter().flat_map(|p| p.corners).collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
 }
 
 /// The point of a level's surface that stands for each of some vertices of the original; a vertex
@@ -109,6 +129,9 @@ mod tests {
         );
         let both = attach(&level, &[3], &[rest.clone(), open.clone()]);
         assert_eq!(both[0].corners, [0, 1, 2]);
+        let few = corners(&alone);
+        assert_eq!(few, [0, 4, 5, 6]);
+        assert_eq!(alone[0].among(&few).corners, [1, 2, 3]);
         let sum: f32 = both[0].weights.iter().sum();
         assert!((sum - 1.0).abs() < 1e-6);
         assert!((both[0].posed(&open) - Vec3::new(0.5, 0.11, 0.5)).length() < 1e-6);

@@ -13,7 +13,7 @@ mod attach;
 mod tree;
 mod triangle;
 
-pub use attach::{SkinPoint, attach};
+pub use attach::{SkinPoint, attach, corners};
 pub use tree::SurfaceTree;
 
 use crate::evaluate::{draw_vertices, percentile};

@@ -1,5 +1,6 @@
 //! The character of a crowd: its levels, their skins and errors, its bounds, ready to be played.
 
+use super::figure::Figure;
 use crate::console::Console;
 use anyhow::Context;
 use articula_build::character::Asset;
@@ -17,6 +18,7 @@ use articula_core::crowd::{CrowdModel, CrowdParts};
 use articula_core::ladder::Ladder;
 use articula_core::loa::Expression;
 use articula_core::mesh::Mesh;
+use articula_core::motion_bounds::MotionBounds;
 use articula_core::palette::{PaletteForm, PaletteMap};
 
 /// Which levels a crowd has.
@@ -50,6 +52,8 @@ pub(crate) struct CastOptions {
     pub(crate) seed: u64,
     /// Whether poses are cached.
     pub(crate) is_cached: bool,
+    /// Levels of the mesh, the original counted; with 1 everyone has the original.
+    pub(crate) mesh_levels: usize,
 }
 
 /// A character that is ready for a crowd.
@@ -60,6 +64,8 @@ pub(crate) struct Cast {
     pub(crate) skins: LevelSkins,
     /// The mesh of each level, on the first matrices of one palette.
     pub(crate) meshes: Vec<Mesh>,
+    /// Which joints and triangles go together, if there are coarser meshes.
+    pub(crate) figure: Option<Figure>,
     pub(crate) model: CrowdModel,
     pub(crate) matrices: Matrices,
     /// Whether the mesh is the file's.
@@ -103,40 +109,22 @@ impl Cast {
         let errors = level_errors(&asset, &ladder, &skins, &opts).context("errors")?;
         bar.inc(1);
         let levels = MergedLevels {
-            ladder: ladder.clone(),
+            ladder,
             skins,
             far: None,
-            errors: errors.clone(),
-        };
-        let palette = match options.matrices {
-            Matrices::Joints => PaletteMap::joints(&ladder),
-            Matrices::Skin => levels.skins.palette.clone(),
-        };
-        let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, options.storage)?;
-        let meshes = (0..clips.ladder().levels()).map(|l| levels.skins.mesh(l, &asset.mesh));
-        let meshes = meshes.collect();
-        let cache = if options.is_cached {
-            let opts = CacheOptions {
-                form: options.form,
-                seed: options.seed,
-                ..CacheOptions::default()
-            };
-            Some(cached_poses(&asset, &levels, &clips, &opts).context("cache")?)
-        } else {
-            None
-        };
-        bar.finish_and_clear();
-        let mut model = CrowdModel::new(CrowdParts {
-            clips,
-            palette,
-            form: options.form,
-            backend: options.backend,
             errors,
-            bounds,
-        })?;
-        if let Some(cached) = cache {
-            model = model.with_cache(cached.cache).context("cache")?;
-        }
+        };
+        let (figure, levels, meshes) = if options.mesh_levels > 1 && has_mesh {
+            let most = options.mesh_levels;
+            let (figure, levels, meshes) = Figure::new(&asset, &levels, most, &opts)?;
+            (Some(figure), levels, meshes)
+        } else {
+            let all = 0..levels.ladder.levels();
+            let meshes = all.map(|l| levels.skins.mesh(l, &asset.mesh)).collect();
+            (None, levels, meshes)
+        };
+        let mut model = model(&asset, &levels, bounds, options)?;
+        bar.finish_and_clear();
         for (c, (way, clip)) in ways.iter().zip(&asset.clips).enumerate() {
             if let Some(way) = way {
                 model = model.with_root_path(c, root_path(way, clip)?)?;
@@ -146,6 +134,7 @@ impl Cast {
             asset,
             skins: levels.skins,
             meshes,
+            figure,
             model,
             matrices: options.matrices,
             has_mesh,
@@ -156,6 +145,43 @@ impl Cast {
     /// Joint order and levels.
     pub(crate) fn ladder(&self) -> &Ladder {
         self.model.clips().ladder()
+    }
+}
+
+/// What all characters share: clips, palettes, errors, and cached poses if they are asked for.
+fn model(
+    asset: &Asset,
+    levels: &MergedLevels,
+    bounds: MotionBounds,
+    options: &CastOptions,
+) -> anyhow::Result<CrowdModel> {
+    let palette = match options.matrices {
+        Matrices::Joints => PaletteMap::joints(&levels.ladder),
+        Matrices::Skin => levels.skins.palette.clone(),
+    };
+    let ladder = levels.ladder.clone();
+    let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, options.storage)?;
+    let cache = if options.is_cached {
+        let opts = CacheOptions {
+            form: options.form,
+            seed: options.seed,
+            ..CacheOptions::default()
+        };
+        Some(cached_poses(asset, levels, &clips, &opts).context("cache")?)
+    } else {
+        None
+    };
+    let model = CrowdModel::new(CrowdParts {
+        clips,
+        palette,
+        form: options.form,
+        backend: options.backend,
+        errors: levels.errors.clone(),
+        bounds,
+    })?;
+    match cache {
+        Some(cached) => Ok(model.with_cache(cached.cache).context("cache")?),
+        None => Ok(model),
     }
 }
 

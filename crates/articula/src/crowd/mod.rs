@@ -4,6 +4,7 @@
 //! looks at what the first has shown: true errors, levels, a hash of every palette.
 //!
 //! - [`cast`]: the character with its levels, ready for a crowd
+//! - [`figure`]: coarser meshes that go with coarser joints
 //! - [`scene_file`]: who stands where, read from a file or saved to one
 //! - [`stage`]: one frame after the other, on one thread or several
 //! - [`output`]: the memory that palettes are written to, and reading them again
@@ -15,6 +16,7 @@
 //! - [`picture`]: the same to look at, coloured by level
 
 pub(crate) mod cast;
+pub(crate) mod figure;
 pub(crate) mod output;
 pub(crate) mod picture;
 pub(crate) mod pixel_error;

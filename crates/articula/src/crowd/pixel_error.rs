@@ -1,11 +1,13 @@
 //! What is shown against what should be: pixels between the true and the shown skin.
 //!
 //! Truth is the plain path (sample, cross-fade, hierarchy, skin) at the time that the character's
-//! own clock says; shown is the palette that was written, on the mesh of its level. Morph targets
+//! own clock says; shown is the palette that was written, on the mesh of its level: the point of
+//! a coarser mesh that stands for the vertex. Morph targets
 //! are left out on both sides. Definition: `docs/metrics.md`, with the true camera instead of a
 //! weak perspective.
 
 use super::cast::Cast;
+use super::figure::Watch;
 use super::stage::Stage;
 use super::timing::percentile;
 use articula_core::blend::blend;
@@ -90,6 +92,8 @@ pub(crate) struct Lens<'a> {
     seed: u64,
     looks: u64,
     vertices: Vec<u32>,
+    /// Where they are looked for on each level.
+    watches: Vec<Watch>,
     pose: LocalPose,
     other: LocalPose,
     model: ModelPose,
@@ -103,12 +107,19 @@ impl<'a> Lens<'a> {
     pub(crate) fn new(cast: &'a Cast, seed: u64) -> Self {
         let rig = &cast.asset.rig;
         let vertices = every(cast.asset.mesh.len(), MOST_VERTICES, seed);
+        let vertices: Vec<u32> = vertices.into_iter().map(|v| v as u32).collect();
+        let watch = |(level, mesh)| match &cast.figure {
+            Some(figure) => figure.watch(level, mesh, &vertices),
+            None => Watch::plain(&vertices),
+        };
+        let watches = cast.meshes.iter().enumerate().map(watch).collect();
         let room = vec![Vec3::ZERO; vertices.len()];
         Self {
             cast,
             seed,
             looks: 0,
-            vertices: vertices.into_iter().map(|v| v as u32).collect(),
+            vertices,
+            watches,
             pose: rig.rest_pose().clone(),
             other: rig.rest_pose().clone(),
             model: ModelPose::new(rig.len()),
@@ -142,7 +153,10 @@ impl<'a> Lens<'a> {
             self.pose_truth(stage, character);
             stage.shown_palette(level, source, &mut self.matrices);
             let mesh = &self.cast.meshes[level];
-            skin_points(mesh, &self.matrices, &self.vertices, &mut self.shown);
+            let watch = &self.watches[level];
+            self.shown.resize(watch.vertices.len(), Vec3::ZERO);
+            skin_points(mesh, &self.matrices, &watch.vertices, &mut self.shown);
+            watch.place(&mut self.shown);
             let world = stage.scene.members[character].world_from_model();
             let mut errors = self.errors_px(&camera, &world);
             characters.push(CharacterError {

@@ -4,7 +4,6 @@ use super::cast::Cast;
 use super::pixel_error::{CharacterError, Looked};
 use super::stage::Stage;
 use super::timing::percentile;
-use articula_core::mesh::Mesh;
 use serde::Serialize;
 
 /// One level over all frames; counts of characters and poses are means over frames.
@@ -14,6 +13,8 @@ pub(crate) struct Tier {
     pub(crate) joints: usize,
     /// Matrices of one palette.
     pub(crate) matrices: usize,
+    /// Triangles that one character is drawn with.
+    pub(crate) triangles: usize,
     /// Most influences of a vertex.
     pub(crate) influences: usize,
     pub(crate) characters: f64,
@@ -49,6 +50,9 @@ pub(crate) struct Renderer {
     pub(crate) draw_groups: f64,
     pub(crate) palette_bytes: f64,
     pub(crate) skinned_vertices: f64,
+    pub(crate) triangles: f64,
+    /// Had everyone the original mesh.
+    pub(crate) triangles_full: f64,
     /// Of the level's mesh: positions, normals, texture coordinates, influences; triangles once.
     pub(crate) resident_bytes: usize,
 }
@@ -60,6 +64,8 @@ impl Renderer {
             draw_groups: sum.draw_groups + tier.renderer.draw_groups,
             palette_bytes: sum.palette_bytes + tier.renderer.palette_bytes,
             skinned_vertices: sum.skinned_vertices + tier.renderer.skinned_vertices,
+            triangles: sum.triangles + tier.renderer.triangles,
+            triangles_full: sum.triangles_full + tier.renderer.triangles_full,
             resident_bytes: sum.resident_bytes + tier.renderer.resident_bytes,
         })
     }
@@ -157,16 +163,13 @@ impl Tally {
         let looked = looks.iter().flat_map(|l| &l.characters).filter(of_level);
         let mut errors: Vec<f64> = looked.map(|c| c.p95_px).collect();
         let p95 = percentile(&mut errors, 0.95);
-        let vertices = if cast.has_mesh {
-            cast.asset.mesh.len()
-        } else {
-            0
-        };
+        let [vertices, triangles] = drawn(cast, level);
         let parts = cast.asset.mesh.parts.len().max(1);
         Tier {
             level,
             joints: cast.ladder().kept(level),
             matrices,
+            triangles,
             influences: cast.skins.levels[level].influences,
             characters: mean(sums.characters),
             poses: mean(sums.poses),
@@ -180,19 +183,32 @@ impl Tally {
                 draw_groups: mean(sums.groups * parts),
                 palette_bytes: mean(sums.poses) * (matrices * model.form().bytes()) as f64,
                 skinned_vertices: mean(sums.characters) * vertices as f64,
-                resident_bytes: resident_bytes(&cast.meshes[level], level, cast.has_mesh),
+                triangles: mean(sums.characters) * triangles as f64,
+                triangles_full: mean(sums.characters) * cast.asset.mesh.triangles.len() as f64,
+                resident_bytes: resident_bytes(cast, level),
             },
         }
     }
 }
 
-/// Bytes of a level's vertices, and of the triangles once.
-fn resident_bytes(mesh: &Mesh, level: usize, has_mesh: bool) -> usize {
-    if !has_mesh {
-        return 0;
+/// Vertices and triangles of one character at a level.
+fn drawn(cast: &Cast, level: usize) -> [usize; 2] {
+    match &cast.figure {
+        _ if !cast.has_mesh => [0; 2],
+        Some(figure) => {
+            let found = figure.levels[level];
+            [found.vertices, found.triangles]
+        }
+        None => [cast.asset.mesh.len(), cast.asset.mesh.triangles.len()],
     }
+}
+
+/// Bytes of a level's vertices, and of each mesh level's triangles once.
+fn resident_bytes(cast: &Cast, level: usize) -> usize {
+    let [vertices, triangles] = drawn(cast, level);
     // Position, normal, texture coordinates; an index of 2 and a weight of 4 bytes each.
-    let vertex = 12 + 12 + 8 + 6 * mesh.influences;
-    let triangles = if level == 0 { mesh.triangles.len() } else { 0 };
-    mesh.len() * vertex + triangles * 12
+    let vertex = 12 + 12 + 8 + 6 * cast.meshes[level].influences;
+    let is_known = level > 0 && drawn(cast, level - 1)[1] == triangles;
+    let triangles = if is_known { 0 } else { triangles };
+    vertices * vertex + triangles * 12
 }

@@ -5,6 +5,7 @@ mod report;
 use crate::arguments::{CharacterArgs, field_of_view, not_negative, positive, size};
 use crate::console::Console;
 use crate::crowd::cast::{Cast, CastOptions, Levels, Matrices};
+use crate::crowd::figure::MOST_MESH_LEVELS;
 use crate::crowd::run::{self, Run};
 use crate::crowd::stage::{DISPLAY_HZ, Settings, Wanted};
 use crate::crowd::{picture, scene_file};
@@ -54,6 +55,10 @@ pub(crate) struct CrowdArgs {
     /// the budget; an expression such as "loa(Low) + zone(hands)": these joints of everyone in view
     #[arg(long, value_name = "full|auto|EXPR", default_value = "auto")]
     level: String,
+    /// Levels of the mesh, chosen with those of the joints: 100, 50, 25, 10 and 1.5 % of its
+    /// triangles; 1: everyone has the original
+    #[arg(long, value_name = "N", default_value = "1", value_parser = mesh_levels)]
+    mesh_levels: usize,
     /// Who stands where; clips that travel are played on the spot: plaza, plaza-2 (moving camera, a fifth in cross-fades), plaza-2-in-step (the same with all
     /// phases equal), or a scene file
     #[arg(long, value_name = "NAME|F.json", default_value = "plaza")]
@@ -186,6 +191,7 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
     let wanted = args.wanted()?;
     args.check_outputs()?;
     args.check_cache()?;
+    args.check_mesh_levels()?;
     let mut prepared = Prepared::new(&args.character)?;
     let place = prepared.loaded.place();
     let mut warnings = prepared.loaded.warnings();
@@ -320,7 +326,17 @@ impl CrowdArgs {
             backend: self.storage.backend.unwrap_or_else(Backend::best),
             seed: self.seed,
             is_cached: self.storage.cache() != CacheUse::Never,
+            mesh_levels: self.mesh_levels,
         })
+    }
+
+    /// Coarser meshes are chosen by their error.
+    fn check_mesh_levels(&self) -> anyhow::Result<()> {
+        if self.mesh_levels > 1 && self.level != "auto" {
+            let what = format!("--mesh-levels goes with --level auto, not {}", self.level);
+            return Err(fault::usage(what));
+        }
+        Ok(())
     }
 
     /// A cache is of whole matrices of the skin, and its error is weighed against a tolerance.
@@ -473,6 +489,12 @@ fn count(text: &str) -> Result<usize, String> {
     let number = text.parse::<usize>().ok();
     let number = number.filter(|n| (1..=most).contains(n));
     number.ok_or_else(|| format!("expected a whole number of 1 to {most}"))
+}
+
+fn mesh_levels(text: &str) -> Result<usize, String> {
+    let number = text.parse::<usize>().ok();
+    let number = number.filter(|n| (1..=MOST_MESH_LEVELS).contains(n));
+    number.ok_or_else(|| format!("expected a whole number of 1 to {MOST_MESH_LEVELS}"))
 }
 
 fn threads(text: &str) -> Result<usize, String> {

@@ -16,6 +16,7 @@ pub(super) struct Report {
     pub(super) file: String,
     pub(super) scene: String,
     pub(super) level: String,
+    pub(super) mesh_levels: usize,
     pub(super) clips: Vec<String>,
     pub(super) characters: usize,
     /// Median over frames; the other two likewise.
@@ -85,6 +86,7 @@ impl Report {
             file,
             scene: piece.scene_name.clone(),
             level: args.level.clone(),
+            mesh_levels: args.mesh_levels,
             clips: clips.map(|c| c.name.clone()).collect(),
             characters,
             visible,
@@ -176,6 +178,7 @@ impl Report {
         let mut table = Table::new(&[
             "level",
             "joints",
+            "triangles",
             "infl.",
             "characters",
             "poses",
@@ -192,6 +195,7 @@ impl Report {
             table.row([
                 t.level.to_string(),
                 t.joints.to_string(),
+                t.triangles.to_string(),
                 t.influences.to_string(),
                 format!("{:.0}", t.characters),
                 format!("{:.0}", t.poses),
@@ -234,6 +238,14 @@ impl Report {
             self.poses.followers,
             self.poses.cached
         ));
+        if self.mesh_levels > 1 {
+            text.push_str(&format!(
+                "mesh   {:.2} M triangles a frame of {:.2} M in full; {:.2} M vertices\n",
+                self.renderer.triangles / 1e6,
+                self.renderer.triangles_full / 1e6,
+                self.renderer.skinned_vertices / 1e6
+            ));
+        }
         text.push_str(&format!(
             "memory {:.2} MB written a frame; clips {:.2} MB, cache {:.2} MB, palettes {:.2} MB, state {:.2} MB ({} bytes a character); meshes {:.2} MB\n",
             self.written_mb.median,

@@ -82,6 +82,7 @@ fn options(levels: Levels) -> CastOptions {
         backend: Backend::best(),
         seed: SEED,
         is_cached: false,
+        mesh_levels: 1,
     }
 }
 
