@@ -158,7 +158,7 @@ fn what_is_stated_is_what_the_slow_way_sees() {
             (parts, mesh.influences),
             (level.triangles, level.influences)
         );
-        let points = attach(&mesh.triangles, &all, &figure.poses);
+        let points = attach(&mesh.triangles, &all, &figure.poses, &mesh.parts);
         let mut worst = 0.0f32;
         for frame in (0..asset.clips[0].frames()).step_by(7) {
             let truth = posed(asset, &asset.mesh, frame);

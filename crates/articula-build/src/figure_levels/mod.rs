@@ -100,7 +100,7 @@ pub fn figure_levels(
             if l + 1 == mesh_levels.len() {
                 watched.vertices.iter().map(|v| SkinPoint::at(*v)).collect()
             } else {
-                attach(level, &watched.vertices, poses)
+                attach(level, &watched.vertices, poses, &mesh.parts)
             }
         })
         .collect();

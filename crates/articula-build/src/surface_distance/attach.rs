@@ -1,10 +1,12 @@
 //! Which point of a coarser surface stands for which vertex of the original.
 //!
 //! The closest point at rest may lie on another part of the body: on the other lip, on the arm
-//! that hangs beside the hip. So the closest points in several poses are tried, and the one whose
-//! distance, over all of these poses, stays smallest is taken.
+//! that hangs beside the hip. So only the same part of the mesh counts, the closest points in
+//! several poses are tried, and the one whose distance, over all of these poses, stays smallest
+//! is taken.
 
 use super::tree::SurfaceTree;
+use articula_core::mesh::Part;
 use glam::Vec3;
 
 /// A point of the skin: a mean of three vertices.
@@ -60,42 +62,76 @@ pub fn corners(points: &[SkinPoint]) -> Vec<u32> {
     vertices
 }
 
-/// The point of a level's surface that stands for each of some vertices of the original; a vertex
-/// without any finite distance to the level stands for itself. `poses` are positions of all
-/// vertices; at least one is needed. O(poses² · vertices + poses · vertices · log(triangles)).
+/// The point of a level's surface that stands for each of some vertices of the original, on the
+/// same part of the mesh as long as the level has any of it; a vertex without any finite distance
+/// to the level stands for itself. `poses` are positions of all vertices; at least one is needed.
+/// O(poses² · vertices + poses · vertices · log(triangles)).
 ///
 /// # Panics
 /// If a vertex or triangle is not in the poses.
-pub fn attach(triangles: &[[u32; 3]], vertices: &[u32], poses: &[Vec<Vec3>]) -> Vec<SkinPoint> {
-    let mut best: Vec<(f32, SkinPoint)> = vertices
-        .iter()
-        .map(|v| (f32::INFINITY, SkinPoint::at(*v)))
-        .collect();
+pub fn attach(
+    triangles: &[[u32; 3]],
+    vertices: &[u32],
+    poses: &[Vec<Vec3>],
+    parts: &[Part],
+) -> Vec<SkinPoint> {
+    let mut found: Vec<SkinPoint> = vertices.iter().map(|v| SkinPoint::at(*v)).collect();
     let Some(rest) = poses.first() else {
-        return best.into_iter().map(|b| b.1).collect();
+        return found;
     };
-    let mut tree = SurfaceTree::new(triangles, rest);
-    for pose in poses {
-        tree.refit(pose);
-        for (v, (least, point)) in vertices.iter().zip(&mut best) {
-            let position = pose[*v as usize];
-            if *least == 0.0 || !position.is_finite() {
-                continue;
-            }
-            let Some(found) = tree.closest_point(position) else {
-                continue;
-            };
-            let apart = |p: &Vec<Vec3>| {
-                let distance = found.posed(p).distance(p[*v as usize]);
-                if distance.is_finite() { distance } else { 0.0 }
-            };
-            let worst = poses.iter().map(apart).fold(0.0, f32::max);
-            if worst < *least {
-                (*least, *point) = (worst, found);
+    let part_of = |v: u32| {
+        let is_in = |p: &Part| p.vertices.contains(&(v as usize));
+        parts.iter().position(is_in).unwrap_or(parts.len())
+    };
+    let mut of_part = vec![Vec::new(); parts.len() + 1];
+    for triangle in triangles {
+        of_part[part_of(triangle[0])].push(*triangle);
+    }
+    let mut places = vec![Vec::new(); parts.len() + 1];
+    for (place, v) in vertices.iter().enumerate() {
+        places[part_of(*v)].push(place);
+    }
+    for (own, places) in of_part.iter().zip(&places).filter(|(_, p)| !p.is_empty()) {
+        let surface = if own.is_empty() { triangles } else { own };
+        let mut tree = SurfaceTree::new(surface, rest);
+        let mut least = vec![f32::INFINITY; places.len()];
+        for pose in poses {
+            tree.refit(pose);
+            for (place, least) in places.iter().zip(&mut least) {
+                nearer(
+                    &tree,
+                    vertices[*place],
+                    (pose, poses),
+                    (least, &mut found[*place]),
+                );
             }
         }
     }
-    best.into_iter().map(|b| b.1).collect()
+    found
+}
+
+/// Takes the closest point in one pose if over all of them it stays closer than the one so far.
+fn nearer(
+    tree: &SurfaceTree,
+    vertex: u32,
+    (pose, poses): (&[Vec3], &[Vec<Vec3>]),
+    (least, point): (&mut f32, &mut SkinPoint),
+) {
+    let v = vertex as usize;
+    if *least == 0.0 || !pose[v].is_finite() {
+        return;
+    }
+    let Some(found) = tree.closest_point(pose[v]) else {
+        return;
+    };
+    let apart = |p: &Vec<Vec3>| {
+        let distance = found.posed(p).distance(p[v]);
+        if distance.is_finite() { distance } else { 0.0 }
+    };
+    let worst = poses.iter().map(apart).fold(0.0, f32::max);
+    if worst < *least {
+        (*least, *point) = (worst, found);
+    }
 }
 
 #[cfg(test)]
@@ -116,7 +152,7 @@ mod tests {
         for upper in &mut open[..4] {
             upper.y += 0.1;
         }
-        let alone = attach(&level, &[3, 0], std::slice::from_ref(&rest));
+        let alone = attach(&level, &[3, 0], std::slice::from_ref(&rest), &[]);
         assert_eq!(
             alone[0].corners,
             [4, 5, 6],
@@ -127,11 +163,24 @@ mod tests {
             rest[0],
             "a corner of the level is itself"
         );
-        let both = attach(&level, &[3], &[rest.clone(), open.clone()]);
+        let both = attach(&level, &[3], &[rest.clone(), open.clone()], &[]);
         assert_eq!(both[0].corners, [0, 1, 2]);
+        // Of another part the lower sheet does not count, but for a part that is gone.
+        let part = |vertices| Part {
+            name: String::new(),
+            mesh: 0,
+            material: None,
+            vertices,
+            triangles: 0..0,
+        };
+        let sheets = [part(0..4), part(4..7)];
+        let apart = attach(&level, &[3], std::slice::from_ref(&rest), &sheets);
+        assert_eq!(apart[0].corners, [0, 1, 2]);
+        let gone = attach(&level[1..], &[3], std::slice::from_ref(&rest), &sheets);
+        assert_eq!(gone[0].corners, [4, 5, 6]);
         let few = corners(&alone);
-        assert_eq!(few, [0, 4, 5, 6]);
-        assert_eq!(alone[0].among(&few).corners, [1, 2, 3]);
+        assert_eq!(few, [0, 1, 2, 4, 5, 6]);
+        assert_eq!(alone[0].among(&few).corners, [3, 4, 5]);
         let sum: f32 = both[0].weights.iter().sum();
         assert!((sum - 1.0).abs() < 1e-6);
         assert!((both[0].posed(&open) - Vec3::new(0.5, 0.11, 0.5)).length() < 1e-6);
@@ -141,10 +190,13 @@ mod tests {
     fn nothing_to_stand_on() {
         let points = vec![Vec3::ZERO, Vec3::NAN];
         assert_eq!(
-            attach(&[], &[0], std::slice::from_ref(&points)),
+            attach(&[], &[0], std::slice::from_ref(&points), &[]),
             [SkinPoint::at(0)]
         );
-        assert_eq!(attach(&[[0, 0, 0]], &[1], &[points]), [SkinPoint::at(1)]);
-        assert_eq!(attach(&[], &[7], &[]), [SkinPoint::at(7)]);
+        assert_eq!(
+            attach(&[[0, 0, 0]], &[1], &[points], &[]),
+            [SkinPoint::at(1)]
+        );
+        assert_eq!(attach(&[], &[7], &[], &[]), [SkinPoint::at(7)]);
     }
 }

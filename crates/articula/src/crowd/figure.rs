@@ -85,7 +85,7 @@ impl Figure {
         if self.levels[level].mesh_level == self.levels[0].mesh_level {
             return Watch::plain(vertices);
         }
-        let points = attach(&mesh.triangles, vertices, &self.poses);
+        let points = attach(&mesh.triangles, vertices, &self.poses, &mesh.parts);
         let vertices = corners(&points);
         let points = points.iter().map(|p| p.among(&vertices));
         Watch {
