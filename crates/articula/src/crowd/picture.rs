@@ -167,7 +167,14 @@ fn write_legend(picture: &mut Picture, stage: &Stage<'_>, drawn: usize) {
     let mut y = 8;
     let paper = [255, 255, 255, 255];
     let line_of = |(level, count): &(usize, usize)| {
-        format!("{} joints: {count}", stage.cast.ladder().kept(*level))
+        let joints = stage.cast.ladder().kept(*level);
+        match &stage.cast.figure {
+            Some(figure) => {
+                let triangles = figure.levels[*level].triangles;
+                format!("{joints} joints, {triangles} triangles: {count}")
+            }
+            None => format!("{joints} joints: {count}"),
+        }
     };
     let mut lines: Vec<String> = levels.iter().map(line_of).collect();
     if drawn < shown {
