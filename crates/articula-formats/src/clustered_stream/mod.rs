@@ -5,7 +5,7 @@
 //! mesh, or a region of it), coded by [`mesh_codec`](crate::mesh_codec); no vertex is ever sent
 //! twice. Any prefix of whole levels shows the character.
 //!
-//! - [`write`]: levels to bytes, with the map of what is where; also one level alone
+//! - [`write()`]: levels to bytes, with the map of what is where; also one level alone
 //! - [`MeshStream`]: the head, opened
 //! - [`Receiver`]: the client's side, which checks, decodes and puts together
 

@@ -1,3 +1,5 @@
+//! Levels as bytes and back: by value the same, whatever the order; altered bytes are errors.
+
 use super::*;
 use proptest::prelude::*;
 use std::collections::BTreeSet;
