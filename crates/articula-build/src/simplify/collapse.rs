@@ -34,6 +34,9 @@ const WHOLE: u32 = u32::MAX;
 /// What the squared distance of removed vertices counts beside the mean of quadrics.
 const STRAY: f64 = 2.0;
 
+/// All are looked at again only after more than one face in this many went.
+const LOOK_AGAIN: usize = 500;
+
 /// Classes between regions, when there are several.
 const BETWEEN: u16 = u16::MAX;
 
@@ -114,8 +117,8 @@ impl<'a> Simplifier<'a> {
         let mut filled = self.surface.live;
         while self.surface.live > target {
             let Some(Reverse((bits, from, to, version, priced))) = self.queue.pop() else {
-                // What was refused may be allowed by now.
-                if self.surface.live == filled {
+                // What was refused may be allowed by now; another look must be worth its while.
+                if filled - self.surface.live <= filled / LOOK_AGAIN {
                     return;
                 }
                 filled = self.surface.live;

@@ -54,3 +54,55 @@ pub fn region_weights(
     };
     Ok((0..mesh.len()).map(weight).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ladder::test_figures::{figure, rig};
+    use articula_core::articulation::Articulation;
+    use articula_core::source::{Joint, Skeleton};
+
+    /// A tube of two joints, the upper one a hand.
+    fn hand() -> (Mesh, Rig) {
+        let asset = figure(&[None, Some(0)]);
+        let plain = rig(&[None, Some(0)]);
+        let mut joints = plain.articulation().joints.clone();
+        joints[1].region = Region::Hands;
+        let named = |(j, parent)| Joint {
+            name: format!("j{j}"),
+            parent,
+            rest: plain.rest_pose().get(j),
+            in_skin: true,
+        };
+        let skeleton = Skeleton {
+            joints: [(0, None), (1, Some(0))].map(named).to_vec(),
+        };
+        let articulation = Articulation {
+            profile: String::new(),
+            joints,
+        };
+        (asset.mesh, Rig::new(&skeleton, articulation).unwrap())
+    }
+
+    #[test]
+    fn the_heaviest_joint_decides() {
+        let (mesh, rig) = hand();
+        let weights = region_weights(&mesh, &rig, &[("hands", 4.0), ("Hands", 0.5)]).unwrap();
+        // Eight vertices for each joint: those of the hand alone are its last four; the four
+        // shared half and half go to the one that is named first.
+        assert_eq!(weights[..8], [1.0; 8]);
+        assert_eq!(weights[12..], [2.0; 4]);
+        assert_eq!(weights[8..12], [2.0; 4]);
+    }
+
+    #[test]
+    fn an_unknown_region_is_told_with_the_known_ones() {
+        let (mesh, rig) = hand();
+        let error = region_weights(&mesh, &rig, &[("tail", 2.0)]).unwrap_err();
+        let known = "face, arms, torso, pelvis, legs, feet, hands";
+        assert_eq!(error.what, format!("\"tail\" is none of {known}"));
+        for factor in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert!(region_weights(&mesh, &rig, &[("face", factor)]).is_err());
+        }
+    }
+}
