@@ -69,6 +69,9 @@ pub(super) const CHARACTERS: [Entry; 12] = [
 /// The one that a small run takes.
 pub(super) const SMALL: &str = "pab_arnaud";
 
+/// The one that the page has a picture of (by Quaternius, CC0).
+pub(super) const PICTURED: &str = "Quaternius suit";
+
 /// A character, as the file has it and ready to be played.
 pub(super) struct Subject {
     pub(super) name: &'static str,

@@ -16,9 +16,10 @@ use crate::peers::draco;
 use anyhow::Result;
 use articula_build::poses::PoseSource;
 use articula_build::simplify::{SimplifyOptions, simplify};
-use characters::{CHARACTERS, Entry, SMALL};
+use characters::{CHARACTERS, Entry, PICTURED, SMALL};
 use contestants::{Contestant, Posed};
-use std::path::{Path, PathBuf};
+use sheet::Extent;
+use std::path::PathBuf;
 
 /// Shares of the triangles, coarsest level first.
 const SHARES: [&str; 5] = ["1.5 %", "10 %", "25 %", "50 %", "100 %"];
@@ -39,6 +40,9 @@ pub(crate) struct Choice {
     /// Folder that receives a sheet of each character at every level.
     #[arg(long)]
     sheets: Option<PathBuf>,
+    /// File that receives the picture of the page.
+    #[arg(long)]
+    picture: Option<PathBuf>,
 }
 
 /// What was found of one character.
@@ -64,7 +68,7 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
     };
     let mut all = Vec::new();
     for entry in CHARACTERS.iter().filter(shown) {
-        all.push(found(run, entry, choice.sheets.as_deref())?);
+        all.push(found(run, entry, choice)?);
     }
     if all
         .iter()
@@ -76,7 +80,7 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
     run.save_csv("mesh-levels-bytes", &page::bytes_csv(&all)?)
 }
 
-fn found(run: &Run, entry: &Entry, sheets: Option<&Path>) -> Result<Found> {
+fn found(run: &Run, entry: &Entry, choice: &Choice) -> Result<Found> {
     let (poses, rounds) = if run.small {
         (SMALL_POSES, 1)
     } else {
@@ -88,10 +92,14 @@ fn found(run: &Run, entry: &Entry, sheets: Option<&Path>) -> Result<Found> {
     let start = thread_ns();
     let ours = simplify(&subject.asset.mesh, &posed.shaping, &opts)?.levels;
     let simplify_secs = 1e-9 * (thread_ns() - start) as f64;
-    if let Some(folder) = sheets {
+    if let Some(folder) = &choice.sheets {
         std::fs::create_dir_all(folder)?;
         let path = folder.join(subject.name.replace([' ', ','], "_"));
-        sheet::write(&subject, &posed, &ours, &path.with_extension("png"))?;
+        let path = path.with_extension("png");
+        sheet::write(&subject, &posed, &ours, Extent::Full, &path)?;
+    }
+    if let Some(path) = choice.picture.as_ref().filter(|_| entry.name == PICTURED) {
+        sheet::write(&subject, &posed, &ours, Extent::Page, path)?;
     }
     Ok(Found {
         name: subject.name,
@@ -122,7 +130,7 @@ mod tests {
             small: true,
         };
         let entry = CHARACTERS.iter().find(|e| e.name == SMALL).unwrap();
-        let found = found(&run, entry, None).unwrap();
+        let found = found(&run, entry, &Choice::default()).unwrap();
         let error = found.ratio(page::QUARTER).unwrap();
         assert!(
             error < 0.6,

@@ -3,6 +3,7 @@
 use super::SHARES;
 use super::characters::Subject;
 use super::contestants::{Contestant, Posed, levels};
+use super::page::QUARTER;
 use anyhow::{Context, Result};
 use articula_build::poses::SkinPose;
 use articula_build::simplify::LevelTriangles;
@@ -41,34 +42,45 @@ const VIEWS: [View; 4] = [
     View::Near("l_shoulder", 0.7),
 ];
 
+/// What a sheet shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Extent {
+    /// All levels at several moments.
+    Full,
+    /// One moment, the levels down to 10 %: for a page.
+    Page,
+}
+
 /// Draws some poses of those that are measured on.
 pub(super) fn write(
     subject: &Subject,
     posed: &Posed,
     ours: &[LevelTriangles],
+    extent: Extent,
     path: &Path,
 ) -> Result<()> {
     let source = &subject.source;
     let (paint, _) = Appearance::new(&source.materials, &source.images);
-    let count = posed.measuring_poses.len();
-    let at = |m: usize| (2 * m + 1) * count / (2 * MOMENTS);
-    let moments: Vec<SkinnedMesh> = (0..MOMENTS.min(count))
-        .map(|m| skinned(subject, &posed.measuring_poses[at(m)]))
+    let (count, lowest) = match extent {
+        Extent::Full => (MOMENTS, 0),
+        Extent::Page => (1, 1),
+    };
+    let poses = &posed.measuring_poses;
+    let at = |m: usize| (2 * m + 1) * poses.len() / (2 * count);
+    let moments: Vec<SkinnedMesh> = (0..count.min(poses.len()))
+        .map(|m| skinned(subject, &poses[at(m)]))
         .collect();
     let peer = levels(Contestant::Meshopt, subject, posed, ours)?;
     let mut rows = Vec::new();
-    for (l, level) in ours.iter().enumerate().rev() {
+    for (l, level) in ours.iter().enumerate().skip(lowest).rev() {
         rows.push(row(subject, &moments, level, &paint, SHARES[l])?);
     }
-    for l in [2, 1, 0] {
-        let label = format!("meshopt, {}", SHARES[l]);
+    for l in (lowest..=QUARTER).rev() {
+        let label = format!("meshopt {}", SHARES[l]);
         rows.push(row(subject, &moments, &peer.levels[l], &paint, &label)?);
     }
     let sheet = ContactSheet {
-        title: format!(
-            "{}, levels in poses that they were not made by",
-            subject.name
-        ),
+        title: format!("{}: levels in motion", subject.name),
         rows,
         ..ContactSheet::default()
     };
@@ -107,7 +119,7 @@ fn row(
         }
     }
     Ok(Row {
-        label: format!("{label}, {} triangles", level.triangles.len()),
+        label: format!("{label}: {} tris", level.triangles.len()),
         cells: vec![Cell { tiles }],
     })
 }
