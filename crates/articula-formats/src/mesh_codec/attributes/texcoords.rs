@@ -6,7 +6,7 @@
 
 use super::blend::{Blend, Sample};
 use super::residual::{BOTH, Misses, NEAR, Residuals, SIZES, both, class_of, sign_of};
-use super::siblings::SameValue;
+use super::siblings::{SameAround, SameValue};
 use super::stencil::{self, CLASSES, FRACTION, PREDICTORS};
 use super::{Place, Walk};
 use crate::mesh_codec::range_coder::Coder;
@@ -93,6 +93,7 @@ pub(super) fn code<C: Coder>(
     }
     let blend = Blend::code(coder, CLASSES, &samples);
     let mut same = SameValue::default();
+    let mut around = SameAround::default();
     let contexts = [SIZES * 3, NEAR, CLASSES * 4, BOTH];
     let mut residuals = [(); 2].map(|()| Residuals::new(contexts, 3));
     let mut misses = Misses::new(walk.known_wedges, values.len());
@@ -100,6 +101,12 @@ pub(super) fn code<C: Coder>(
         let at = w as usize;
         let ask: Place<'_, '_> = (&walk.wedges, &walk.siblings);
         if let Some(found) = same.code(coder, ask, (values, w), &agree) {
+            values[at] = found;
+            continue;
+        }
+        let latest_first = |u: u32| u64::from(u32::MAX - u);
+        let near = (&walk.wedges, &walk.points, &walk.siblings);
+        if let Some(found) = around.code(coder, near, (values, w), latest_first) {
             values[at] = found;
             continue;
         }
