@@ -124,6 +124,8 @@ struct Models {
 
 /// Steps around a point of the coarser level.
 const RING_REACH: usize = 12;
+/// Neighbours of a point that are looked at.
+const RING_SCAN: usize = 64;
 /// Points that are tried by distance.
 const NEAR_REACH: usize = 64;
 
@@ -346,7 +348,7 @@ impl<'a> Matching<'a> {
             found
         };
         let ring = |about: u32, walked: &[u32]| -> Vec<u32> {
-            let half_edges = self.coarse.rings.leaving(about).iter();
+            let half_edges = self.coarse.rings.leaving(about).iter().take(RING_SCAN);
             half_edges
                 .map(|&h| half_edges::end(&self.coarse.faces, h))
                 .filter(|&c| !self.taken[c as usize] && !walked.contains(&c))

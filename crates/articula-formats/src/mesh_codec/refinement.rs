@@ -6,7 +6,7 @@
 //! canonical order, so it may come in any.
 
 use super::attributes;
-use super::canonical::Canonical;
+use super::canonical::{Canonical, compare_points, compare_wedges};
 use super::connectivity::{self, Fault, Truth};
 use super::half_edges::NONE;
 use super::matching::Coarse;
@@ -318,29 +318,68 @@ impl QuantisedMesh {
 }
 
 /// A level over the canonical ids of the coarser one, with the ids that the coarser one came
-/// with, and with what none of its faces uses.
+/// with, and with what none of its faces used; a new value that is one of those becomes that one.
 fn restored(mesh: QuantisedMesh, coarse: &QuantisedMesh, sorted: &Canonical) -> QuantisedMesh {
-    let ids = |known: &[u32], total: usize, count: usize| -> Vec<u32> {
-        let new = total as u32..;
-        let new = new.take(count - known.len());
-        known.iter().copied().chain(new).collect()
+    let mut unused = rest(&sorted.points, coarse.points());
+    unused.sort_by(|&i, &j| compare_points((coarse, i), (coarse, j)));
+    let find = |point: u32| {
+        let at = unused.binary_search_by(|&u| compare_points((coarse, u), (&mesh, point)));
+        at.ok().map(|at| unused[at])
     };
-    let points = ids(&sorted.points, coarse.points(), mesh.points());
-    let wedges = ids(&sorted.wedges, coarse.wedges(), mesh.wedges());
-    let new_points: Vec<u32> = (sorted.points.len() as u32..mesh.points() as u32).collect();
-    let new_wedges: Vec<u32> = (sorted.wedges.len() as u32..mesh.wedges() as u32).collect();
+    let (points, new_points) = ids(&sorted.points, coarse.points(), mesh.points(), find);
+
+    let compare = |(m, i, p): (&QuantisedMesh, u32, u32), (n, j, q): (&QuantisedMesh, u32, u32)| {
+        p.cmp(&q).then_with(|| compare_wedges((m, i), (n, j)))
+    };
+    let mut unused = rest(&sorted.wedges, coarse.wedges());
+    let known = |w: u32| (coarse, w, coarse.wedge_points[w as usize]);
+    unused.sort_by(|&i, &j| compare(known(i), known(j)));
+    let point_of = |w: u32| points[mesh.wedge_points[w as usize] as usize];
+    let find = |wedge: u32| {
+        let new = (&mesh, wedge, point_of(wedge));
+        let at = unused.binary_search_by(|&u| compare(known(u), new));
+        at.ok().map(|at| unused[at])
+    };
+    let (wedges, new_wedges) = ids(&sorted.wedges, coarse.wedges(), mesh.wedges(), find);
+
     let mut new = mesh.picked(&new_points, &new_wedges);
     for point in &mut new.wedge_points {
         *point = points[*point as usize];
     }
     let mut found = coarse.clone();
     found.append(new);
-    found.faces = mesh
-        .faces
-        .iter()
-        .map(|face| face.map(|w| wedges[w as usize]))
-        .collect();
+    let faces = mesh.faces.iter();
+    found.faces = faces.map(|f| f.map(|w| wedges[w as usize])).collect();
     found
+}
+
+/// The ids below `total` that a list does not name.
+fn rest(list: &[u32], total: usize) -> Vec<u32> {
+    let mut is_named = vec![false; total];
+    for &id in list {
+        is_named[id as usize] = true;
+    }
+    let all = 0..total as u32;
+    all.filter(|&id| !is_named[id as usize]).collect()
+}
+
+/// The final id of each of `count` values, of which the first are `known`, and those of the
+/// others that are neither found elsewhere nor among the first `total`.
+fn ids(
+    known: &[u32],
+    total: usize,
+    count: usize,
+    find: impl Fn(u32) -> Option<u32>,
+) -> (Vec<u32>, Vec<u32>) {
+    let mut ids = known.to_vec();
+    let mut new = Vec::new();
+    for value in known.len() as u32..count as u32 {
+        ids.push(find(value).unwrap_or_else(|| {
+            new.push(value);
+            (total + new.len()) as u32 - 1
+        }));
+    }
+    (ids, new)
 }
 
 #[cfg(test)]

@@ -236,6 +236,26 @@ fn any_surface() -> impl Strategy<Value = QuantisedMesh> {
     })
 }
 
+/// A level may drop a wedge that a finer one has again: the one that was kept is meant.
+#[test]
+fn what_comes_back_keeps_its_id() {
+    let (layout, limits) = (layout(), Limits::default());
+    let first = mesh_of(&grid(6, 5, [true, true], 0));
+    let second = QuantisedMesh {
+        faces: first.faces[..20].to_vec(),
+        ..first.clone()
+    };
+    let bytes = encode_refinement(&first, &second, &layout).unwrap();
+    let kept = decode_refinement(&first, &bytes, &layout, &limits).unwrap();
+    assert_eq!(kept.wedge_points, first.wedge_points);
+    assert_eq!(soup(&kept), soup(&second));
+    let bytes = encode_refinement(&second, &first, &layout).unwrap();
+    let found = decode_refinement(&kept, &bytes, &layout, &limits).unwrap();
+    assert_eq!(found.positions, first.positions);
+    assert_eq!(found.texcoords, first.texcoords);
+    assert_eq!(soup(&found), soup(&first));
+}
+
 proptest! {
     #[test]
     fn any_faces_come_back(fine in any_soup(), seed: u64) {
