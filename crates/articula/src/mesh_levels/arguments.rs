@@ -63,6 +63,20 @@ enum Counted {
 }
 
 impl MeshLevelArgs {
+    /// Five levels, and nothing else asked for.
+    pub(crate) fn five() -> Self {
+        Self {
+            levels: Some(FIVE_LEVELS.len() as u16),
+            targets: Vec::new(),
+            region_weight: Vec::new(),
+            split: Vec::new(),
+            weighting: Counted::Poses,
+            lock: None,
+            msft_lod: false,
+            mesh_stream: None,
+        }
+    }
+
     /// Whether any level is wanted; options without a level are wrong usage.
     pub(crate) fn wanted(&self) -> anyhow::Result<Option<Vec<f64>>> {
         let targets = match (self.levels, self.targets.as_slice()) {

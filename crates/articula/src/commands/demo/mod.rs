@@ -4,6 +4,7 @@
 //! are those of this run.
 
 mod crowd;
+mod mesh_levels;
 mod page;
 mod pictures;
 mod report;
@@ -12,6 +13,7 @@ use crate::arguments::ReadArgs;
 use crate::commands::lod::DISTANCES_M;
 use crate::commands::{build, human};
 use crate::console::Console;
+use crate::mesh_levels::MeshLevelArgs;
 use crate::play::methods::{self, Chosen};
 use crate::play::rows::{self, Table, Tuning};
 use crate::play::{Scene, costs, plots};
@@ -22,6 +24,7 @@ use articula_build::evaluate::{MethodOptions, Setup};
 use articula_build::human::HumanOptions;
 use articula_formats::gltf::Document;
 use clap::Args;
+use mesh_levels::MeshLevels;
 use report::{ClipRows, Found, Level, Report};
 use std::path::{Path, PathBuf};
 
@@ -51,7 +54,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
         ));
     }
     let folder = Folder::new(&args.out);
-    let asset = make_asset(&folder, console)?;
+    let (asset, mesh_levels) = make_asset(&folder, console)?;
     let prepared = Prepared::from_loaded(load::character(&asset, &ReadArgs::default())?)?;
     motion_tables::checked(&prepared)?;
     let scene = scene_of(&prepared, CLIP)?;
@@ -63,12 +66,14 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     let costs = costs::of(&scene);
     draw(&folder, &scene, &tables, console)?;
     plot(&folder, &scene, &tables, &costs)?;
+    mesh_levels::draw(&folder, &scene)?;
     let crowd = crowd::of(&prepared.asset, TARGET_PX, &folder, console)?;
     let found = Found {
         clips,
         levels,
         costs,
         crowd,
+        mesh_levels,
     };
     let report = Report::new(&folder, &prepared, &tables, found);
     folder.write("report.json", &serde_json::to_vec_pretty(&report)?)?;
@@ -94,14 +99,17 @@ impl Folder {
 }
 
 /// Writes the human and the asset made of it; gives the asset's path.
-fn make_asset(folder: &Folder, console: &Console) -> anyhow::Result<PathBuf> {
+fn make_asset(folder: &Folder, console: &Console) -> anyhow::Result<(PathBuf, MeshLevels)> {
     let character = human::made(HumanOptions::default().triangles, console)?;
     let document = Document::from_character(&character).context("the reference human")?;
     folder.write("human.glb", &document.write_glb()?)?;
     let loaded = load::character(&folder.file("human.glb"), &ReadArgs::default())?;
-    let built = build::asset(loaded, None, 1, console)?;
+    let args = MeshLevelArgs::five();
+    let wanted = args.wanted()?.map(|targets| (&args, targets));
+    let built = build::asset(loaded, wanted, 1, console)?;
     folder.write("asset.glb", &built.bytes)?;
-    Ok(folder.file("asset.glb"))
+    let levels = built.levels.as_ref().context("the asset has no mesh levels")?;
+    Ok((folder.file("asset.glb"), MeshLevels::new(levels, built.mesh_bytes)))
 }
 
 fn scene_of<'a>(prepared: &'a Prepared, clip: &str) -> anyhow::Result<Scene<'a>> {

@@ -1,6 +1,7 @@
 //! What the demo found: `report.json`, and what the page tells.
 
 use super::crowd::Crowd;
+use super::mesh_levels::MeshLevels;
 use super::{Folder, MIDDLE, TARGET_PX};
 use crate::files;
 use crate::play::costs::Costs;
@@ -32,6 +33,7 @@ pub(super) struct Report {
     pub(super) levels: Vec<Level>,
     pub(super) costs: Costs,
     pub(super) crowd: Crowd,
+    pub(super) mesh_levels: MeshLevels,
 }
 
 /// What stands beside the methods.
@@ -40,6 +42,7 @@ pub(super) struct Found {
     pub(super) levels: Vec<Level>,
     pub(super) costs: Costs,
     pub(super) crowd: Crowd,
+    pub(super) mesh_levels: MeshLevels,
 }
 
 /// The character.
@@ -124,6 +127,7 @@ impl Report {
             levels: found.levels,
             costs: found.costs,
             crowd: found.crowd,
+            mesh_levels: found.mesh_levels,
         }
     }
 

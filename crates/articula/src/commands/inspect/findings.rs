@@ -2,6 +2,7 @@
 
 use super::extent::{Extent, Measure};
 use super::human::{self, Human};
+use super::mesh_levels::{self, Levels, MeshLevel};
 use super::skeletons;
 use crate::console::Console;
 use crate::load;
@@ -27,6 +28,8 @@ pub(super) struct Findings {
     pub(super) skeletons: Vec<Skeleton>,
     pub(super) clips: Vec<Clip>,
     pub(super) meshes: Vec<Mesh>,
+    /// Levels of all meshes together; null if the file stores none.
+    pub(super) mesh_levels: Option<Levels>,
     pub(super) materials: usize,
     pub(super) images: usize,
     pub(super) face: Option<Face>,
@@ -115,14 +118,6 @@ pub(super) struct Mesh {
     pub(super) levels: Vec<MeshLevel>,
 }
 
-/// A coarser form of a mesh.
-#[derive(Debug, Serialize)]
-pub(super) struct MeshLevel {
-    pub(super) triangles: usize,
-    pub(super) vertices: usize,
-    pub(super) screen_coverage: Option<f32>,
-}
-
 /// What there is to animate a face with.
 #[derive(Debug, Serialize)]
 pub(super) struct Face {
@@ -160,6 +155,10 @@ pub(super) fn of(prepared: &Prepared, clips: &[usize], console: &Console) -> Fin
         skeletons: skeletons_of(prepared),
         clips,
         meshes: character.meshes.iter().map(mesh_of).collect(),
+        mesh_levels: {
+            let table = character.mesh_levels.as_ref();
+            table.map(|table| mesh_levels::of(table, &character.meshes))
+        },
         materials: character.materials.len(),
         images: character.images.len(),
         face: face_of(character),
@@ -293,11 +292,6 @@ fn mesh_of(mesh: &source::Mesh) -> Mesh {
     };
     let vertices = |parts: &[source::Primitive]| parts.iter().map(|p| p.positions.len()).sum();
     let triangles = |parts: &[source::Primitive]| parts.iter().map(|p| p.triangles.len()).sum();
-    let levels = mesh.levels.iter().map(|level| MeshLevel {
-        triangles: triangles(&level.primitives),
-        vertices: vertices(&level.primitives),
-        screen_coverage: level.screen_coverage,
-    });
     Mesh {
         name: mesh.name.clone(),
         vertices: vertices(&mesh.primitives),
@@ -305,7 +299,7 @@ fn mesh_of(mesh: &source::Mesh) -> Mesh {
         influences_max: mesh.primitives.iter().filter_map(most).max().unwrap_or(0),
         morph_targets: mesh.morph_weights.len(),
         screen_coverage: mesh.screen_coverage,
-        levels: levels.collect(),
+        levels: mesh_levels::of_mesh(mesh),
     }
 }
 

@@ -4,6 +4,7 @@ mod data;
 mod extent;
 mod findings;
 mod human;
+mod mesh_levels;
 mod skeletons;
 mod text;
 

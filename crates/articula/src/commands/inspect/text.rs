@@ -1,6 +1,7 @@
 //! The findings as tables for people.
 
 use super::extent::Extent;
+use super::mesh_levels;
 use super::findings::{Clip, Findings, Skeleton, Warning};
 use crate::fault::clean;
 use crate::table::Table;
@@ -25,6 +26,18 @@ pub(super) fn of(found: &Findings, map: bool) -> String {
     text.push_str(&found.human.body());
     section(&mut text, "clips", clips(found), found.clips.len());
     section(&mut text, "meshes", meshes(found), found.meshes.len());
+    if let Some(levels) = &found.mesh_levels {
+        let count = levels.levels.len();
+        section(&mut text, "mesh levels", mesh_levels::table(levels), count);
+        if !levels.regions.is_empty() {
+            let names: Vec<String> = levels.regions.iter().map(|r| clean(r)).collect();
+            text.push_str(&format!(
+                "  {} may be at levels of their own from level {} on\n",
+                names.join(", "),
+                levels.mixable_from
+            ));
+        }
+    }
     if map {
         text.push_str("\njoints\n");
         text.push_str(&joints(found).text());
