@@ -35,8 +35,11 @@ pub(crate) fn add(
 ) -> anyhow::Result<Levels> {
     let behind = prepared.loaded.behind.as_ref();
     let behind = behind.context("the character has no document")?;
-    let classes = vertex_classes(prepared, behind)?;
     let asset = &prepared.asset;
+    if asset.mesh.triangles.is_empty() {
+        anyhow::bail!("no mesh with triangles to make levels of; leave --levels out");
+    }
+    let classes = vertex_classes(prepared, behind)?;
     let options = args.options(targets, (&asset.mesh, &asset.rig), classes)?;
     let bar = console.progress("making mesh levels", 3);
     let mut made = mesh_levels(asset, &options)?;

@@ -11,9 +11,9 @@ pub(crate) struct Level {
     /// Its number: 0 is the coarsest.
     level: usize,
     pub(crate) triangles: u64,
-    vertices: u64,
+    pub(crate) vertices: u64,
     /// Greatest distance of the original from it at rest.
-    error_rest_m: Option<f32>,
+    pub(crate) error_rest_m: Option<f32>,
     /// The same over poses that it was not made by.
     pub(crate) error_motion_m: Option<f32>,
     error_motion_p99_m: Option<f32>,

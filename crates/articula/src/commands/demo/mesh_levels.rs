@@ -7,6 +7,7 @@ use crate::play::artist::Artist;
 use crate::prepared::Prepared;
 use anyhow::Context;
 use articula_core::articulation::Region;
+use articula_core::sample::{Wrap, sample};
 use articula_core::source;
 use articula_flat::codec;
 use articula_flat::contact_sheet::{Cell, ContactSheet, Row, Tile};
@@ -55,7 +56,8 @@ fn row(scene: &Scene<'_>, level: usize) -> anyhow::Result<Row> {
     let clip = &prepared.asset.clips[scene.clip];
     let mut pose = prepared.asset.rig.rest_pose().clone();
     let secs = f64::from(clip.duration_secs()) / 4.0;
-    articula_core::sample::sample(clip, secs, articula_core::sample::Wrap::Clamp, &mut pose);
+    let all = prepared.asset.rig.all();
+    sample(clip, secs, Wrap::Clamp, &all, &mut pose);
     let morphs = prepared.asset.mesh.morph_weights.clone();
     let mut artist = Artist::new(&prepared, (230, 300));
     artist.frame_pose(&pose, &morphs);

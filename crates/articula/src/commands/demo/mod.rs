@@ -108,8 +108,14 @@ fn make_asset(folder: &Folder, console: &Console) -> anyhow::Result<(PathBuf, Me
     let wanted = args.wanted()?.map(|targets| (&args, targets));
     let built = build::asset(loaded, wanted, 1, console)?;
     folder.write("asset.glb", &built.bytes)?;
-    let levels = built.levels.as_ref().context("the asset has no mesh levels")?;
-    Ok((folder.file("asset.glb"), MeshLevels::new(levels, built.mesh_bytes)))
+    let levels = built
+        .levels
+        .as_ref()
+        .context("the asset has no mesh levels")?;
+    Ok((
+        folder.file("asset.glb"),
+        MeshLevels::new(levels, built.mesh_bytes),
+    ))
 }
 
 fn scene_of<'a>(prepared: &'a Prepared, clip: &str) -> anyhow::Result<Scene<'a>> {

@@ -140,7 +140,11 @@ mod tests {
         let part = ClusteredTriangles {
             clusters: Clusters::new(
                 vec![3, 5],
-                vec![cluster(1, 1, 0..4), cluster(0, 1, 4..5), cluster(0, 0, 5..6)],
+                vec![
+                    cluster(1, 1, 0..4),
+                    cluster(0, 1, 4..5),
+                    cluster(0, 0, 5..6),
+                ],
             )
             .unwrap(),
             triangles: vec![[0, 1, 2]; 6],

@@ -1,8 +1,8 @@
 //! The findings as tables for people.
 
 use super::extent::Extent;
-use super::mesh_levels;
 use super::findings::{Clip, Findings, Skeleton, Warning};
+use super::mesh_levels;
 use crate::fault::clean;
 use crate::table::Table;
 
