@@ -17,10 +17,7 @@ use std::sync::OnceLock;
 fn levels() -> &'static (LevelTable, Vec<ObjectLevels>) {
     static LEVELS: OnceLock<(LevelTable, Vec<ObjectLevels>)> = OnceLock::new();
     LEVELS.get_or_init(|| {
-        let options = HumanOptions {
-            triangles: 3000,
-            ..HumanOptions::default()
-        };
+        let options = HumanOptions { triangles: 3000 };
         let source = human(&options).unwrap();
         let asset = character(&source, None, &ClipOptions::default()).unwrap();
         let made = mesh_levels(&asset, &MeshLevelOptions::default()).unwrap();
@@ -135,10 +132,10 @@ fn freed_levels_come_back_the_same() {
     let whole = write(table, objects, 0..table.levels.len()).unwrap().bytes;
     let fine = Receiver::read(&whole, &limits).unwrap();
     let mut receiver = fine.clone();
-    for o in 0..objects.len() {
+    for (o, object) in objects.iter().enumerate() {
         receiver.coarsen(o, 2);
         assert_eq!(receiver.levels(o), 2);
-        assert!(by_value(receiver.mesh(o).unwrap()) == by_value(&objects[o].levels[1]));
+        assert!(by_value(receiver.mesh(o).unwrap()) == by_value(&object.levels[1]));
         let triangles = receiver.triangles(o).unwrap();
         let vertices = receiver.primitive(o).unwrap().positions.len();
         assert_eq!(triangles.check(vertices), Ok(()));
@@ -148,7 +145,7 @@ fn freed_levels_come_back_the_same() {
         }
         assert_eq!(receiver.mesh(o), fine.mesh(o));
         let shown: Vec<_> = fine.triangles(o).unwrap().level(2).collect();
-        assert_eq!(shown.len(), objects[o].levels[2].faces.len());
+        assert_eq!(shown.len(), object.levels[2].faces.len());
     }
 }
 

@@ -14,7 +14,7 @@ use std::ops::Range;
 pub struct ObjectLevels {
     /// What it is.
     pub object: StreamObject,
-    /// Its levels, the coarsest first; all points and wedges of one are, by value, in the next.
+    /// Its levels, the coarsest first.
     pub levels: Vec<QuantisedMesh>,
 }
 
@@ -34,7 +34,7 @@ pub struct Written {
 ///
 /// # Errors
 /// A [`Mismatch`] if there is nothing to show, an object has another number of levels than the
-/// table, a mesh does not fit its layout, or a level lacks a vertex of a coarser one.
+/// table, or a mesh does not fit its layout.
 pub fn write(
     levels: &LevelTable,
     objects: &[ObjectLevels],

@@ -90,7 +90,7 @@ pub struct Quantised {
     /// The way back.
     pub scale: Scale,
     /// One mesh for each level, the coarsest first. All points and wedges of a level are, by
-    /// value, in every finer one.
+    /// value, in every finer one whose triangles named all of its vertices.
     pub levels: Vec<QuantisedMesh>,
     /// Faces left out because rounding made two of their corners one, over all levels.
     pub degenerate_faces: usize,
@@ -183,8 +183,7 @@ fn check_length(at: &str, found: usize, expected: usize) -> Result<(), Mismatch>
 ///
 /// # Errors
 /// A [`Mismatch`] if lists disagree in length, an index is out of range, a number is not finite,
-/// a vertex has no weight at all, a morph offset exceeds 2^24 steps or a change of a normal 8, or
-/// a level uses a vertex that the next finer one does not.
+/// a vertex has no weight at all, or a morph offset exceeds 2^24 steps or a change of a normal 8.
 pub fn quantise(
     part: &Primitive,
     levels: &[Vec<[u32; 3]>],

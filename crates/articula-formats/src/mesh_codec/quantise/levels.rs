@@ -17,12 +17,6 @@ pub(super) fn merge(
     for (level, triangles) in levels.iter().enumerate().rev() {
         let named = used(whole.wedges(), triangles)
             .map_err(|v| wrong(level, format!("vertex {v} of {}", whole.wedges())))?;
-        if let Some(finer) = &finer
-            && let Some(v) = (0..named.len()).find(|&v| named[v] && !finer.named[v])
-        {
-            let what = format!("vertex {v} is not in level {}", level + 1);
-            return Err(wrong(level, what));
-        }
         let mut seen = HashSet::new();
         let mut faces = Vec::with_capacity(triangles.len());
         for t in triangles {
@@ -41,7 +35,7 @@ pub(super) fn merge(
                 out.duplicate_faces += 1;
             }
         }
-        finer = Some(Finer::new(whole, &points, &wedges, &faces, named));
+        finer = Some(Finer::new(whole, &points, &wedges, &faces, &named));
         out.levels.push(of_faces(whole, &points, &faces));
     }
     out.levels.reverse();
@@ -102,12 +96,10 @@ fn wedge_key(whole: &QuantisedMesh, point: u32, v: usize) -> Vec<i32> {
     key
 }
 
-/// What the next finer level has: a coarser one may use nothing else.
+/// What the next finer level has: a coarser one uses nothing else of what that one names.
 ///
 /// It would not, but for rounding: a wedge all of whose faces became degenerate is gone there.
 struct Finer {
-    /// Whether a vertex was named before rounding.
-    named: Vec<bool>,
     /// For each vertex's wedge the one to use: itself, one of the same point, one of the same
     /// position.
     stand_ins: Vec<Option<u32>>,
@@ -119,7 +111,7 @@ impl Finer {
         points: &[u32],
         wedges: &[u32],
         faces: &[[u32; 3]],
-        named: Vec<bool>,
+        named: &[bool],
     ) -> Self {
         let mut is_used = vec![false; points.len()];
         for &w in faces.as_flattened() {
@@ -132,7 +124,9 @@ impl Finer {
         }
         let stand_in = |v: usize| {
             let wedge = wedges[v];
-            if is_used[wedge as usize] {
+            // A vertex that the finer level never named is there by right: the levels of one
+            // region may meet others at vertices that only finer faces of those name.
+            if is_used[wedge as usize] || !named[v] {
                 return Some(wedge);
             }
             let same_point = of_point.get(&points[v]);
@@ -140,7 +134,7 @@ impl Finer {
             found.copied()
         };
         let stand_ins = (0..points.len()).map(stand_in).collect();
-        Self { named, stand_ins }
+        Self { stand_ins }
     }
 
     fn find(&self, [a, b, c]: [u32; 3]) -> Option<[u32; 3]> {
