@@ -5,6 +5,7 @@
 //! two agree in all but normals, the nearest normal is taken, at a cost; otherwise meshes whose
 //! every face has normals of its own could not be simplified at all. Seams of texture coordinates
 //! and colours go the same way at a far higher cost, so in coarse levels only; parts never mix.
+//! A wedge whose normal looks away from the faces that it comes to costs more too.
 
 use super::classes::Classes;
 use super::ring::Ring;
@@ -15,6 +16,11 @@ use articula_core::mesh::Mesh;
 const TEXCOORDS: f32 = 2500.0;
 /// The same of linear colours.
 const COLORS: f32 = 100.0;
+/// The same of a corner whose stored normal leans away from its face, squared beyond the free part.
+const LEANING: f32 = 8.0;
+/// Cosine up to which a stored normal may lean from its face for nothing: coarse faces under smooth
+/// normals do.
+const FREE_COSINE: f32 = 0.5;
 
 /// The wedges of a mesh.
 #[derive(Clone, Copy)]
@@ -32,6 +38,28 @@ impl Wedges<'_> {
         let texcoords = mesh.texcoords[a].distance_squared(mesh.texcoords[b]);
         let colors = mesh.colors[a].distance_squared(mesh.colors[b]);
         let sum = normals + TEXCOORDS * texcoords + COLORS * colors;
+        if sum.is_finite() { sum } else { 0.0 }
+    }
+}
+
+impl Wedges<'_> {
+    /// How much more the stored normals of a face lean away from it once its corner `at` is the
+    /// wedge `image`: a vertex that was inside an eye socket or a lip shades the skin black.
+    fn leaning(&self, corners: [u32; 3], at: usize, image: u32) -> f32 {
+        let mut moved = corners;
+        moved[at] = image;
+        let bends = |corners: [u32; 3]| {
+            let [a, b, c] = corners.map(|w| self.mesh.positions[w as usize]);
+            let face = (b - a).cross(c - a).normalize_or_zero();
+            corners.map(|w| {
+                let beyond = FREE_COSINE - face.dot(self.mesh.normals[w as usize]);
+                let beyond = beyond.max(0.0);
+                beyond * beyond
+            })
+        };
+        let (before, after) = (bends(corners), bends(moved));
+        let more = before.iter().zip(after).map(|(b, a)| (a - b).max(0.0));
+        let sum = LEANING * more.sum::<f32>();
         if sum.is_finite() { sum } else { 0.0 }
     }
 }
@@ -75,17 +103,18 @@ impl Images {
             if *a == to || *b == to {
                 continue;
             }
-            let wedge = surface.wedges[*face][*at];
-            if let Some(image) = self.strict(wedge) {
-                self.of_corners.push(image);
-                self.changes.push(0.0);
-                continue;
-            }
-            let Some(image) = self.nearest(surface, wedges, wedge, to) else {
+            let corners = surface.wedges[*face];
+            let wedge = corners[*at];
+            let (image, change) = if let Some(image) = self.strict(wedge) {
+                (image, 0.0)
+            } else if let Some(image) = self.nearest(surface, wedges, wedge, to) {
+                (image, wedges.change(wedge, image))
+            } else {
                 return false;
             };
             self.of_corners.push(image);
-            self.changes.push(wedges.change(wedge, image));
+            self.changes
+                .push(change + wedges.leaning(corners, *at, image));
         }
         true
     }
@@ -132,5 +161,40 @@ impl Images {
         let mut images = beside.map(|p| chart(p.1));
         let first = images.next()?;
         images.all(|i| i == first).then_some(first)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn a_corner_may_not_get_a_normal_that_looks_away() {
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Y, Vec3::Y],
+            normals: vec![
+                Vec3::Z,
+                Vec3::Z,
+                Vec3::Z,
+                Vec3::NEG_Z,
+                Vec3::new(0.8, 0.0, 0.6),
+            ],
+            ..Mesh::default()
+        };
+        let classes = Classes::default();
+        let wedges = Wedges {
+            mesh: &mesh,
+            classes: &classes,
+        };
+        // The face looks along +Z, the new normal along -Z: its cosine is -1.
+        let beyond = FREE_COSINE + 1.0;
+        let expected = LEANING * beyond * beyond;
+        assert_eq!(wedges.leaning([0, 1, 2], 2, 3), expected);
+        // Leaning by 53 degrees is free, and what leans already costs nothing more.
+        assert_eq!(wedges.leaning([0, 1, 2], 2, 4), 0.0);
+        assert_eq!(wedges.leaning([0, 1, 3], 1, 1), 0.0);
+        // Getting better is no credit.
+        assert_eq!(wedges.leaning([0, 1, 3], 2, 2), 0.0);
     }
 }
