@@ -6,8 +6,9 @@ use articula_build::clip::ClipOptions;
 use articula_build::human::{HumanOptions, human};
 use articula_build::poses::{PoseOptions, poses, positions};
 use articula_build::surface_distance::{
-    DistanceOptions, Distances, LevelDistances, SurfaceTree, surface_distances,
+    DistanceOptions, LevelDistances, SurfaceTree, surface_distances,
 };
+use articula_core::level_table::SurfaceError;
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
@@ -83,7 +84,7 @@ proptest! {
         let motion: Vec<Vec<Vec3>> = (0..3).map(pose).collect();
         let opts = DistanceOptions { face_centres: 0, ..DistanceOptions::default() };
         let found = surface_distances(&triangles, &[&level, &triangles], &points, &motion, &opts).unwrap();
-        let same = LevelDistances { poses: vec![Distances::default(); 3], ..LevelDistances::default() };
+        let same = LevelDistances { poses: vec![SurfaceError::default(); 3], ..LevelDistances::default() };
         prop_assert_eq!(&found[1], &same, "a surface lies on itself");
         let mut used: Vec<u32> = triangles.iter().flatten().copied().collect();
         used.sort_unstable();
@@ -103,7 +104,7 @@ proptest! {
     }
 }
 
-fn check(distances: &[f64], stated: &Distances) -> Result<(), TestCaseError> {
+fn check(distances: &[f64], stated: &SurfaceError) -> Result<(), TestCaseError> {
     let max = distances.iter().copied().fold(0.0, f64::max);
     if max == f64::INFINITY {
         prop_assert_eq!(stated.max_metres, f32::INFINITY);
@@ -156,7 +157,7 @@ fn a_folded_square_by_hand() {
         ..DistanceOptions::default()
     };
     let found = surface_distances(&full, &[&level], &rest, &[lifted.clone()], &opts).unwrap();
-    assert_eq!(found[0].rest, Distances::default());
+    assert_eq!(found[0].rest, SurfaceError::default());
     let motion = found[0].motion;
     assert_eq!(motion.max_metres, 1.0);
     assert!((motion.mean_metres - 0.2).abs() < 1e-6, "one of five");
@@ -191,7 +192,7 @@ fn a_folded_square_by_hand() {
     );
     let one_way =
         surface_distances(&parts, &[&web], &far, &[], &DistanceOptions::default()).unwrap();
-    assert_eq!(one_way[0].rest, Distances::default());
+    assert_eq!(one_way[0].rest, SurfaceError::default());
     let both = DistanceOptions {
         both_ways: true,
         ..DistanceOptions::default()
@@ -228,7 +229,7 @@ fn hostile_surfaces() {
     }
     assert_eq!(found[2].motion.max_metres, 1.0, "a level of one point");
     let nothing = surface_distances(&[], &[&none], &[], &[], &opts).unwrap();
-    assert_eq!(nothing[0].rest, Distances::default(), "nothing is off");
+    assert_eq!(nothing[0].rest, SurfaceError::default(), "nothing is off");
     let at = |original: &[[u32; 3]], level: &[[u32; 3]], motion: &[Vec<Vec3>]| {
         surface_distances(original, &[level], &points, motion, &opts)
             .unwrap_err()

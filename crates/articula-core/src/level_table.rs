@@ -7,7 +7,7 @@ use crate::mesh_level::MeshErrors;
 
 /// How far one surface lies from another over many points, metres. All infinite for a level that
 /// has nothing left to show, or whose error is not known.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct SurfaceError {
     /// The greatest.
     pub max_metres: f32,

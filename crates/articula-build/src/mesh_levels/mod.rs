@@ -9,9 +9,9 @@ use crate::character::Asset;
 use crate::clusters::{Clustered, Order, cluster};
 use crate::poses::{PoseOptions, PoseSource, Poses, poses, positions};
 use crate::simplify::{Simplified, SimplifyOptions, simplify};
-use crate::surface_distance::{DistanceOptions, Distances, LevelDistances, surface_distances};
+use crate::surface_distance::{DistanceOptions, LevelDistances, surface_distances};
 use articula_core::Mismatch;
-use articula_core::level_table::{LevelRow, LevelTable, SurfaceError};
+use articula_core::level_table::{LevelRow, LevelTable};
 use articula_core::mesh::Part;
 
 /// How mesh levels are made and measured.
@@ -69,8 +69,8 @@ pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels,
             .iter()
             .map(|o: &Clustered| u64::from(o.clusters.vertices(l)))
             .sum(),
-        rest: error(&distances.rest),
-        motion: error(&distances.motion),
+        rest: distances.rest,
+        motion: distances.motion,
     };
     let table = LevelTable {
         levels: distances.iter().enumerate().map(row).collect(),
@@ -95,15 +95,6 @@ fn part_levels(simplified: &Simplified, p: usize, part: &Part) -> Vec<Vec<[u32; 
         triangles.iter().map(local).collect()
     });
     of_level.collect()
-}
-
-fn error(distances: &Distances) -> SurfaceError {
-    SurfaceError {
-        max_metres: distances.max_metres,
-        p99_metres: distances.p99_metres,
-        p95_metres: distances.p95_metres,
-        mean_metres: distances.mean_metres,
-    }
 }
 
 fn measured(

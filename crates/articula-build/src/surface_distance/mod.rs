@@ -18,6 +18,7 @@ pub use tree::SurfaceTree;
 
 use crate::evaluate::{draw_vertices, percentile};
 use articula_core::Mismatch;
+use articula_core::level_table::SurfaceError;
 use glam::Vec3;
 use tree::NO_TRIANGLE;
 
@@ -48,29 +49,16 @@ impl Default for DistanceOptions {
     }
 }
 
-/// Distances of points to a surface, metres. All infinite for a level without triangles.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Distances {
-    /// The greatest.
-    pub max_metres: f32,
-    /// 99th percentile.
-    pub p99_metres: f32,
-    /// 95th percentile.
-    pub p95_metres: f32,
-    /// Mean.
-    pub mean_metres: f32,
-}
-
 /// Distances of one level.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LevelDistances {
     /// At rest.
-    pub rest: Distances,
+    pub rest: SurfaceError,
     /// In motion: the greatest over all poses, percentiles over the points of all poses together,
     /// the mean of the means. Those at rest if there is no pose.
-    pub motion: Distances,
+    pub motion: SurfaceError,
     /// The same for each pose.
-    pub poses: Vec<Distances>,
+    pub poses: Vec<SurfaceError>,
 }
 
 /// Distance from the original surface to each of some levels, whose triangles are of the same
@@ -256,7 +244,7 @@ fn distances(tree: &SurfaceTree, points: &Points, hints: &mut [u32], pose: &[Vec
 /// Distances of one level, pose by pose, the rest pose first.
 #[derive(Debug, Default)]
 struct Tally {
-    poses: Vec<Distances>,
+    poses: Vec<SurfaceError>,
     /// Of all poses but the first.
     all: Vec<f32>,
 }
@@ -276,7 +264,7 @@ impl Tally {
             rest
         } else {
             let count = poses.len() as f32;
-            Distances {
+            SurfaceError {
                 mean_metres: poses.iter().map(|p| p.mean_metres / count).sum(),
                 ..summary(&mut self.all)
             }
@@ -289,26 +277,27 @@ impl Tally {
     }
 }
 
-impl Distances {
-    fn raise(&mut self, other: &Self) {
-        self.max_metres = self.max_metres.max(other.max_metres);
-        self.p99_metres = self.p99_metres.max(other.p99_metres);
-        self.p95_metres = self.p95_metres.max(other.p95_metres);
-        self.mean_metres = self.mean_metres.max(other.mean_metres);
+/// The greater of both, number by number.
+fn greater(a: &SurfaceError, b: &SurfaceError) -> SurfaceError {
+    SurfaceError {
+        max_metres: a.max_metres.max(b.max_metres),
+        p99_metres: a.p99_metres.max(b.p99_metres),
+        p95_metres: a.p95_metres.max(b.p95_metres),
+        mean_metres: a.mean_metres.max(b.mean_metres),
     }
 }
 
 impl LevelDistances {
     fn raise(&mut self, other: &Self) {
-        self.rest.raise(&other.rest);
-        self.motion.raise(&other.motion);
+        self.rest = greater(&self.rest, &other.rest);
+        self.motion = greater(&self.motion, &other.motion);
         for (pose, other) in self.poses.iter_mut().zip(&other.poses) {
-            pose.raise(other);
+            *pose = greater(pose, other);
         }
     }
 }
 
-fn summary(distances: &mut [f32]) -> Distances {
+fn summary(distances: &mut [f32]) -> SurfaceError {
     let count = distances.len().max(1) as f64;
     let sum: f64 = distances.iter().map(|d| f64::from(*d)).sum();
     let mut at = |fraction| {
@@ -316,7 +305,7 @@ fn summary(distances: &mut [f32]) -> Distances {
         // Between two infinite ones lies no number.
         if value.is_nan() { f32::INFINITY } else { value }
     };
-    Distances {
+    SurfaceError {
         max_metres: at(1.0),
         p99_metres: at(0.99),
         p95_metres: at(0.95),

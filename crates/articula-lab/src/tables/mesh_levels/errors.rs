@@ -4,7 +4,8 @@ use super::characters::Subject;
 use super::contestants::{Contestant, Made, Posed, levels};
 use anyhow::Result;
 use articula_build::simplify::LevelTriangles;
-use articula_build::surface_distance::{DistanceOptions, Distances, surface_distances};
+use articula_build::surface_distance::{DistanceOptions, surface_distances};
+use articula_core::level_table::SurfaceError;
 use rayon::prelude::*;
 
 /// Lines of the picture that the figure fills.
@@ -32,7 +33,7 @@ pub(super) struct Millimetres {
 }
 
 impl Millimetres {
-    fn new(of: Distances, scale: f32) -> Self {
+    fn new(of: SurfaceError, scale: f32) -> Self {
         Self {
             max: 1e3 * scale * of.max_metres,
             p99: 1e3 * scale * of.p99_metres,
