@@ -75,6 +75,48 @@ fn what_build_says_is_in_the_file_and_in_the_stream() {
 }
 
 #[test]
+fn a_stream_tells_what_is_in_it_whole_cut_or_altered() {
+    let here = folder("mesh-stream");
+    let words = ["--levels", "5", "--mesh-stream", "h.ams"];
+    let built = json(
+        &here,
+        &[&["build", word(human()), "h.glb"], &words[..]].concat(),
+    );
+    let levels = &built["levels"];
+    let stream = std::fs::read(here.join("h.ams")).unwrap();
+    let streamed = json(&here, &["inspect", "h.ams"]);
+    for name in [
+        "level",
+        "triangles",
+        "vertices",
+        "error_motion_m",
+        "bytes_added",
+    ] {
+        assert_eq!(
+            numbers(&streamed["levels"], name),
+            numbers(levels, name),
+            "{name}"
+        );
+    }
+    // Cut anywhere, it is a coarser character; altered anywhere, it is an error.
+    let added = numbers(levels, "bytes_added");
+    std::fs::write(
+        here.join("cut.ams"),
+        &stream[..stream.len() - added[0] as usize],
+    )
+    .unwrap();
+    let cut = json(&here, &["inspect", "cut.ams"]);
+    let whole = cut["levels"].as_array().unwrap().iter();
+    let whole: Vec<bool> = whole.map(|l| l["complete"] == true).collect();
+    assert_eq!(whole, [false, true, true, true, true]);
+    let mut altered = stream.clone();
+    altered[stream.len() / 2] ^= 1;
+    std::fs::write(here.join("bad.ams"), altered).unwrap();
+    let line = fault(&here, 1, &["inspect", "bad.ams"]);
+    assert!(line.contains("bad.ams: chunk of level"), "{line}");
+}
+
+#[test]
 fn zones_and_locked_vertices_are_kept_apart() {
     let here = folder("mesh-levels-split");
     std::fs::write(here.join("lock.json"), r#"{"skin": [0, 1, 2]}"#).unwrap();

@@ -6,6 +6,7 @@ mod findings;
 mod human;
 mod mesh_levels;
 mod skeletons;
+mod stream;
 mod text;
 
 use crate::arguments::CharacterArgs;
@@ -39,6 +40,9 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
             )));
         }
         return data::run(&args.character, format, args.map, console);
+    }
+    if stream::is_one(&args.character.file) {
+        return stream::run(&args.character, console);
     }
     let prepared = Prepared::new(&args.character)?;
     let clips: Vec<usize> = match &args.clip {
