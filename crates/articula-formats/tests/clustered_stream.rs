@@ -200,6 +200,27 @@ fn a_stream_cut_after_any_level_is_a_whole_coarser_character() {
 }
 
 #[test]
+fn an_object_ends_where_a_chunk_was_cut_out() {
+    let (table, objects) = levels();
+    let limits = Limits::default();
+    let written = write(table, objects, 0..table.levels.len()).unwrap();
+    let stream = MeshStream::open(&written.bytes, &limits).unwrap();
+    // As a cut does it: the bytes go, their length in the head becomes 0.
+    let gone = stream.chunk(2, 0).unwrap();
+    let field = &written.unit.children[0].fields[2 * objects.len()];
+    let length = (field.bits.start / 8) as usize;
+    let mut bytes = written.bytes.clone();
+    bytes.drain(gone);
+    bytes[length..length + 4].fill(0);
+    let receiver = Receiver::read(&bytes, &limits).unwrap();
+    assert_eq!(receiver.levels(0), 2);
+    assert_eq!(receiver.levels(1), table.levels.len());
+    assert!(by_value(receiver.mesh(0).unwrap()) == by_value(&objects[0].levels[1]));
+    let finest = objects[1].levels.last().unwrap();
+    assert!(by_value(receiver.mesh(1).unwrap()) == by_value(finest));
+}
+
+#[test]
 fn heads_of_other_files_and_short_ones_are_errors() {
     let (table, objects) = levels();
     let limits = Limits::default();

@@ -17,6 +17,7 @@ pub(crate) fn subdivide(mesh: &Mesh) -> Mesh {
     Mesh {
         primitives: mesh.primitives.iter().map(primitive).collect(),
         levels: Vec::new(),
+        clustered: Vec::new(),
         ..mesh.clone()
     }
 }

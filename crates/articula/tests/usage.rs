@@ -60,6 +60,16 @@ fn help_is_no_error_and_wrong_words_are_usage() {
             "build", "a.glb", "b.glb", "--levels", "3", "--split", "nose",
         ],
         &["build", "a.glb", "b.glb", "--msft-lod"],
+        &["build", "a.glb", "b.glb", "--weighting", "rest"],
+        &[
+            "build",
+            "a.glb",
+            "b.glb",
+            "--levels",
+            "2",
+            "--split",
+            "upper,upper",
+        ],
         &["human", "--triangles", "many", "a.glb"],
     ] {
         assert_eq!(articula(&here, words).status, 2, "{words:?}");

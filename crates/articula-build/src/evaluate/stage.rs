@@ -335,7 +335,8 @@ pub(crate) fn percentile(values: &mut [f32], fraction: f32) -> f32 {
         return 0.0;
     }
     let at = fraction * (values.len() - 1) as f32;
-    let below = at as usize;
+    // Of millions of values the place may round up past the last one.
+    let below = (at as usize).min(values.len() - 1);
     let (_, low, rest) = values.select_nth_unstable_by(below, f32::total_cmp);
     let low = *low;
     let high = rest.iter().copied().min_by(f32::total_cmp).unwrap_or(low);

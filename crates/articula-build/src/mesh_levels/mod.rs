@@ -7,7 +7,7 @@
 
 use crate::character::Asset;
 use crate::clusters::{Clustered, Order, cluster};
-use crate::poses::{PoseOptions, PoseSource, Poses, poses, positions};
+use crate::poses::{Origin, PoseOptions, Poses, SkinPose, poses, positions};
 use crate::simplify::{Simplified, SimplifyOptions, simplify};
 use crate::surface_distance::{DistanceOptions, LevelDistances, surface_distances};
 use articula_core::Mismatch;
@@ -34,10 +34,39 @@ pub struct MeshLevels {
     pub objects: Vec<Clustered>,
     /// Triangles of each part at each level, vertices numbered within the part.
     pub parts: Vec<Vec<Vec<[u32; 3]>>>,
-    /// Where the poses come from.
-    pub source: PoseSource,
-    /// Poses that errors were measured on, the rest pose not counted.
-    pub poses_measured: usize,
+    /// What errors in motion were measured on.
+    pub measured: MeasuredOn,
+}
+
+/// Poses that errors in motion were measured on; those at rest alone if there is none.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct MeasuredOn {
+    /// Moments of the character's clips.
+    pub clips: usize,
+    /// Bends of its joints.
+    pub bends: usize,
+    /// Single morph targets.
+    pub morphs: usize,
+}
+
+impl MeasuredOn {
+    fn new(poses: &[SkinPose]) -> Self {
+        let mut out = Self::default();
+        for pose in poses {
+            match pose.origin {
+                Origin::Rest => {}
+                Origin::Clip { .. } => out.clips += 1,
+                Origin::Bend { .. } => out.bends += 1,
+                Origin::Morph { .. } => out.morphs += 1,
+            }
+        }
+        out
+    }
+
+    /// All of them.
+    pub fn poses(self) -> usize {
+        self.clips + self.bends + self.morphs
+    }
 }
 
 /// Makes all mesh levels of a character and measures them.
@@ -81,8 +110,7 @@ pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels,
         table,
         objects,
         parts,
-        source: poses.source,
-        poses_measured: poses.measuring.len(),
+        measured: MeasuredOn::new(&poses.measuring),
     })
 }
 

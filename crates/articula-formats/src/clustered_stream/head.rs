@@ -111,6 +111,14 @@ impl MeshStream {
             entries.push((r.u32()?, r.take()?));
         }
         r.end()?;
+        let all = entries.iter().map(|e| u64::from(e.0)).sum::<u64>();
+        // Also so that places of chunks can be told in 32 bits.
+        Limits::check(
+            "byte 8",
+            "bytes",
+            head_bytes as u64 + all,
+            limits.bytes.min(u64::from(u32::MAX)),
+        )?;
         Ok(Self {
             first_level,
             levels,

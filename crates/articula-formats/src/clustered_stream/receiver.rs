@@ -42,10 +42,11 @@ impl Receiver {
         }
     }
 
-    /// Reads a whole stream, or its start: all levels of which every chunk is there.
+    /// Reads a whole stream, or its start: all levels that end before the bytes do. An object of
+    /// which a chunk was cut out has the levels before it.
     ///
     /// # Errors
-    /// As [`MeshStream::open`] and [`Self::refine`]; a chunk that ends early is no error.
+    /// As [`MeshStream::open`] and [`Self::refine`]; a stream that ends early is no error.
     pub fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
         let mut receiver = Self::new(MeshStream::open(bytes, limits)?, *limits);
         for level in 0..receiver.stream.levels.levels.len() {
@@ -62,7 +63,11 @@ impl Receiver {
             }
             for object in objects {
                 let chunk = receiver.stream.chunk(level, object).unwrap_or_default();
-                receiver.refine(object, &bytes[chunk])?;
+                let is_cut = chunk.is_empty() && !receiver.names(level, object, &[]);
+                // What was cut out of an object ends it there.
+                if receiver.levels(object) == level && !is_cut {
+                    receiver.refine(object, &bytes[chunk])?;
+                }
             }
         }
         Ok(receiver)
@@ -92,10 +97,7 @@ impl Receiver {
         if object >= self.held.len() || level >= self.stream.levels.levels.len() {
             return Err(bad("there is no such chunk"));
         }
-        let number = self.stream.first_level + level;
-        let record = &self.stream.records[object];
-        let entry = &self.stream.entries[level * self.stream.objects.len() + object];
-        if hash_of(number, level == 0, record, chunk) != entry.1 {
+        if !self.names(level, object, chunk) {
             return Err(bad(
                 "the bytes are not those that the head names; fetch the chunk again",
             ));
@@ -113,6 +115,14 @@ impl Receiver {
         Ok(())
     }
 
+    /// Whether the head names just these bytes for a chunk.
+    fn names(&self, level: usize, object: usize, chunk: &[u8]) -> bool {
+        let number = self.stream.first_level + level;
+        let record = &self.stream.records[object];
+        let entry = &self.stream.entries[level * self.stream.objects.len() + object];
+        hash_of(number, level == 0, record, chunk) == entry.1
+    }
+
     /// Frees what levels above the first `levels` of an object take. Drawing a coarser level needs
     /// no call: its ranges are in [`Self::triangles`].
     pub fn coarsen(&mut self, object: usize, levels: usize) {
@@ -126,17 +136,15 @@ impl Receiver {
         let none = (0, 0, Vec::new());
         let (points, wedges, faces) = held.levels.last().unwrap_or(&none);
         let mesh = &mut held.mesh;
-        mesh.positions.truncate(*points);
-        mesh.skins.truncate(*points);
-        mesh.morphs.iter_mut().for_each(|m| m.truncate(*points));
-        mesh.wedge_points.truncate(*wedges);
-        mesh.normals.truncate(*wedges);
-        mesh.texcoords.truncate(*wedges);
-        mesh.colors.truncate(*wedges);
-        mesh.morph_normals
-            .iter_mut()
-            .for_each(|m| m.truncate(*wedges));
-        mesh.faces.clone_from(faces);
+        cut(&mut mesh.positions, *points);
+        cut(&mut mesh.skins, *points);
+        mesh.morphs.iter_mut().for_each(|m| cut(m, *points));
+        cut(&mut mesh.wedge_points, *wedges);
+        cut(&mut mesh.normals, *wedges);
+        cut(&mut mesh.texcoords, *wedges);
+        cut(&mut mesh.colors, *wedges);
+        mesh.morph_normals.iter_mut().for_each(|m| cut(m, *wedges));
+        mesh.faces = faces.clone();
     }
 
     /// An object at the finest level that is there, in whole numbers.
@@ -175,4 +183,10 @@ impl Receiver {
             triangles,
         })
     }
+}
+
+/// Keeps the first values and gives the room of the others back.
+fn cut<T>(values: &mut Vec<T>, count: usize) {
+    values.truncate(count);
+    values.shrink_to_fit();
 }

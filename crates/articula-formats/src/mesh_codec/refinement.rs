@@ -124,6 +124,9 @@ struct TrueLevel<'a> {
 
 /// Largest number of faces, so that corners can be counted.
 const MOST_FACES: usize = 1 << 28;
+/// What a face takes while a level is put together, in numbers of four bytes: a few bytes may name
+/// very many faces.
+const FACE_ELEMENTS: u64 = 24;
 
 /// Codes a level over a coarser one in canonical order; gives it with the coarser one's ids
 /// first.
@@ -136,7 +139,7 @@ fn code(
 ) -> Result<QuantisedMesh, Fault> {
     let count = truth.map_or(0, |t| t.fine.faces.len());
     let count = Natural::default().code(coder, count as u32) as usize;
-    if count > MOST_FACES || count as u64 * 3 > bounds.elements {
+    if count > MOST_FACES || count as u64 * FACE_ELEMENTS > bounds.elements {
         return Err("more faces than the limit allows");
     }
     let true_faces: Option<Vec<[u32; 3]>> = truth.map(|t| t.fine.point_faces().collect());
@@ -146,6 +149,8 @@ fn code(
     let view = Coarse::new(coarse);
     let walked = connectivity::walk(coder, &view, true_walk.as_mut(), count)?;
     let points = coarse.points() + walked.new_points;
+    // Every point has a wedge.
+    check_size(layout, bounds, points, points)?;
     let true_corners: Option<Vec<[u32; 3]>> = truth.zip(true_walk.as_ref()).map(|(t, walk)| {
         let corner = |h: u32| t.fine.faces[h as usize / 3][h as usize % 3];
         let turned = |&h: &u32| {
@@ -211,7 +216,8 @@ fn code_rest(
 
 /// Refuses more points and wedges than the limit allows, before there is room for their values.
 fn check_size(layout: &Layout, bounds: &Bounds, points: usize, wedges: usize) -> Result<(), Fault> {
-    let of_point = 3 + layout.morphs.len() as u64 * 3;
+    let of_skin = if layout.joints > 0 { 8 } else { 0 };
+    let of_point = 3 + of_skin + layout.morphs.len() as u64 * 3;
     let of_wedge = 8 + layout.morphs.len() as u64 * 3;
     let elements = points as u64 * of_point + wedges as u64 * of_wedge;
     if elements > bounds.elements {

@@ -47,7 +47,8 @@ struct Report {
     levels: Vec<report::Level>,
     /// What they weigh.
     bytes: Option<report::Bytes>,
-    /// What their errors in motion were measured on.
+    /// Poses that their errors in motion were measured on.
+    poses_measured: Option<usize>,
     #[serde(skip)]
     measured: String,
     mesh_stream: Option<String>,
@@ -184,9 +185,15 @@ impl Report {
             clips: asset.clips.iter().zip(&built.tables).map(clip).collect(),
             levels: levels.map(report::levels).unwrap_or_default(),
             bytes: levels.map(|l| report::bytes(l, built.mesh_bytes)),
+            poses_measured: levels.map(|l| l.made.measured.poses()),
             measured: levels.map(report::measured).unwrap_or_default(),
             mesh_stream: args.mesh_levels.mesh_stream.as_deref().map(files::shown),
-            warnings: prepared.loaded.warnings(),
+            warnings: {
+                let of_levels = levels.map(|l| l.warnings.clone()).unwrap_or_default();
+                let mut warnings = prepared.loaded.warnings();
+                warnings.extend(of_levels);
+                warnings
+            },
         }
     }
 

@@ -4,7 +4,7 @@ use anyhow::Context;
 use articula_build::mesh_levels::MeshLevelOptions;
 use articula_build::simplify::{SimplifyOptions, Weighting, region_weights};
 use articula_core::articulation::{Region, Zone};
-use articula_core::mesh::Mesh;
+use articula_core::mesh::{Mesh, Part};
 use articula_core::rig::Rig;
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
@@ -17,6 +17,8 @@ const FIVE_LEVELS: [f64; 5] = [100.0, 50.0, 25.0, 10.0, 1.5];
 /// How much heavier errors are near joints in the thesis' weighting.
 const JOINT_STRENGTH: f32 = 4.0;
 
+/// Most levels, as `--levels` has it.
+const MOST_LEVELS: usize = 16;
 /// Most bytes of a list of locked vertices.
 const LOCK_BYTES: u64 = 1 << 26;
 
@@ -37,9 +39,9 @@ pub(crate) struct MeshLevelArgs {
     /// Zones that may be shown at a level of their own, such as upper; the rest is one more
     #[arg(long, value_name = "ZONE,…", help_heading = HEADING, value_delimiter = ',', value_parser = zone)]
     split: Vec<(String, Zone)>,
-    /// Which errors count: of all poses, of the rest pose, or at rest and more near joints
-    #[arg(long, value_enum, default_value = "poses", help_heading = HEADING)]
-    weighting: Counted,
+    /// Which errors count: of all poses (without it), of the rest pose, or at rest and more near joints
+    #[arg(long, value_enum, help_heading = HEADING)]
+    weighting: Option<Counted>,
     /// Vertices that no level removes: a JSON file {"mesh name": [vertex, …], …}
     #[arg(long, value_name = "FILE.json", help_heading = HEADING)]
     lock: Option<PathBuf>,
@@ -70,7 +72,7 @@ impl MeshLevelArgs {
             targets: Vec::new(),
             region_weight: Vec::new(),
             split: Vec::new(),
-            weighting: Counted::Poses,
+            weighting: None,
             lock: None,
             msft_lod: false,
             mesh_stream: None,
@@ -79,11 +81,17 @@ impl MeshLevelArgs {
 
     /// Whether any level is wanted; options without a level are wrong usage.
     pub(crate) fn wanted(&self) -> anyhow::Result<Option<Vec<f64>>> {
+        let has_twice = |i: usize| self.split[..i].iter().any(|z| z.1 == self.split[i].1);
+        if let Some(i) = (0..self.split.len()).find(|i| has_twice(*i)) {
+            let what = format!("--split: {} stands twice", self.split[i].0);
+            return Err(fault::usage(what));
+        }
         let targets = match (self.levels, self.targets.as_slice()) {
             (None, []) => {
                 let alone = [
                     (!self.region_weight.is_empty(), "--region-weight"),
                     (!self.split.is_empty(), "--split"),
+                    (self.weighting.is_some(), "--weighting"),
                     (self.lock.is_some(), "--lock"),
                     (self.msft_lod, "--msft-lod"),
                     (self.mesh_stream.is_some(), "--mesh-stream"),
@@ -98,6 +106,10 @@ impl MeshLevelArgs {
             (levels, given) => {
                 if let Some(levels) = levels.filter(|l| usize::from(*l) != given.len()) {
                     let what = format!("--levels {levels} with {} --targets", given.len());
+                    return Err(fault::usage(what));
+                }
+                if given.len() > MOST_LEVELS {
+                    let what = format!("--targets: {} levels, at most {MOST_LEVELS}", given.len());
                     return Err(fault::usage(what));
                 }
                 let falls = given.windows(2).all(|w| w[0] > w[1]);
@@ -128,9 +140,9 @@ impl MeshLevelArgs {
         let simplify = SimplifyOptions {
             targets,
             weighting: match self.weighting {
-                Counted::Poses => Weighting::PoseSummed,
-                Counted::Rest => Weighting::Rest,
-                Counted::Joint => Weighting::Joint {
+                None | Some(Counted::Poses) => Weighting::PoseSummed,
+                Some(Counted::Rest) => Weighting::Rest,
+                Some(Counted::Joint) => Weighting::Joint {
                     strength: JOINT_STRENGTH,
                 },
             },
@@ -183,14 +195,20 @@ impl MeshLevelArgs {
             .with_context(|| format!("{}: the form is {form}", files::shown(path)))?;
         let mut locked = Vec::new();
         for (name, vertices) in lists {
-            let mut parts = mesh.parts.iter().filter(|p| p.name == name).peekable();
-            if parts.peek().is_none() {
-                let names: Vec<&str> = mesh.parts.iter().map(|p| p.name.as_str()).collect();
+            let parts: Vec<&Part> = mesh.parts.iter().filter(|p| p.name == name).collect();
+            let Some(first) = parts.first() else {
+                let mut names: Vec<&str> = mesh.parts.iter().map(|p| p.name.as_str()).collect();
+                names.dedup();
                 let what = format!("no mesh \"{name}\"; there are {}", names.join(", "));
+                anyhow::bail!("{}: {what}", files::shown(path));
+            };
+            if parts.iter().any(|p| p.mesh != first.mesh) {
+                let what = format!("several meshes are called \"{name}\"; give them other names");
                 anyhow::bail!("{}: {what}", files::shown(path));
             }
             // Parts of one mesh follow each other: its vertices are numbered through them.
             let of_mesh: Vec<u32> = parts
+                .iter()
                 .flat_map(|p| p.vertices.clone())
                 .map(|v| v as u32)
                 .collect();

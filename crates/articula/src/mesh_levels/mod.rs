@@ -10,12 +10,12 @@ use crate::console::Console;
 use crate::load::Behind;
 use crate::prepared::Prepared;
 use anyhow::Context;
-use articula_build::character::Asset;
 use articula_build::mesh_levels::{MeshLevels, mesh_levels};
 use articula_build::poses::SkinPose;
 use articula_flat::frame::Bounds;
 use articula_formats::gltf::Document;
 use articula_formats::gltf::clustered::{LevelNodes, MeshParts, PartLevels};
+use glam::Vec3;
 use transport::Transport;
 
 /// The levels of a character, and the same coded for the wire.
@@ -23,6 +23,8 @@ use transport::Transport;
 pub(crate) struct Levels {
     pub(crate) made: MeshLevels,
     pub(crate) transport: Transport,
+    /// What was lost on the way.
+    pub(crate) warnings: Vec<String>,
 }
 
 /// Makes the levels of a character that was read, and puts them into its document.
@@ -49,19 +51,37 @@ pub(crate) fn add(
     bar.inc(1);
     store(document, prepared, &made, &behind.node_of_mesh)?;
     if args.msft_lod {
-        let nodes = LevelNodes::new(radius_metres(asset));
-        for node in &behind.node_of_mesh {
+        let rest = SkinPose::rest(asset).positions(asset);
+        for (parts, node) in parts_of_meshes(prepared)
+            .into_iter()
+            .zip(&behind.node_of_mesh)
+        {
+            let parts = &asset.mesh.parts[parts];
+            let vertices = parts.iter().flat_map(|p| &rest[p.vertices.clone()]);
+            let nodes = LevelNodes::new(radius_metres(vertices));
             document.add_level_nodes(*node, &made.table, &nodes)?;
         }
     }
     bar.finish_and_clear();
-    Ok(Levels { made, transport })
+    let meshes = &prepared.loaded.character.meshes;
+    let replaced =
+        |m: &&articula_core::source::Mesh| !m.levels.is_empty() && m.clustered.is_empty();
+    let warning = |m: &articula_core::source::Mesh| {
+        format!(
+            "mesh \"{}\": the coarser levels of the file are replaced",
+            m.name
+        )
+    };
+    Ok(Levels {
+        warnings: meshes.iter().filter(replaced).map(warning).collect(),
+        made,
+        transport,
+    })
 }
 
-/// Radius of the ball around the character at rest.
-fn radius_metres(asset: &Asset) -> f32 {
-    let rest = SkinPose::rest(asset).positions(asset);
-    let bounds = Bounds::around(rest.iter().filter(|p| p.is_finite()).map(|p| (*p, *p)));
+/// Radius of the ball around a mesh at rest.
+fn radius_metres<'a>(vertices: impl Iterator<Item = &'a Vec3>) -> f32 {
+    let bounds = Bounds::around(vertices.filter(|p| p.is_finite()).map(|p| (*p, *p)));
     bounds.map_or(1.0, |b| 0.5 * b.low.distance(b.high))
 }
 

@@ -1,8 +1,7 @@
 //! What `build` says of mesh levels.
 
 use super::Levels;
-use crate::table::Table;
-use articula_build::poses::PoseSource;
+use crate::table::{Table, counted};
 use serde::Serialize;
 
 /// One level, as scripts read it. Errors are null for a level without triangles.
@@ -74,16 +73,21 @@ pub(crate) fn bytes(made: &Levels, store: usize) -> Bytes {
     }
 }
 
-/// Where the errors come from, in words.
+/// What errors in motion were measured on, in words.
 pub(crate) fn measured(made: &Levels) -> String {
-    let poses = made.made.poses_measured;
-    match made.made.source {
-        PoseSource::Clips => {
-            format!("{poses} poses of its clips that the levels were not made by")
-        }
-        PoseSource::Bends => format!("{poses} poses of bent joints, since no clip moves it"),
-        PoseSource::Morphs => format!("{poses} poses of its morph targets"),
-        PoseSource::Rest => "the rest pose, since nothing moves it".to_owned(),
+    let on = made.made.measured;
+    let parts: Vec<String> = [
+        (on.clips, "of its clips"),
+        (on.bends, "of bent joints"),
+        (on.morphs, "of its morph targets"),
+    ]
+    .into_iter()
+    .filter(|(count, _)| *count > 0)
+    .map(|(count, what)| format!("{} {what}", counted(count, "pose", "poses")))
+    .collect();
+    match parts.is_empty() {
+        true => "the rest pose alone, since no other is left to measure on".to_owned(),
+        false => format!("{} that the levels were not made by", parts.join(" and ")),
     }
 }
 

@@ -212,8 +212,8 @@ fn wholes(page: &mut String, all: &[Found]) -> Result<()> {
     page.push_str(
         "
 All levels in one stream (TRANSPORT, the sum of the chunks) beside what else would be sent, and
-processor time of one thread for it: the least of three rounds, triangles of all levels for each
-second. Times of one run may be compared with each other. *With morph targets*: ours, all levels and
+processor time of one thread for it: coding the least of three rounds, the rest once (*round* with morph
+targets and without), triangles of all levels for each second. Times of one run may be compared with each other. *With morph targets*: ours, all levels and
 the finest alone.
 
 | character | whole | / Draco's finest | / five of Draco | / meshopt's finest | / own finest | with morph targets | simplify | round | encode | decode |

@@ -28,7 +28,7 @@ impl MeshLevels {
         Self {
             levels: report::levels(levels),
             bytes: report::bytes(levels, mesh_bytes),
-            poses_measured: levels.made.poses_measured,
+            poses_measured: levels.made.measured.poses(),
         }
     }
 }
