@@ -110,18 +110,23 @@ pub(super) fn table(found: &Levels) -> Table {
         "in motion",
         "ranges",
     ]);
-    let mm = |metres: Option<f32>| metres.map_or("-".to_owned(), |m| format!("{:.2} mm", 1e3 * m));
     for level in &found.levels {
+        let [rest, motion] = [level.error_rest_m, level.error_motion_m].map(millimetres);
         table.row([
             level.level.to_string(),
             level.triangles.to_string(),
             level.vertices.to_string(),
-            mm(level.error_rest_m),
-            mm(level.error_motion_m),
+            rest,
+            motion,
             level.ranges.to_string(),
         ]);
     }
     table
+}
+
+/// An error as people read it.
+pub(super) fn millimetres(metres: Option<f32>) -> String {
+    metres.map_or("-".to_owned(), |m| format!("{:.2} mm", 1e3 * m))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Streams of mesh levels: every chunk that is there is checked and decoded.
 
+use super::mesh_levels::millimetres;
 use super::text::head_line;
 use crate::arguments::CharacterArgs;
 use crate::console::Console;
@@ -108,14 +109,14 @@ fn text(found: &Findings) -> String {
         "bytes added",
         "",
     ]);
-    let mm = |metres: Option<f32>| metres.map_or("-".to_owned(), |m| format!("{:.2} mm", 1e3 * m));
     for level in &found.levels {
+        let [rest, motion] = [level.error_rest_m, level.error_motion_m].map(millimetres);
         table.row([
             level.level.to_string(),
             level.triangles.to_string(),
             level.vertices.to_string(),
-            mm(level.error_rest_m),
-            mm(level.error_motion_m),
+            rest,
+            motion,
             level.bytes_added.to_string(),
             (if level.complete { "" } else { "not whole" }).to_owned(),
         ]);
