@@ -161,8 +161,8 @@ fn lives<L: AsRef<[[u32; 3]]>>(levels: &[L]) -> (Vec<Life>, usize) {
     (lives, copies)
 }
 
-/// The triangle that begins with its lowest corner.
-fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
+/// The triangle that begins with its lowest corner: triangles that differ by rotation are one.
+pub(crate) fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {
         [a, b, c]
     } else if b <= c {

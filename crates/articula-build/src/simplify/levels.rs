@@ -3,6 +3,7 @@
 use super::LevelTriangles;
 use super::classes::Classes;
 use super::topology::Surface;
+use crate::clusters::rotated;
 use articula_core::mesh::Mesh;
 use std::collections::HashSet;
 use std::ops::Range;
@@ -25,22 +26,13 @@ pub(super) fn faces(mesh: &Mesh, classes: &Classes) -> Sources {
         let first = sources.triangles.len();
         for t in &mesh.triangles[part.triangles.clone()] {
             let [a, b, c] = t.map(|v| classes.wedge[v as usize]);
-            if a != b && b != c && c != a && known.insert(turned([a, b, c])) {
+            if a != b && b != c && c != a && known.insert(rotated([a, b, c])) {
                 sources.triangles.push([a, b, c]);
             }
         }
         sources.parts.push(first..sources.triangles.len());
     }
     sources
-}
-
-/// The same triangle, its smallest corner first.
-fn turned([a, b, c]: [u32; 3]) -> [u32; 3] {
-    match a.min(b).min(c) {
-        least if least == a => [a, b, c],
-        least if least == b => [b, c, a],
-        _ => [c, a, b],
-    }
 }
 
 impl Sources {
@@ -63,7 +55,7 @@ impl Sources {
                 if !surface.is_alive(face) {
                     continue;
                 }
-                if known.insert(turned(surface.wedges[face])) {
+                if known.insert(rotated(surface.wedges[face])) {
                     level.triangles.push(surface.wedges[face]);
                 } else {
                     surface.kill(face);

@@ -136,7 +136,7 @@ fn inverse(list: &[u32], count: usize) -> Vec<u32> {
 }
 
 /// A face turned so that its lowest wedge comes first.
-fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
+pub(super) fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     if a <= b && a <= c {
         [a, b, c]
     } else if b <= c {

@@ -1,6 +1,7 @@
 //! Whether a mesh holds to its layout: asked of a caller's mesh before it is coded, and of every
 //! mesh that was decoded.
 
+use super::canonical::{compare_points, compare_wedges, rotated};
 use super::mesh::{Layout, QuantisedMesh};
 use super::quantise::{LARGEST_OFFSET, LARGEST_TURN};
 use articula_core::Mismatch;
@@ -112,40 +113,23 @@ impl QuantisedMesh {
     }
 
     fn check_distinct(&self) -> Result<(), Mismatch> {
-        if let Some(p) = repeated(self.points(), |a, b| self.compare_points(a, b)) {
+        // By the order that meshes are sorted by, so that what is distinct has one place in it.
+        let of = |i: usize| (self, i as u32);
+        if let Some(p) = repeated(self.points(), |a, b| compare_points(of(a), of(b))) {
             return Err(wrong("positions", p, "the values of another point"));
         }
-        if let Some(w) = repeated(self.wedges(), |a, b| self.compare_wedges(a, b)) {
+        let wedges = |a: usize, b: usize| {
+            let points = self.wedge_points[a].cmp(&self.wedge_points[b]);
+            points.then_with(|| compare_wedges(of(a), of(b)))
+        };
+        if let Some(w) = repeated(self.wedges(), wedges) {
             return Err(wrong("wedge_points", w, "the values of another wedge"));
         }
-        let face = |f: usize| {
-            let mut face = self.faces[f];
-            let least = (0..3).min_by_key(|i| face[*i]).unwrap_or(0);
-            face.rotate_left(least);
-            face
-        };
+        let face = |f: usize| rotated(self.faces[f]);
         match repeated(self.faces.len(), |a, b| face(a).cmp(&face(b))) {
             Some(f) => Err(wrong("faces", f, "the same as another face")),
             None => Ok(()),
         }
-    }
-
-    fn compare_points(&self, a: usize, b: usize) -> Ordering {
-        let offsets = |p: usize| self.morphs.iter().map(move |m| m[p]);
-        self.positions[a]
-            .cmp(&self.positions[b])
-            .then_with(|| self.skins.get(a).cmp(&self.skins.get(b)))
-            .then_with(|| offsets(a).cmp(offsets(b)))
-    }
-
-    fn compare_wedges(&self, a: usize, b: usize) -> Ordering {
-        let point = |w: usize| self.wedge_points[w];
-        let turns = |w: usize| self.morph_normals.iter().map(move |m| m.get(w));
-        (point(a).cmp(&point(b)))
-            .then_with(|| self.normals.get(a).cmp(&self.normals.get(b)))
-            .then_with(|| self.texcoords.get(a).cmp(&self.texcoords.get(b)))
-            .then_with(|| self.colors.get(a).cmp(&self.colors.get(b)))
-            .then_with(|| turns(a).cmp(turns(b)))
     }
 }
 

@@ -1,5 +1,6 @@
 //! Equal vertices become one, and each level gets the points and wedges that its faces use.
 
+use super::super::canonical::rotated;
 use super::super::mesh::QuantisedMesh;
 use super::Quantised;
 use articula_core::Mismatch;
@@ -29,7 +30,7 @@ pub(super) fn merge(
             let [a, b, c] = face.map(|w| points[w as usize]);
             if a == b || b == c || c == a {
                 out.degenerate_faces += 1;
-            } else if seen.insert(least_first(face)) {
+            } else if seen.insert(rotated(face)) {
                 faces.push(face);
             } else {
                 out.duplicate_faces += 1;
@@ -53,17 +54,6 @@ fn used(vertices: usize, triangles: &[[u32; 3]]) -> Result<Vec<bool>, u32> {
         *out.get_mut(v as usize).ok_or(v)? = true;
     }
     Ok(out)
-}
-
-/// A face turned so that its least corner comes first.
-fn least_first([a, b, c]: [u32; 3]) -> [u32; 3] {
-    if a < b && a < c {
-        [a, b, c]
-    } else if b < c {
-        [b, c, a]
-    } else {
-        [c, a, b]
-    }
 }
 
 /// For each vertex the first one with the same key.
