@@ -10,6 +10,8 @@
 //! - [`appearance`], [`render`]: materials and textures; a lit picture of a skinned character
 //! - [`skeleton`], [`contact_sheet`]: moving and held joints; many pictures on one page
 //! - [`plot`]: line and bar plots as SVG
+//! - [`planar`]: a clip as the camera sees it, ready to be written in 2D
+//! - [`vector`]: vector graphics, still and moving, written and sampled
 //! - [`error`]: what can be wrong with a picture
 //!
 //! What is deliberately absent: files, clocks, threads, a GPU, fonts of the system.
@@ -24,10 +26,12 @@ mod ground;
 pub mod item_buffer;
 pub mod paint;
 pub mod picture;
+pub mod planar;
 pub mod plot;
 pub mod projection;
 pub mod render;
 pub mod skeleton;
+pub mod vector;
 
 pub use error::PictureError;
 pub use ground::Ground;

@@ -1,0 +1,483 @@
+//! Skins, projects and lights a character into a [`PlanarClip`].
+//!
+//! Source: `spec/vector.md` 2. One key light and an even ambient, both fixed to the viewer;
+//! light multiplies sRGB levels, since vector players blend there. Colours are what material,
+//! texture and vertex colour give at the vertices.
+
+use super::clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, Surface};
+use super::error::PlanarError;
+use crate::appearance::Appearance;
+use crate::picture::srgb_byte;
+use crate::projection::{Projection, Screen};
+use articula_core::clip::Clip;
+use articula_core::hierarchy::local_to_model;
+use articula_core::mesh::Mesh;
+use articula_core::pose::ModelPose;
+use articula_core::rig::Rig;
+use articula_core::sample::{Wrap, sample, sample_morphs};
+use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::source::Material;
+use articula_core::view::Camera;
+use glam::{Affine3A, Quat, Vec3, Vec4Swizzles};
+
+/// Nothing may come nearer to a perspective camera than this, metres.
+const NEAREST_M: f32 = 0.01;
+
+/// Who is shown, and what it does.
+#[derive(Debug, Clone, Copy)]
+pub struct Subject<'a> {
+    /// Its joints.
+    pub rig: &'a Rig,
+    /// Its vertices.
+    pub mesh: &'a Mesh,
+    /// The triangles that are shown, over the mesh's vertices: the mesh's own, or a coarser
+    /// level of them.
+    pub triangles: &'a [[u32; 3]],
+    /// Its materials and textures.
+    pub look: &'a Appearance,
+    /// What it does; the rest pose without one.
+    pub clip: Option<&'a Clip>,
+    /// Shape at rest, and what morph tracks do not drive.
+    pub morph_weights: &'a [f32],
+}
+
+/// A key light and an even ambient.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lamp {
+    /// Direction towards the key light in camera space (x right, y up, z to the viewer).
+    pub direction: Vec3,
+    /// Light from everywhere.
+    pub ambient: f32,
+    /// What the key light adds where it meets the surface straight; the sum is held at 1.
+    pub diffuse: f32,
+}
+
+impl Default for Lamp {
+    fn default() -> Self {
+        Self {
+            direction: Vec3::new(-0.4, 0.5, 0.77),
+            ambient: 0.32,
+            diffuse: 0.72,
+        }
+    }
+}
+
+/// From where a subject is seen, and how it turns.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BakeOptions {
+    /// The camera; its viewport is the picture's size.
+    pub camera: Camera,
+    /// Perspective or parallel.
+    pub projection: Projection,
+    /// The light.
+    pub lamp: Lamp,
+    /// Frames a second of the result.
+    pub fps: f32,
+    /// The vertical axis that the subject turns about, as (x, z) in metres.
+    pub axis: (f32, f32),
+    /// Turn to the left about that axis over the whole clip, radians.
+    pub turn_radians: f32,
+}
+
+/// Bakes the moments of a clip; the first and the last bound the turn.
+///
+/// O(moments x vertices).
+///
+/// # Errors
+/// [`PlanarError`]: limits, a vertex that is not finite or not before the camera, or triangles
+/// of another mesh.
+pub fn bake(
+    subject: &Subject<'_>,
+    moments_secs: &[f64],
+    options: &BakeOptions,
+) -> Result<PlanarClip, PlanarError> {
+    if moments_secs.is_empty() {
+        return Err(PlanarError::NoFrames);
+    }
+    if moments_secs.len() > MAX_FRAMES {
+        let (found, most) = (moments_secs.len(), MAX_FRAMES);
+        return Err(PlanarError::TooManyFrames { found, most });
+    }
+    let (mut clip, sources) = still_parts(subject, options)?;
+    let mut poser = Poser::new(subject);
+    let first = moments_secs[0];
+    let length = moments_secs[moments_secs.len() - 1] - first;
+    for (f, secs) in moments_secs.iter().enumerate() {
+        poser.pose(*secs);
+        let share = if length > 0.0 {
+            (secs - first) / length
+        } else {
+            0.0
+        };
+        let angle = options.turn_radians * share as f32;
+        clip.frames
+            .push(project(&poser.skinned, &sources, f, angle, options)?);
+    }
+    clip.check()?;
+    Ok(clip)
+}
+
+/// Where a vertex of the planar clip comes from: a vertex of the mesh, and the side it shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Source {
+    vertex: u32,
+    is_back: bool,
+}
+
+/// Everything that does not change over time.
+fn still_parts(
+    subject: &Subject<'_>,
+    options: &BakeOptions,
+) -> Result<(PlanarClip, Vec<Source>), PlanarError> {
+    let mesh = subject.mesh;
+    if subject.triangles.len() > MAX_TRIANGLES {
+        let (found, most) = (subject.triangles.len(), MAX_TRIANGLES);
+        return Err(PlanarError::TooManyTriangles { found, most });
+    }
+    let inside = |v: &u32| (*v as usize) < mesh.len();
+    if !subject.triangles.iter().flatten().all(inside) {
+        let what = format!("a corner is beyond the mesh's {} vertices", mesh.len());
+        let at = "triangles";
+        return Err(PlanarError::Mismatch { at, what });
+    }
+    let painter = Painter::new(subject);
+    let viewport = options.camera.viewport;
+    let mut clip = PlanarClip {
+        width: viewport.width_px.round() as u32,
+        height: viewport.height_px.round() as u32,
+        fps: options.fps,
+        frames: Vec::new(),
+        triangles: Vec::new(),
+        surface: Vec::new(),
+        part: Vec::new(),
+        surfaces: painter.surfaces(),
+        albedo: Vec::new(),
+    };
+    let mut index = std::collections::BTreeMap::new();
+    let mut sources = Vec::new();
+    for triangle in subject.triangles {
+        let part = painter.part_of[triangle[0] as usize];
+        let material = painter.material(part);
+        if painter.is_cut_away(triangle, material) {
+            continue;
+        }
+        for is_back in [false, true] {
+            if is_back && !material.double_sided {
+                continue;
+            }
+            let mut corners = triangle.map(|vertex| {
+                *index.entry(Source { vertex, is_back }).or_insert_with(|| {
+                    sources.push(Source { vertex, is_back });
+                    clip.albedo.push(painter.albedo(vertex, material));
+                    sources.len() as u32 - 1
+                })
+            });
+            if is_back {
+                corners.swap(1, 2);
+            }
+            clip.triangles.push(corners);
+            clip.surface.push(part as u16);
+            clip.part.push(painter.joint_of(triangle));
+        }
+    }
+    Ok((clip, sources))
+}
+
+/// Colours of vertices and materials of parts.
+struct Painter<'a> {
+    subject: Subject<'a>,
+    part_of: Vec<usize>,
+    materials: Vec<Material>,
+}
+
+impl<'a> Painter<'a> {
+    fn new(subject: &Subject<'a>) -> Self {
+        let mesh = subject.mesh;
+        let mut part_of = vec![0; mesh.len()];
+        for (p, part) in mesh.parts.iter().enumerate() {
+            part_of[part.vertices.clone()].fill(p);
+        }
+        let look = subject.look;
+        let of = |m: Option<usize>| m.and_then(|m| look.materials.get(m)).cloned();
+        let mut materials: Vec<Material> = mesh
+            .parts
+            .iter()
+            .map(|part| of(part.material).unwrap_or_default())
+            .collect();
+        if materials.is_empty() {
+            materials.push(Material::default());
+        }
+        Self {
+            subject: *subject,
+            part_of,
+            materials,
+        }
+    }
+
+    fn material(&self, part: usize) -> &Material {
+        &self.materials[part]
+    }
+
+    /// One surface for each part of the mesh.
+    fn surfaces(&self) -> Vec<Surface> {
+        let mesh = self.subject.mesh;
+        let of_part = |(p, material): (usize, &Material)| {
+            let vertices = mesh.parts.get(p).map_or(0..0, |part| part.vertices.clone());
+            let mut colors = vertices.map(|v| self.rounded(v as u32, material));
+            let first = colors.next().unwrap_or([255; 3]);
+            let is_plain = self.subject.look.texture_of(material).is_none();
+            Surface {
+                name: material.name.clone(),
+                albedo: (is_plain && colors.all(|c| c == first)).then_some(first),
+            }
+        };
+        self.materials.iter().enumerate().map(of_part).collect()
+    }
+
+    fn rounded(&self, vertex: u32, material: &Material) -> [u8; 3] {
+        self.albedo(vertex, material).map(|level| level as u8)
+    }
+
+    /// sRGB levels of a vertex, without light.
+    fn albedo(&self, vertex: u32, material: &Material) -> [f32; 3] {
+        let v = vertex as usize;
+        let mut color = material.base_color * self.subject.mesh.colors[v];
+        if let Some(texture) = self.subject.look.texture_of(material) {
+            color *= texture.sample(self.subject.mesh.texcoords[v], 0);
+        }
+        color.xyz().to_array().map(|c| f32::from(srgb_byte(c)))
+    }
+
+    /// Whether a triangle of a cut-out material shows nothing at its corners and its middle.
+    fn is_cut_away(&self, triangle: &[u32; 3], material: &Material) -> bool {
+        let Some(texture) = self.subject.look.texture_of(material) else {
+            return false;
+        };
+        let uv = triangle.map(|v| self.subject.mesh.texcoords[v as usize]);
+        let middle = (uv[0] + uv[1] + uv[2]) / 3.0;
+        let alpha = |at| material.base_color.w * texture.sample(at, 0).w;
+        material.alpha_cutoff > 0.0
+            && [uv[0], uv[1], uv[2], middle]
+                .into_iter()
+                .all(|at| alpha(at) < material.alpha_cutoff)
+    }
+
+    /// The joint that moves a triangle most.
+    fn joint_of(&self, triangle: &[u32; 3]) -> u16 {
+        let mesh = self.subject.mesh;
+        let mut weights = std::collections::BTreeMap::new();
+        for v in triangle {
+            for (binding, weight) in mesh.influences_of(*v as usize) {
+                *weights
+                    .entry(mesh.bindings[binding].joint)
+                    .or_insert(0.0f32) += weight;
+            }
+        }
+        let heaviest = weights
+            .into_iter()
+            .reduce(|a, b| if b.1 > a.1 { b } else { a });
+        heaviest.map_or(0, |(joint, _)| joint)
+    }
+}
+
+/// Poses the subject at a moment; keeps its buffers.
+struct Poser<'a> {
+    subject: Subject<'a>,
+    local: articula_core::pose::LocalPose,
+    model: ModelPose,
+    palette: Vec<Affine3A>,
+    weights: Vec<f32>,
+    skinned: SkinnedMesh,
+}
+
+impl<'a> Poser<'a> {
+    fn new(subject: &Subject<'a>) -> Self {
+        Self {
+            subject: *subject,
+            local: subject.rig.rest_pose().clone(),
+            model: ModelPose::new(subject.rig.len()),
+            palette: vec![Affine3A::IDENTITY; subject.mesh.bindings.len()],
+            weights: subject.morph_weights.to_vec(),
+            skinned: SkinnedMesh::new(subject.mesh),
+        }
+    }
+
+    fn pose(&mut self, secs: f64) {
+        let Subject {
+            rig, mesh, clip, ..
+        } = self.subject;
+        self.local.copy_from(rig.rest_pose());
+        self.weights.copy_from_slice(self.subject.morph_weights);
+        if let Some(clip) = clip {
+            // The last frame itself, not the first that it leads back to.
+            let is_within = secs <= f64::from(clip.duration_secs());
+            let wrap = if is_within { Wrap::Clamp } else { Wrap::Loop };
+            sample(clip, secs, wrap, &rig.all(), &mut self.local);
+            sample_morphs(clip, secs, wrap, &mut self.weights);
+        }
+        local_to_model(rig, &self.local, &mut self.model);
+        palette(mesh, &self.model, &mut self.palette);
+        skin(mesh, &self.palette, &self.weights, &mut self.skinned);
+    }
+}
+
+fn project(
+    skinned: &SkinnedMesh,
+    sources: &[Source],
+    frame: usize,
+    angle: f32,
+    options: &BakeOptions,
+) -> Result<PlanarFrame, PlanarError> {
+    let screen = Screen::new(&options.camera, options.projection);
+    let turn = Quat::from_rotation_y(angle);
+    let axis = Vec3::new(options.axis.0, 0.0, options.axis.1);
+    let lamp = options.lamp;
+    let toward = options.camera.orientation * lamp.direction.normalize_or(Vec3::Z);
+    let mut out = PlanarFrame::default();
+    for source in sources {
+        let v = source.vertex as usize;
+        let position = axis + turn * (skinned.positions[v] - axis);
+        let normal = turn * skinned.normals[v];
+        let vertex = source.vertex;
+        let corner = screen.corner(position);
+        if !corner.is_finite() || !normal.is_finite() {
+            return Err(PlanarError::NotFinite { frame, vertex });
+        }
+        if corner.w < NEAREST_M {
+            return Err(PlanarError::BehindCamera { frame, vertex });
+        }
+        let facing = normal.dot(toward) * if source.is_back { -1.0 } else { 1.0 };
+        out.xy.push(glam::Vec2::new(corner.x, corner.y) / corner.w);
+        out.nearness.push(corner.z / corner.w);
+        let light = lamp.ambient + lamp.diffuse * facing.max(0.0);
+        out.light.push(light.clamp(0.0, 1.0));
+    }
+    Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::{Bounds, front_view};
+    use articula_build::character::character;
+    use articula_build::clip::ClipOptions;
+    use articula_build::human::{HumanOptions, human};
+    use articula_core::view::Viewport;
+
+    struct Figure {
+        asset: articula_build::character::Asset,
+        look: Appearance,
+        options: BakeOptions,
+    }
+
+    fn figure() -> Figure {
+        let options = HumanOptions {
+            triangles: 2000,
+            ..HumanOptions::default()
+        };
+        let source = human(&options).unwrap();
+        let (look, _) = Appearance::new(&source.materials, &source.images);
+        let asset = character(&source, None, &ClipOptions::default()).unwrap();
+        let bounds = Bounds {
+            low: Vec3::new(-0.9, 0.0, -0.5),
+            high: Vec3::new(0.9, 2.0, 0.5),
+        };
+        let viewport = Viewport {
+            width_px: 200.0,
+            height_px: 200.0,
+            ..Viewport::default()
+        };
+        let options = BakeOptions {
+            camera: front_view(&bounds, viewport),
+            projection: Projection::Perspective,
+            lamp: Lamp::default(),
+            fps: 25.0,
+            axis: (0.0, 0.0),
+            turn_radians: 0.0,
+        };
+        Figure {
+            asset,
+            look,
+            options,
+        }
+    }
+
+    fn subject<'a>(figure: &'a Figure, clip: Option<&'a Clip>) -> Subject<'a> {
+        let mesh = &figure.asset.mesh;
+        Subject {
+            rig: &figure.asset.rig,
+            mesh,
+            triangles: &mesh.triangles,
+            look: &figure.look,
+            clip,
+            morph_weights: &mesh.morph_weights,
+        }
+    }
+
+    #[test]
+    fn places_are_those_of_the_camera() {
+        let figure = figure();
+        let clip = bake(&subject(&figure, None), &[0.0], &figure.options).unwrap();
+        let mesh = &figure.asset.mesh;
+        let mut model = ModelPose::new(figure.asset.rig.len());
+        local_to_model(&figure.asset.rig, figure.asset.rig.rest_pose(), &mut model);
+        let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
+        palette(mesh, &model, &mut matrices);
+        let mut skinned = SkinnedMesh::new(mesh);
+        skin(mesh, &matrices, &mesh.morph_weights, &mut skinned);
+        let (expected, depth) = figure
+            .options
+            .camera
+            .project(skinned.positions[mesh.triangles[7][1] as usize]);
+        let v = clip.triangles[7][1] as usize;
+        assert!((clip.frames[0].xy[v] - expected).length() < 1e-3);
+        assert!((clip.frames[0].nearness[v] * depth - 1.0).abs() < 1e-4);
+    }
+
+    #[test]
+    fn a_full_turn_ends_where_it_began_and_half_of_it_shows_the_back() {
+        let mut figure = figure();
+        figure.options.turn_radians = std::f32::consts::TAU;
+        let turned = bake(&subject(&figure, None), &[0.0, 1.0, 2.0], &figure.options).unwrap();
+        let apart = |a: usize, b: usize| {
+            let pairs = turned.frames[a].xy.iter().zip(&turned.frames[b].xy);
+            pairs.map(|(p, q)| (*p - *q).length()).fold(0.0, f32::max)
+        };
+        assert!(apart(0, 2) < 1e-2);
+        assert!(apart(0, 1) > 10.0);
+    }
+
+    #[test]
+    fn a_camera_inside_and_a_foreign_triangle_are_told() {
+        let mut figure = figure();
+        figure.options.camera.eye = Vec3::new(0.0, 1.2, 0.0);
+        let inside = bake(&subject(&figure, None), &[0.0], &figure.options);
+        assert!(matches!(
+            inside,
+            Err(PlanarError::BehindCamera { frame: 0, .. })
+        ));
+        let mut foreign = subject(&figure, None);
+        foreign.triangles = &[[0, 1, u32::MAX]];
+        let foreign = bake(&foreign, &[0.0], &figure.options);
+        assert!(matches!(foreign, Err(PlanarError::Mismatch { .. })));
+        let none = bake(&subject(&figure, None), &[], &figure.options);
+        assert_eq!(none, Err(PlanarError::NoFrames));
+    }
+
+    #[test]
+    fn two_sided_triangles_are_there_twice_with_opposite_light() {
+        let mut figure = figure();
+        for material in &mut figure.look.materials {
+            material.double_sided = true;
+        }
+        let clip = bake(&subject(&figure, None), &[0.0], &figure.options).unwrap();
+        let count = figure.asset.mesh.triangles.len();
+        assert_eq!(clip.triangles.len(), 2 * count);
+        let [a, b, c] = clip.places(0, 0);
+        let [p, q, r] = clip.places(0, 1);
+        assert_eq!((a, b, c), (p, r, q));
+        let ambient = figure.options.lamp.ambient;
+        let light = |t: usize| clip.frames[0].light[clip.triangles[t][0] as usize];
+        assert!((light(0).min(light(1)) - ambient).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,166 @@
+//! Which triangles are seen in which frames.
+//!
+//! Source: `spec/vector.md` 3. A triangle is seen if it owns at least one of the 2 x 2 samples
+//! of some pixel; covered triangles and backs are not drawn, which changes no pixel. Short gaps
+//! are drawn all the same, since switching costs more bytes than painting something hidden.
+
+use super::clip::PlanarClip;
+use super::error::PlanarError;
+use crate::item_buffer::{Faces, ItemBuffer, Samples};
+
+/// Gaps of fewer frames than this are drawn.
+const SHORT_GAP: usize = 6;
+
+/// A bit for each frame and triangle.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Drawn {
+    frames: usize,
+    triangles: usize,
+    bits: Vec<bool>,
+}
+
+impl Drawn {
+    /// Nothing drawn yet.
+    pub fn none(frames: usize, triangles: usize) -> Self {
+        Self {
+            frames,
+            triangles,
+            bits: vec![false; frames * triangles],
+        }
+    }
+
+    /// What is seen of a clip; gaps shorter than six frames are filled, between frames in which
+    /// the triangle is seen.
+    ///
+    /// O(frames x samples covered).
+    ///
+    /// # Errors
+    /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
+    pub fn of(clip: &PlanarClip) -> Result<Self, PlanarError> {
+        let mut drawn = Self::seen(clip)?;
+        for t in 0..drawn.triangles {
+            drawn.fill_gaps(t);
+        }
+        Ok(drawn)
+    }
+
+    /// What is seen of a clip, frame by frame.
+    ///
+    /// # Errors
+    /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
+    pub fn seen(clip: &PlanarClip) -> Result<Self, PlanarError> {
+        clip.check()?;
+        let mut drawn = Self::none(clip.frames.len(), clip.triangles.len());
+        let mut buffer = ItemBuffer::new(clip.width, clip.height, Samples::Two)?;
+        for f in 0..clip.frames.len() {
+            draw_frame(clip, f, &mut buffer);
+            let (width, height) = buffer.sample_size();
+            for y in 0..height {
+                for x in 0..width {
+                    if let Some(t) = buffer.item(x, y) {
+                        drawn.set(f, t as usize, true);
+                    }
+                }
+            }
+        }
+        if !drawn.bits.contains(&true) {
+            return Err(PlanarError::NothingSeen);
+        }
+        Ok(drawn)
+    }
+
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        self.frames
+    }
+
+    /// Whether a triangle is drawn in a frame.
+    pub fn get(&self, frame: usize, triangle: usize) -> bool {
+        self.bits[frame * self.triangles + triangle]
+    }
+
+    /// Draws a triangle in a frame, or leaves it out.
+    pub fn set(&mut self, frame: usize, triangle: usize, drawn: bool) {
+        self.bits[frame * self.triangles + triangle] = drawn;
+    }
+
+    /// Triangles that are drawn in some frame, rising.
+    pub fn ever(&self) -> Vec<u32> {
+        let ever = |t: &usize| (0..self.frames).any(|f| self.get(f, *t));
+        (0..self.triangles).filter(ever).map(|t| t as u32).collect()
+    }
+
+    /// Spans of frames in which a triangle is drawn.
+    pub fn spans(&self, triangle: usize) -> Vec<std::ops::Range<usize>> {
+        let mut spans: Vec<std::ops::Range<usize>> = Vec::new();
+        for f in (0..self.frames).filter(|f| self.get(*f, triangle)) {
+            match spans.last_mut() {
+                Some(last) if last.end == f => last.end = f + 1,
+                _ => spans.push(f..f + 1),
+            }
+        }
+        spans
+    }
+
+    fn fill_gaps(&mut self, triangle: usize) {
+        let spans = self.spans(triangle);
+        for pair in spans.windows(2) {
+            let gap = pair[0].end..pair[1].start;
+            if gap.len() < SHORT_GAP {
+                for f in gap {
+                    self.set(f, triangle, true);
+                }
+            }
+        }
+    }
+}
+
+/// Draws the fronts of one frame into a buffer that it clears first.
+pub fn draw_frame(clip: &PlanarClip, frame: usize, buffer: &mut ItemBuffer) {
+    buffer.clear();
+    for t in 0..clip.triangles.len() {
+        buffer.draw(t as u32, clip.corners(frame, t), Faces::Front);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::planar::clip::fixture;
+
+    #[test]
+    fn a_cube_shows_three_sides_and_every_side_once() {
+        let cube = fixture::turning_cube(24);
+        let drawn = Drawn::seen(&cube).unwrap();
+        for f in 0..24 {
+            let count = (0..12).filter(|t| drawn.get(f, *t)).count();
+            assert!((2..=6).contains(&count), "{count} in frame {f}");
+        }
+        assert!(drawn.ever().len() >= 8);
+    }
+
+    #[test]
+    fn covered_triangles_and_backs_are_not_drawn() {
+        let front = [[2.0, 2.0, 0.9], [2.0, 38.0, 0.9], [38.0, 2.0, 0.9]];
+        let behind = [[4.0, 4.0, 0.2], [4.0, 20.0, 0.2], [20.0, 4.0, 0.2]];
+        let mut back = front;
+        back.swap(1, 2);
+        let clip = fixture::loose(&[(behind, [1; 3]), (front, [2; 3]), (back, [3; 3])], 2);
+        let drawn = Drawn::of(&clip).unwrap();
+        assert_eq!(drawn.ever(), [1]);
+        assert_eq!(drawn.spans(1), vec![0..2]);
+    }
+
+    #[test]
+    fn five_hidden_frames_are_drawn_and_six_are_not() {
+        for (hidden, expected) in [(5, 1), (6, 2)] {
+            let mut drawn = Drawn::none(3 + hidden, 1);
+            drawn.set(0, 0, true);
+            drawn.set(1 + hidden, 0, true);
+            drawn.fill_gaps(0);
+            assert_eq!(drawn.spans(0).len(), expected);
+            // What comes before the first and after the last stays as it is.
+            assert!(!drawn.get(2 + hidden, 0));
+        }
+    }
+}
