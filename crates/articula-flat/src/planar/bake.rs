@@ -371,10 +371,7 @@ mod tests {
     }
 
     fn figure() -> Figure {
-        let options = HumanOptions {
-            triangles: 2000,
-            ..HumanOptions::default()
-        };
+        let options = HumanOptions { triangles: 2000 };
         let source = human(&options).unwrap();
         let (look, _) = Appearance::new(&source.materials, &source.images);
         let asset = character(&source, None, &ClipOptions::default()).unwrap();

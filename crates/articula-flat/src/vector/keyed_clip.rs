@@ -162,9 +162,10 @@ mod tests {
             outline: KeyedTrack::still(vec![0; 6]),
             further_outlines: vec![],
             paint: KeyedPaint::Flat([0; 3]),
-            shown: vec![5..7],
+            shown: vec![5..7, 9..11],
         };
         assert!(!shape.is_shown_at(2.4) && shape.is_shown_at(2.5));
         assert!(shape.is_shown_at(3.0) && shape.is_shown_at(3.4) && !shape.is_shown_at(3.5));
+        assert!(!shape.is_shown_at(4.4) && shape.is_shown_at(4.5));
     }
 }
