@@ -4,6 +4,7 @@
 //! - [`clip`]: keyed channels to a uniform rate
 //! - [`clip_edit`]: source clips trimmed, looped, thinned out before anything else
 //! - [`clusters`]: the levels of a mesh put together as ranges of one object
+//! - [`decimate`]: one coarser list of triangles, for one clip and what is seen of it
 //! - [`expression`]: expressions written out as morph weights and joint transforms
 //! - [`figure_levels`]: levels of joints and mesh that are shown together
 //! - [`human`]: the procedural reference human
@@ -27,6 +28,7 @@ pub mod character;
 pub mod clip;
 pub mod clip_edit;
 pub mod clusters;
+pub mod decimate;
 pub mod evaluate;
 pub mod expression;
 pub mod figure_levels;

@@ -73,13 +73,33 @@ pub struct BakeOptions {
     pub lamp: Lamp,
     /// Frames a second of the result.
     pub fps: f32,
-    /// The vertical axis that the subject turns about, as (x, z) in metres.
-    pub axis: (f32, f32),
-    /// Turn to the left about that axis over the whole clip, radians.
-    pub turn_radians: f32,
+    /// How the subject turns while it moves.
+    pub turn: Turn,
 }
 
-/// Bakes the moments of a clip; the first and the last bound the turn.
+/// An even turn to the subject's left about a vertical axis.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Turn {
+    /// Where the axis stands, as (x, z) in metres.
+    pub axis: (f32, f32),
+    /// How fast it turns.
+    pub radians_per_sec: f32,
+}
+
+impl Turn {
+    /// Angle at a moment, radians.
+    pub fn at(&self, secs: f64) -> f32 {
+        (f64::from(self.radians_per_sec) * secs) as f32
+    }
+
+    /// A point of the subject after a turn by an angle.
+    pub fn apply(&self, point: Vec3, radians: f32) -> Vec3 {
+        let axis = Vec3::new(self.axis.0, 0.0, self.axis.1);
+        axis + Quat::from_rotation_y(radians) * (point - axis)
+    }
+}
+
+/// Bakes moments of a clip.
 ///
 /// O(moments x vertices).
 ///
@@ -100,18 +120,11 @@ pub fn bake(
     }
     let (mut clip, sources) = still_parts(subject, options)?;
     let mut poser = Poser::new(subject);
-    let first = moments_secs[0];
-    let length = moments_secs[moments_secs.len() - 1] - first;
     for (f, secs) in moments_secs.iter().enumerate() {
         poser.pose(*secs);
-        let share = if length > 0.0 {
-            (secs - first) / length
-        } else {
-            0.0
-        };
-        let angle = options.turn_radians * share as f32;
-        clip.frames
-            .push(project(&poser.skinned, &sources, f, angle, options)?);
+        let angle = options.turn.at(*secs);
+        let frame = project(&poser.skinned, &sources, f, angle, options)?;
+        clip.frames.push(frame);
     }
     clip.check()?;
     Ok(clip)
@@ -281,17 +294,17 @@ impl<'a> Painter<'a> {
 }
 
 /// Poses the subject at a moment; keeps its buffers.
-struct Poser<'a> {
+pub(super) struct Poser<'a> {
     subject: Subject<'a>,
     local: articula_core::pose::LocalPose,
     model: ModelPose,
     palette: Vec<Affine3A>,
     weights: Vec<f32>,
-    skinned: SkinnedMesh,
+    pub(super) skinned: SkinnedMesh,
 }
 
 impl<'a> Poser<'a> {
-    fn new(subject: &Subject<'a>) -> Self {
+    pub(super) fn new(subject: &Subject<'a>) -> Self {
         Self {
             subject: *subject,
             local: subject.rig.rest_pose().clone(),
@@ -302,7 +315,7 @@ impl<'a> Poser<'a> {
         }
     }
 
-    fn pose(&mut self, secs: f64) {
+    pub(super) fn pose(&mut self, secs: f64) {
         let Subject {
             rig, mesh, clip, ..
         } = self.subject;
@@ -330,13 +343,12 @@ fn project(
 ) -> Result<PlanarFrame, PlanarError> {
     let screen = Screen::new(&options.camera, options.projection);
     let turn = Quat::from_rotation_y(angle);
-    let axis = Vec3::new(options.axis.0, 0.0, options.axis.1);
     let lamp = options.lamp;
     let toward = options.camera.orientation * lamp.direction.normalize_or(Vec3::Z);
     let mut out = PlanarFrame::default();
     for source in sources {
         let v = source.vertex as usize;
-        let position = axis + turn * (skinned.positions[v] - axis);
+        let position = options.turn.apply(skinned.positions[v], angle);
         let normal = turn * skinned.normals[v];
         let vertex = source.vertex;
         let corner = screen.corner(position);
@@ -358,63 +370,12 @@ fn project(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::{Bounds, front_view};
-    use articula_build::character::character;
-    use articula_build::clip::ClipOptions;
-    use articula_build::human::{HumanOptions, human};
-    use articula_core::view::Viewport;
-
-    struct Figure {
-        asset: articula_build::character::Asset,
-        look: Appearance,
-        options: BakeOptions,
-    }
-
-    fn figure() -> Figure {
-        let options = HumanOptions { triangles: 2000 };
-        let source = human(&options).unwrap();
-        let (look, _) = Appearance::new(&source.materials, &source.images);
-        let asset = character(&source, None, &ClipOptions::default()).unwrap();
-        let bounds = Bounds {
-            low: Vec3::new(-0.9, 0.0, -0.5),
-            high: Vec3::new(0.9, 2.0, 0.5),
-        };
-        let viewport = Viewport {
-            width_px: 200.0,
-            height_px: 200.0,
-            ..Viewport::default()
-        };
-        let options = BakeOptions {
-            camera: front_view(&bounds, viewport),
-            projection: Projection::Perspective,
-            lamp: Lamp::default(),
-            fps: 25.0,
-            axis: (0.0, 0.0),
-            turn_radians: 0.0,
-        };
-        Figure {
-            asset,
-            look,
-            options,
-        }
-    }
-
-    fn subject<'a>(figure: &'a Figure, clip: Option<&'a Clip>) -> Subject<'a> {
-        let mesh = &figure.asset.mesh;
-        Subject {
-            rig: &figure.asset.rig,
-            mesh,
-            triangles: &mesh.triangles,
-            look: &figure.look,
-            clip,
-            morph_weights: &mesh.morph_weights,
-        }
-    }
+    use crate::planar::fixture::figure;
 
     #[test]
     fn places_are_those_of_the_camera() {
         let figure = figure();
-        let clip = bake(&subject(&figure, None), &[0.0], &figure.options).unwrap();
+        let clip = bake(&figure.subject(), &[0.0], &figure.options).unwrap();
         let mesh = &figure.asset.mesh;
         let mut model = ModelPose::new(figure.asset.rig.len());
         local_to_model(&figure.asset.rig, figure.asset.rig.rest_pose(), &mut model);
@@ -434,8 +395,8 @@ mod tests {
     #[test]
     fn a_full_turn_ends_where_it_began_and_half_of_it_shows_the_back() {
         let mut figure = figure();
-        figure.options.turn_radians = std::f32::consts::TAU;
-        let turned = bake(&subject(&figure, None), &[0.0, 1.0, 2.0], &figure.options).unwrap();
+        figure.options.turn.radians_per_sec = std::f32::consts::PI;
+        let turned = bake(&figure.subject(), &[0.0, 1.0, 2.0], &figure.options).unwrap();
         let apart = |a: usize, b: usize| {
             let pairs = turned.frames[a].xy.iter().zip(&turned.frames[b].xy);
             pairs.map(|(p, q)| (*p - *q).length()).fold(0.0, f32::max)
@@ -448,16 +409,16 @@ mod tests {
     fn a_camera_inside_and_a_foreign_triangle_are_told() {
         let mut figure = figure();
         figure.options.camera.eye = Vec3::new(0.0, 1.2, 0.0);
-        let inside = bake(&subject(&figure, None), &[0.0], &figure.options);
+        let inside = bake(&figure.subject(), &[0.0], &figure.options);
         assert!(matches!(
             inside,
             Err(PlanarError::BehindCamera { frame: 0, .. })
         ));
-        let mut foreign = subject(&figure, None);
+        let mut foreign = figure.subject();
         foreign.triangles = &[[0, 1, u32::MAX]];
         let foreign = bake(&foreign, &[0.0], &figure.options);
         assert!(matches!(foreign, Err(PlanarError::Mismatch { .. })));
-        let none = bake(&subject(&figure, None), &[], &figure.options);
+        let none = bake(&figure.subject(), &[], &figure.options);
         assert_eq!(none, Err(PlanarError::NoFrames));
     }
 
@@ -467,7 +428,7 @@ mod tests {
         for material in &mut figure.look.materials {
             material.double_sided = true;
         }
-        let clip = bake(&subject(&figure, None), &[0.0], &figure.options).unwrap();
+        let clip = bake(&figure.subject(), &[0.0], &figure.options).unwrap();
         let count = figure.asset.mesh.triangles.len();
         assert_eq!(clip.triangles.len(), 2 * count);
         let [a, b, c] = clip.places(0, 0);

@@ -5,6 +5,7 @@
 //!
 //! - [`clip`]: the noun, places and light of every vertex in every frame
 //! - [`bake`]: skins, projects and lights a character into it
+//! - [`stage`]: where a moving subject is, and which of its triangles are ever seen
 //! - [`drawn`]: which triangles are seen in which frames
 //! - [`reference`]: the supersampled Gouraud picture that every output is measured against
 //! - [`error`]: what can be wrong with a clip that is to be converted
@@ -13,7 +14,10 @@ pub mod bake;
 pub mod clip;
 pub mod drawn;
 pub mod error;
+#[cfg(test)]
+mod fixture;
 pub mod reference;
+pub mod stage;
 
 pub use clip::{PlanarClip, PlanarFrame, Surface};
 pub use drawn::Drawn;

@@ -1,0 +1,113 @@
+//! One coarser list of triangles, for one clip and what is seen of it.
+//!
+//! Source: `spec/vector.md` 1 and 3: a conversion to 2D shows a character from known cameras, so
+//! what they never see goes first, and the rest is simplified ([`crate::simplify`]) by the poses
+//! of the clip that is shown.
+
+use crate::character::Asset;
+use crate::poses::{PoseOptions, poses, positions};
+use crate::simplify::{SimplifyOptions, simplify};
+use articula_core::Mismatch;
+use articula_core::mesh::Mesh;
+
+/// Simplifies what is kept of a character to about `triangles`; all that is kept if there are no
+/// more.
+///
+/// `clip` is the one that is shown, by its index; the character's other poses do not count.
+/// Triangles are over the asset's vertices, part by part.
+///
+/// # Errors
+/// A [`Mismatch`] if `keep` does not have a value for each triangle, or the clip is not there.
+pub fn decimate(
+    asset: &Asset,
+    keep: &[bool],
+    clip: Option<usize>,
+    triangles: usize,
+) -> Result<Vec<[u32; 3]>, Mismatch> {
+    let found = keep.len();
+    let expected = asset.mesh.triangles.len();
+    if found != expected {
+        let what = format!("{found} values, the mesh has {expected} triangles");
+        return Err(Mismatch::new("keep", what));
+    }
+    let mesh = kept(&asset.mesh, keep);
+    if mesh.triangles.len() <= triangles {
+        return Ok(mesh.triangles);
+    }
+    let clips = match clip {
+        None => Vec::new(),
+        Some(c) => {
+            let clip = asset.clips.get(c);
+            let missing = || Mismatch::new("clip", format!("{c} of {}", asset.clips.len()));
+            vec![clip.cloned().ok_or_else(missing)?]
+        }
+    };
+    let share = triangles as f64 / mesh.triangles.len() as f64;
+    let shown = Asset {
+        rig: asset.rig.clone(),
+        mesh,
+        clips,
+    };
+    let shaping = poses(&shown, &PoseOptions::default())?.shaping;
+    let options = SimplifyOptions {
+        targets: vec![1.0, share],
+        ..SimplifyOptions::default()
+    };
+    let simplified = simplify(&shown.mesh, &positions(&shown, &shaping), &options)?;
+    Ok(simplified
+        .levels
+        .into_iter()
+        .next()
+        .map_or_else(Vec::new, |level| level.triangles))
+}
+
+/// The mesh with some of its triangles.
+fn kept(mesh: &Mesh, keep: &[bool]) -> Mesh {
+    let mut out = mesh.clone();
+    out.triangles.clear();
+    for part in &mut out.parts {
+        let first = out.triangles.len();
+        let chosen = part.triangles.clone().filter(|t| keep[*t]);
+        out.triangles.extend(chosen.map(|t| mesh.triangles[t]));
+        part.triangles = first..out.triangles.len();
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::character::character;
+    use crate::clip::ClipOptions;
+    use crate::human::{HumanOptions, human};
+
+    fn asset() -> Asset {
+        let source = human(&HumanOptions { triangles: 2000 }).unwrap();
+        character(&source, None, &ClipOptions::default()).unwrap()
+    }
+
+    #[test]
+    fn reaches_the_count_and_uses_what_is_kept_alone() {
+        let asset = asset();
+        let low = |t: &[u32; 3]| t.iter().all(|v| asset.mesh.positions[*v as usize].y < 1.2);
+        let keep: Vec<bool> = asset.mesh.triangles.iter().map(low).collect();
+        let count = keep.iter().filter(|k| **k).count();
+        let all = decimate(&asset, &keep, Some(0), usize::MAX).unwrap();
+        assert_eq!(all.len(), count);
+        let fewer = decimate(&asset, &keep, Some(0), count / 3).unwrap();
+        assert!(
+            fewer.len() <= count / 3 && fewer.len() > count / 4,
+            "{}",
+            fewer.len()
+        );
+        assert!(fewer.iter().all(low));
+    }
+
+    #[test]
+    fn refuses_what_does_not_fit() {
+        let asset = asset();
+        assert!(decimate(&asset, &[true], None, 10).is_err());
+        let keep = vec![true; asset.mesh.triangles.len()];
+        assert!(decimate(&asset, &keep, Some(99), 10).is_err());
+    }
+}

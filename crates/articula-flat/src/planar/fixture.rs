@@ -1,0 +1,60 @@
+//! The procedural human before a camera, for tests.
+
+use super::bake::{BakeOptions, Lamp, Subject, Turn};
+use crate::appearance::Appearance;
+use crate::frame::{Bounds, front_view};
+use crate::projection::Projection;
+use articula_build::character::{Asset, character};
+use articula_build::clip::ClipOptions;
+use articula_build::human::{HumanOptions, human};
+use articula_core::view::Viewport;
+use glam::Vec3;
+
+/// A small human, and a camera that sees all of it in 200 x 200 pixels.
+pub(crate) struct Figure {
+    pub(crate) asset: Asset,
+    pub(crate) look: Appearance,
+    pub(crate) options: BakeOptions,
+}
+
+impl Figure {
+    /// All of it, at rest.
+    pub(crate) fn subject(&self) -> Subject<'_> {
+        let mesh = &self.asset.mesh;
+        Subject {
+            rig: &self.asset.rig,
+            mesh,
+            triangles: &mesh.triangles,
+            look: &self.look,
+            clip: None,
+            morph_weights: &mesh.morph_weights,
+        }
+    }
+}
+
+pub(crate) fn figure() -> Figure {
+    let source = human(&HumanOptions { triangles: 2000 }).unwrap();
+    let (look, _) = Appearance::new(&source.materials, &source.images);
+    let asset = character(&source, None, &ClipOptions::default()).unwrap();
+    let bounds = Bounds {
+        low: Vec3::new(-0.9, 0.0, -0.5),
+        high: Vec3::new(0.9, 2.0, 0.5),
+    };
+    let viewport = Viewport {
+        width_px: 200.0,
+        height_px: 200.0,
+        ..Viewport::default()
+    };
+    let options = BakeOptions {
+        camera: front_view(&bounds, viewport),
+        projection: Projection::Perspective,
+        lamp: Lamp::default(),
+        fps: 25.0,
+        turn: Turn::default(),
+    };
+    Figure {
+        asset,
+        look,
+        options,
+    }
+}

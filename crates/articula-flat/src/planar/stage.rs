@@ -1,0 +1,137 @@
+//! Where a moving subject is, and which of its triangles are ever seen.
+//!
+//! Source: `spec/vector.md` 1 and 3. Layers that no frame shows (a skull under a helmet) are
+//! found before the mesh is made coarser: they would take triangles away from what is seen and
+//! cause most cycles of the painting order.
+
+use super::bake::{BakeOptions, Poser, Subject, Turn};
+use super::error::PlanarError;
+use crate::frame::Bounds;
+use crate::item_buffer::{Faces, ItemBuffer, Samples};
+use crate::projection::Screen;
+use glam::Vec3;
+
+/// The smallest box around the subject's triangles at all these moments; `None` without a
+/// triangle.
+pub fn bounds(subject: &Subject<'_>, moments_secs: &[f64], turn: &Turn) -> Option<Bounds> {
+    let used = used_vertices(subject);
+    let mut poser = Poser::new(subject);
+    Bounds::around(moments_secs.iter().filter_map(|secs| {
+        poser.pose(*secs);
+        let angle = turn.at(*secs);
+        let places = used
+            .iter()
+            .map(|v| turn.apply(poser.skinned.positions[*v], angle));
+        places
+            .map(|p| (p, p))
+            .reduce(|(low, high), (p, _)| (low.min(p), high.max(p)))
+    }))
+}
+
+/// Whether each of the subject's triangles owns a sample of the picture at one of these moments.
+///
+/// Unlike a bake this takes meshes of any size. O(moments x (vertices + samples covered)).
+///
+/// # Errors
+/// [`PlanarError::Picture`] if the camera's picture is too large.
+pub fn seen(
+    subject: &Subject<'_>,
+    moments_secs: &[f64],
+    options: &BakeOptions,
+) -> Result<Vec<bool>, PlanarError> {
+    let viewport = options.camera.viewport;
+    let (width, height) = (viewport.width_px.round(), viewport.height_px.round());
+    let mut buffer = ItemBuffer::new(width as u32, height as u32, Samples::Two)?;
+    let screen = Screen::new(&options.camera, options.projection);
+    let mut poser = Poser::new(subject);
+    let faces = faces(subject);
+    let mut seen = vec![false; subject.triangles.len()];
+    for secs in moments_secs {
+        poser.pose(*secs);
+        let angle = options.turn.at(*secs);
+        let corner = |p: &Vec3| screen.corner(options.turn.apply(*p, angle));
+        let corners: Vec<_> = poser.skinned.positions.iter().map(corner).collect();
+        buffer.clear();
+        for (t, triangle) in subject.triangles.iter().enumerate() {
+            let of = triangle.map(|v| corners.get(v as usize).copied().unwrap_or_default());
+            buffer.draw(t as u32, of, faces[t]);
+        }
+        let (width, height) = buffer.sample_size();
+        for y in 0..height {
+            for item in (0..width).filter_map(|x| buffer.item(x, y)) {
+                seen[item as usize] = true;
+            }
+        }
+    }
+    Ok(seen)
+}
+
+fn used_vertices(subject: &Subject<'_>) -> Vec<usize> {
+    let mut used = vec![false; subject.mesh.len()];
+    for v in subject.triangles.iter().flatten() {
+        if let Some(used) = used.get_mut(*v as usize) {
+            *used = true;
+        }
+    }
+    (0..used.len()).filter(|v| used[*v]).collect()
+}
+
+/// Which sides of each triangle are drawn.
+fn faces(subject: &Subject<'_>) -> Vec<Faces> {
+    let mut two_sided = vec![false; subject.mesh.len()];
+    for part in &subject.mesh.parts {
+        let material = part.material.and_then(|m| subject.look.materials.get(m));
+        two_sided[part.vertices.clone()].fill(material.is_some_and(|m| m.double_sided));
+    }
+    let of = |t: &[u32; 3]| {
+        let is_two_sided = two_sided.get(t[0] as usize).copied().unwrap_or_default();
+        if is_two_sided {
+            Faces::Both
+        } else {
+            Faces::Front
+        }
+    };
+    subject.triangles.iter().map(of).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::planar::bake::{Lamp, bake};
+    use crate::planar::drawn::Drawn;
+    use crate::planar::fixture::figure;
+
+    #[test]
+    fn bounds_hold_the_figure_and_its_turn() {
+        let figure = figure();
+        let still = bounds(&figure.subject(), &[0.0], &Turn::default()).unwrap();
+        assert!(still.high.y > 1.5 && still.low.y < 0.1);
+        let turn = Turn {
+            axis: (0.0, 0.0),
+            radians_per_sec: std::f32::consts::FRAC_PI_2,
+        };
+        let turned = bounds(&figure.subject(), &[1.0], &turn).unwrap();
+        // A quarter turn to the left takes x to -z and z to x.
+        assert!((turned.high.z + still.low.x).abs() < 1e-4);
+        assert!((turned.high.x - still.high.z).abs() < 1e-4);
+        let mut empty = figure.subject();
+        empty.triangles = &[];
+        assert_eq!(bounds(&empty, &[0.0], &Turn::default()), None);
+    }
+
+    #[test]
+    fn agrees_with_what_a_bake_draws() {
+        let figure = figure();
+        let seen = seen(&figure.subject(), &[0.0], &figure.options).unwrap();
+        let options = BakeOptions {
+            lamp: Lamp::default(),
+            ..figure.options.clone()
+        };
+        let clip = bake(&figure.subject(), &[0.0], &options).unwrap();
+        let drawn = Drawn::seen(&clip).unwrap();
+        let expected: Vec<bool> = (0..seen.len()).map(|t| drawn.get(0, t)).collect();
+        assert_eq!(seen, expected);
+        let share = seen.iter().filter(|s| **s).count() as f64 / seen.len() as f64;
+        assert!((0.3..0.7).contains(&share), "{share}");
+    }
+}
