@@ -1,0 +1,142 @@
+//! The shortest text for outlines, numbers and ids of an SVG.
+//!
+//! Source: SVG 2, 9.3 (path data grammar): a relative `m` is followed by relative lines, and a
+//! minus sign parts two numbers. Outlines are filled, never stroked, so none needs to be closed
+//! by `z`.
+
+/// Appends whole numbers as a list, parted by a minus sign where there is one and by a space
+/// otherwise.
+///
+/// ```
+/// let mut text = String::from("M");
+/// articula_flat::vector::path::push_numbers(&mut text, &[3, -4, 5]);
+/// assert_eq!(text, "M3-4 5");
+/// ```
+pub fn push_numbers(text: &mut String, numbers: &[i32]) {
+    for number in numbers {
+        push_number(text, *number);
+    }
+}
+
+/// Appends the path data of closed outlines in relative commands.
+///
+/// `points` are x, y, x, y, …; `further_outlines` holds the first point of each outline after
+/// the first, rising.
+///
+/// ```
+/// let mut text = String::new();
+/// articula_flat::vector::path::push_outlines(&mut text, &[4, 8, 1, 9, 4, 2], &[]);
+/// assert_eq!(text, "m4 8-3 1 3-7");
+/// ```
+pub fn push_outlines(text: &mut String, points: &[i32], further_outlines: &[u32]) {
+    let mut next = further_outlines.iter().peekable();
+    let (mut x, mut y) = (0, 0);
+    for (i, point) in points.chunks_exact(2).enumerate() {
+        let is_first = next.next_if(|first| **first as usize == i).is_some() || i == 0;
+        if is_first {
+            text.push('m');
+        }
+        push_number(text, point[0] - x);
+        push_number(text, point[1] - y);
+        (x, y) = (point[0], point[1]);
+    }
+}
+
+/// Appends a colour as `#rgb` or `#rrggbb`.
+pub fn push_color(text: &mut String, [r, g, b]: [u8; 3]) {
+    const DIGITS: &[u8; 16] = b"0123456789abcdef";
+    let is_short = [r, g, b].iter().all(|level| level % 17 == 0);
+    text.push('#');
+    for level in [r, g, b] {
+        if !is_short {
+            text.push(DIGITS[usize::from(level >> 4)].into());
+        }
+        text.push(DIGITS[usize::from(level & 15)].into());
+    }
+}
+
+/// Appends the `index`th of the shortest ids: a letter, then letters and digits.
+pub fn push_id(text: &mut String, index: usize) {
+    const LETTERS: usize = 52;
+    const ALL: usize = 62;
+    let digit = |i: usize| match i {
+        0..26 => b'a' + i as u8,
+        26..LETTERS => b'A' + (i - 26) as u8,
+        _ => b'0' + (i - LETTERS) as u8,
+    };
+    let mut rest = index / LETTERS;
+    text.push(digit(index % LETTERS).into());
+    while rest > 0 {
+        rest -= 1;
+        text.push(digit(rest % ALL).into());
+        rest /= ALL;
+    }
+}
+
+fn push_number(text: &mut String, number: i32) {
+    let follows_number = text.bytes().last().is_some_and(|c| c.is_ascii_digit());
+    if follows_number && number >= 0 {
+        text.push(' ');
+    }
+    text.push_str(&number.to_string());
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn holes_and_islands_begin_anew_from_the_last_point() {
+        let mut text = String::new();
+        let points = [0, 0, 10, 0, 0, 10, 2, 2, 2, 4, 4, 2];
+        push_outlines(&mut text, &points, &[3]);
+        // The second outline begins 2 right of and 8 above (0, 10).
+        assert_eq!(text, "m0 0 10 0-10 10m2-8 0 2 2-2");
+    }
+
+    #[test]
+    fn colours_take_three_digits_where_they_can() {
+        let mut text = String::new();
+        push_color(&mut text, [255, 0, 0x33]);
+        push_color(&mut text, [255, 0, 0x34]);
+        assert_eq!(text, "#f03#ff0034");
+    }
+
+    #[test]
+    fn ids_are_distinct_short_and_begin_with_a_letter() {
+        let ids: Vec<String> = (0..52 + 52 * 62 + 10)
+            .map(|i| {
+                let mut text = String::new();
+                push_id(&mut text, i);
+                text
+            })
+            .collect();
+        assert!(ids.iter().all(|id| id.as_bytes()[0].is_ascii_alphabetic()));
+        assert_eq!(ids.iter().collect::<BTreeSet<_>>().len(), ids.len());
+        assert_eq!(
+            (ids[51].len(), ids[52].len(), ids[52 + 52 * 62].len()),
+            (1, 2, 3)
+        );
+    }
+
+    proptest! {
+        #[test]
+        fn a_plain_reader_gets_the_points_back(points in prop::collection::vec(-5000i32..5000, 1..20)) {
+            let points = &points[..points.len() / 2 * 2];
+            let mut text = String::new();
+            push_outlines(&mut text, points, &[]);
+            let mut numbers = Vec::new();
+            for part in text.replace('-', " -").split([' ', 'm']).filter(|p| !p.is_empty()) {
+                numbers.push(part.parse::<i32>().unwrap());
+            }
+            let mut at = [0, 0];
+            for (i, number) in numbers.iter().enumerate() {
+                at[i % 2] += number;
+                prop_assert_eq!(at[i % 2], points[i]);
+            }
+            prop_assert_eq!(numbers.len(), points.len());
+        }
+    }
+}
