@@ -30,9 +30,10 @@ Options:
   -h, --help   Print this
 
 Environment:
+  CHROMIUM                  The browser's program (else chromium, chromium-browser, google-chrome)
   ARTICULA_DATA             Folder of real character files (else ../shared/data)
   ARTICULA_REQUIRE_DATA=1   A missing data file fails instead of being skipped
-  ARTICULA_REQUIRE_TOOLS=1  A missing tool (node, wasm target) fails instead of being skipped
+  ARTICULA_REQUIRE_TOOLS=1  A missing tool (node, Chromium, wasm target) fails instead of being skipped
 ";
 
 fn main() -> ExitCode {

@@ -1,5 +1,5 @@
-//! The independent judges that run in node: the glTF validator, three.js and meshoptimizer
-//! (folder `oracle`).
+//! The independent judges that run in node: the glTF validator, three.js, meshoptimizer, and what
+//! plays pictures in Chromium (folder `oracle`).
 
 use crate::chores::{answer, root, run};
 use crate::steps::{Outcome, lacking};
@@ -10,6 +10,9 @@ use std::time::SystemTime;
 
 /// First node version that has everything the scripts use.
 const NODE_MAJOR: u32 = 18;
+
+/// Programs that are Chromium, as `oracle/chromium.mjs` looks for them.
+const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 
 /// Installs the packages that `oracle/package-lock.json` pins, unless they are there already.
 ///
@@ -29,6 +32,21 @@ pub(crate) fn install() -> Result<Outcome> {
         Ok(()) => Ok(Outcome::Done),
         Err(fault) => lacking(format!("node oracle (npm ci: {fault:#})")),
     }
+}
+
+/// Looks for the browser in which judges play animated pictures: the program that `CHROMIUM`
+/// names, else the first of the usual names that starts.
+pub(crate) fn browser() -> Result<Outcome> {
+    let named = std::env::var("CHROMIUM").ok();
+    let programs = named.map_or_else(
+        || BROWSERS.map(str::to_owned).to_vec(),
+        |program| vec![program],
+    );
+    let starts = |program: &String| answer(program, &["--version"]).is_some();
+    if programs.iter().any(starts) {
+        return Ok(Outcome::Done);
+    }
+    lacking("no Chromium (pictures in a browser; set CHROMIUM)".to_owned())
 }
 
 /// Lets the judges judge cases worked by hand, good and bad.

@@ -24,6 +24,7 @@ const STEPS: &[Step] = &[
     ("format", format),
     ("clippy", clippy),
     ("oracle packages", node::install),
+    ("oracle browser", node::browser),
     ("tests", tests),
     ("documentation", documentation),
     ("wasm build", wasm::check),
