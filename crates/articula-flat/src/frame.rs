@@ -83,6 +83,73 @@ pub fn orbit_view(
     }
 }
 
+/// Finds the nearest camera of a direction that sees all points it was told of, with the margin
+/// around them.
+#[derive(Debug, Clone, Copy)]
+pub struct TightView {
+    aimed: Camera,
+    /// Half the view's width and height at depth one, the margin taken off.
+    half: [f32; 2],
+    /// How far the points reach right, left, up and down, each along the side of the view.
+    reach: [f32; 4],
+    /// Depth of the nearest point, from the origin.
+    nearest: f32,
+}
+
+impl TightView {
+    /// No point yet. Angles as in [`orbit_view`].
+    pub fn new(azimuth_radians: f32, elevation_radians: f32, viewport: Viewport) -> Self {
+        let (turn_sin, turn_cos) = azimuth_radians.sin_cos();
+        let (lift_sin, lift_cos) = elevation_radians.sin_cos();
+        let toward = Vec3::new(lift_cos * turn_sin, lift_sin, lift_cos * turn_cos);
+        let tall = (0.5 * viewport.fov_y_radians).tan() / (1.0 + 2.0 * MARGIN);
+        Self {
+            aimed: Camera::looking_at(toward, Vec3::ZERO, viewport),
+            half: [tall * viewport.width_px / viewport.height_px, tall],
+            reach: [f32::NEG_INFINITY; 4],
+            nearest: f32::INFINITY,
+        }
+    }
+
+    /// Tells of a point that must be seen; points that are not finite are left out.
+    pub fn add(&mut self, point: Vec3) {
+        if !point.is_finite() {
+            return;
+        }
+        let p = self.aimed.orientation.conjugate() * point;
+        let [wide, tall] = self.half;
+        // A point at depth d is inside if |offset| <= half * d; its depth is minus z.
+        let reaches = [
+            p.x + wide * p.z,
+            -p.x + wide * p.z,
+            p.y + tall * p.z,
+            -p.y + tall * p.z,
+        ];
+        for (most, reach) in self.reach.iter_mut().zip(reaches) {
+            *most = most.max(reach);
+        }
+        self.nearest = self.nearest.min(-p.z);
+    }
+
+    /// The camera; `None` without a point.
+    pub fn camera(&self) -> Option<Camera> {
+        if !self.nearest.is_finite() {
+            return None;
+        }
+        let [right, left, up, down] = self.reach;
+        let [wide, tall] = self.half;
+        let across = Vec3::new(0.5 * (right - left), 0.5 * (up - down), 0.0);
+        let back = (0.5 * (right + left) / wide).max(0.5 * (up + down) / tall);
+        // Never into the points, however thin they are.
+        let back = back.max(0.1 - self.nearest);
+        let place = across + Vec3::Z * back;
+        Some(Camera {
+            eye: self.aimed.orientation * place,
+            ..self.aimed
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -116,6 +183,31 @@ mod tests {
                 most = most.max(x).max(y);
             }
             assert!(most <= 1.0 && most > 0.8, "{most} at {azimuth}");
+        }
+    }
+
+    #[test]
+    fn a_tight_view_touches_two_opposite_margins() {
+        let viewport = Viewport {
+            width_px: 400.0,
+            height_px: 400.0,
+            ..Viewport::default()
+        };
+        for azimuth in [0.0, 0.7, 3.0] {
+            let mut view = TightView::new(azimuth, 0.2, viewport);
+            assert!(view.camera().is_none());
+            let points = PERSON.corners();
+            points.into_iter().for_each(|p| view.add(p));
+            view.add(Vec3::NAN);
+            let camera = view.camera().unwrap();
+            let places = points.map(|p| camera.project(p).0 / 400.0);
+            let low = places.into_iter().reduce(glam::Vec2::min).unwrap();
+            let high = places.into_iter().reduce(glam::Vec2::max).unwrap();
+            // The margin is a part of the size that is seen: 0.06 / 1.12 of the picture.
+            let margin = 0.06 / 1.12;
+            assert!((low.min_element() - margin).abs() < 1e-3, "{low}");
+            assert!((high.max_element() - (1.0 - margin)).abs() < 1e-3, "{high}");
+            assert!((low.y - margin).abs() < 1e-3 && (high.y + margin - 1.0).abs() < 1e-3);
         }
     }
 

@@ -6,10 +6,15 @@
 
 use super::bake::{BakeOptions, Poser, Subject, Turn};
 use super::error::PlanarError;
-use crate::frame::Bounds;
+use crate::frame::{Bounds, TightView};
 use crate::item_buffer::{Faces, ItemBuffer, Samples};
-use crate::projection::Screen;
+use crate::projection::{Projection, Screen};
+use articula_core::view::{Camera, Viewport};
 use glam::Vec3;
+use std::collections::BTreeSet;
+
+/// Longer side of the picture in which triangles are looked for, pixels.
+const CLOSER_PX: f32 = 1024.0;
 
 /// The smallest box around the subject's triangles at all these moments; `None` without a
 /// triangle.
@@ -28,9 +33,32 @@ pub fn bounds(subject: &Subject<'_>, moments_secs: &[f64], turn: &Turn) -> Optio
     }))
 }
 
+/// A camera from an azimuth and elevation ([`crate::frame::orbit_view`]), as near as the subject
+/// allows at all these moments; `None` without a triangle.
+pub fn camera(
+    subject: &Subject<'_>,
+    moments_secs: &[f64],
+    turn: &Turn,
+    (azimuth_radians, elevation_radians): (f32, f32),
+    viewport: Viewport,
+) -> Option<Camera> {
+    let mut view = TightView::new(azimuth_radians, elevation_radians, viewport);
+    let used = used_vertices(subject);
+    let mut poser = Poser::new(subject);
+    for secs in moments_secs {
+        poser.pose(*secs);
+        let angle = turn.at(*secs);
+        let places = used.iter().map(|v| poser.skinned.positions[*v]);
+        places.for_each(|p| view.add(turn.apply(p, angle)));
+    }
+    view.camera()
+}
+
 /// Whether each of the subject's triangles owns a sample of the picture at one of these moments.
 ///
-/// Unlike a bake this takes meshes of any size. O(moments x (vertices + samples covered)).
+/// Unlike a bake this takes meshes of any size. It looks more closely than the picture does, and
+/// what touches a seen triangle counts as seen: small triangles between samples would leave holes
+/// that no simplifier may close. O(moments x (vertices + samples covered)).
 ///
 /// # Errors
 /// [`PlanarError::Picture`] if the camera's picture is too large.
@@ -39,10 +67,10 @@ pub fn seen(
     moments_secs: &[f64],
     options: &BakeOptions,
 ) -> Result<Vec<bool>, PlanarError> {
-    let viewport = options.camera.viewport;
-    let (width, height) = (viewport.width_px.round(), viewport.height_px.round());
+    let (camera, projection) = closer(options);
+    let (width, height) = (camera.viewport.width_px, camera.viewport.height_px);
     let mut buffer = ItemBuffer::new(width as u32, height as u32, Samples::Two)?;
-    let screen = Screen::new(&options.camera, options.projection);
+    let screen = Screen::new(&camera, projection);
     let mut poser = Poser::new(subject);
     let faces = faces(subject);
     let mut seen = vec![false; subject.triangles.len()];
@@ -63,7 +91,40 @@ pub fn seen(
             }
         }
     }
-    Ok(seen)
+    Ok(with_neighbours(subject, &seen))
+}
+
+/// The same view in more pixels, about a thousand a side.
+fn closer(options: &BakeOptions) -> (Camera, Projection) {
+    let mut camera = options.camera;
+    let viewport = &mut camera.viewport;
+    let side = viewport.width_px.max(viewport.height_px).max(1.0);
+    let factor = (CLOSER_PX / side).max(1.0);
+    viewport.width_px = (viewport.width_px * factor).round();
+    viewport.height_px = (viewport.height_px * factor).round();
+    let projection = match options.projection {
+        Projection::Perspective => Projection::Perspective,
+        Projection::Parallel { pixels_per_metre } => Projection::Parallel {
+            pixels_per_metre: pixels_per_metre * factor,
+        },
+    };
+    (camera, projection)
+}
+
+/// What is seen, and what has a place of the rest mesh in common with it.
+fn with_neighbours(subject: &Subject<'_>, seen: &[bool]) -> Vec<bool> {
+    let key = |v: u32| {
+        let at = subject.mesh.positions.get(v as usize).copied();
+        at.unwrap_or_default().to_array().map(f32::to_bits)
+    };
+    let pairs = subject.triangles.iter().zip(seen);
+    let touched: BTreeSet<[u32; 3]> = pairs
+        .clone()
+        .filter(|(_, seen)| **seen)
+        .flat_map(|(t, _)| t.map(key))
+        .collect();
+    let is_near = |t: &[u32; 3]| t.iter().any(|v| touched.contains(&key(*v)));
+    pairs.map(|(t, seen)| *seen || is_near(t)).collect()
 }
 
 fn used_vertices(subject: &Subject<'_>) -> Vec<usize> {
@@ -120,7 +181,24 @@ mod tests {
     }
 
     #[test]
-    fn agrees_with_what_a_bake_draws() {
+    fn the_camera_sees_every_place_of_the_clip() {
+        let figure = figure();
+        let viewport = figure.options.camera.viewport;
+        let (subject, turn) = (figure.subject(), Turn::default());
+        let camera = camera(&subject, &[0.0], &turn, (0.4, 0.0), viewport).unwrap();
+        let options = BakeOptions {
+            camera,
+            ..figure.options.clone()
+        };
+        let clip = bake(&subject, &[0.0], &options).unwrap();
+        let inside = |p: &glam::Vec2| p.min_element() > 9.0 && p.max_element() < 191.0;
+        assert!(clip.frames[0].xy.iter().all(inside));
+        let near_edge = |p: &glam::Vec2| p.y < 12.0 || p.y > 188.0;
+        assert!(clip.frames[0].xy.iter().any(near_edge));
+    }
+
+    #[test]
+    fn holds_what_a_bake_draws_and_leaves_out_the_back() {
         let figure = figure();
         let seen = seen(&figure.subject(), &[0.0], &figure.options).unwrap();
         let options = BakeOptions {
@@ -129,9 +207,8 @@ mod tests {
         };
         let clip = bake(&figure.subject(), &[0.0], &options).unwrap();
         let drawn = Drawn::seen(&clip).unwrap();
-        let expected: Vec<bool> = (0..seen.len()).map(|t| drawn.get(0, t)).collect();
-        assert_eq!(seen, expected);
+        assert!((0..seen.len()).all(|t| seen[t] || !drawn.get(0, t)));
         let share = seen.iter().filter(|s| **s).count() as f64 / seen.len() as f64;
-        assert!((0.3..0.7).contains(&share), "{share}");
+        assert!((0.4..0.8).contains(&share), "{share}");
     }
 }
