@@ -7,7 +7,7 @@
 //! - [`bake`]: skins, projects and lights a character into it
 //! - [`stage`]: where a moving subject is, and which of its triangles are ever seen
 //! - [`drawn`]: which triangles are seen in which frames
-//! - [`reference`]: the supersampled Gouraud picture that every output is measured against
+//! - [`mod@reference`]: the supersampled Gouraud picture that every output is measured against
 //! - [`error`]: what can be wrong with a clip that is to be converted
 
 pub mod bake;

@@ -3,10 +3,14 @@
 //! Source: `spec/vector.md` 7. Everything is a whole number on a grid, so that a writer loses
 //! nothing and a reader gets it back exactly.
 
+use crate::planar::PlanarError;
+use crate::planar::clip::MAX_FRAMES;
 use std::ops::Range;
 
 /// Steps of the grid in a pixel; the viewBox of an SVG is this many times its size.
 pub const GRID: i32 = 4;
+/// Farthest that a number may be from the origin, grid steps; players count in `f32`.
+pub const MAX_GRID: u32 = 1 << 20;
 
 /// A moving vector graphic.
 #[derive(Debug, Clone, PartialEq)]
@@ -63,7 +67,7 @@ pub enum KeyedPaint {
 }
 
 /// Numbers that move straight from key to key.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub struct KeyedTrack {
     /// Frame of each key, rising. One key alone does not move. More than one: the first is 0
     /// and the last the clip's last frame.
@@ -74,7 +78,52 @@ pub struct KeyedTrack {
     pub width: usize,
 }
 
+impl KeyedClip {
+    /// Checks that everything fits together, so that writers cannot fail.
+    ///
+    /// # Errors
+    /// [`PlanarError::NoFrames`], or [`PlanarError::Mismatch`] with the shape at fault.
+    pub fn check(&self) -> Result<(), PlanarError> {
+        if self.frames == 0 {
+            return Err(PlanarError::NoFrames);
+        }
+        if self.frames as usize > MAX_FRAMES {
+            let (found, most) = (self.frames as usize, MAX_FRAMES);
+            return Err(PlanarError::TooManyFrames { found, most });
+        }
+        let mismatch = |what: String| {
+            let at = "keyed clip";
+            Err(PlanarError::Mismatch { at, what })
+        };
+        if !self.fps.is_finite() || self.fps <= 0.0 {
+            return mismatch(format!("{} frames a second", self.fps));
+        }
+        for (s, shape) in self.shapes.iter().enumerate() {
+            if let Err(what) = shape.check(self.frames, self.ramps.len()) {
+                return mismatch(format!("shape {s}: {what}"));
+            }
+        }
+        Ok(())
+    }
+}
+
 impl KeyedTrack {
+    fn check(&self, frames: u32) -> Result<(), &'static str> {
+        if self.is_empty() || self.values.len() != self.width * self.len() {
+            return Err("not a full row of numbers for each key");
+        }
+        let rises = self.frames.windows(2).all(|pair| pair[0] < pair[1]);
+        let last = self.frames[self.len() - 1];
+        if !rises || self.frames[0] != 0 || !(self.is_still() || last == frames - 1) {
+            return Err("keys do not rise from the first frame to the last");
+        }
+        let reach = |v: &i32| v.unsigned_abs() <= MAX_GRID;
+        if !self.values.iter().all(reach) {
+            return Err("a number is too far out");
+        }
+        Ok(())
+    }
+
     /// A track that does not move.
     pub fn still(values: Vec<i32>) -> Self {
         Self {
@@ -127,6 +176,49 @@ impl KeyedTrack {
 }
 
 impl KeyedShape {
+    /// Half frames that cover spans of frames of a clip of `frames` frames.
+    pub fn shown_in(spans: &[Range<usize>], frames: u32) -> Vec<Range<u32>> {
+        let end = 2 * frames.saturating_sub(1) + 1;
+        let half = |f: usize| (2 * f as u32).saturating_sub(1);
+        let of = |span: &Range<usize>| half(span.start)..half(span.end).min(end);
+        spans.iter().map(of).collect()
+    }
+
+    fn check(&self, frames: u32, ramps: usize) -> Result<(), &'static str> {
+        self.outline.check(frames)?;
+        if self.outline.width < 6 || !self.outline.width.is_multiple_of(2) {
+            return Err("an outline of fewer than three points");
+        }
+        let points = self.outline.width as u32 / 2;
+        let mut before = 0;
+        for first in &self.further_outlines {
+            if *first <= before || *first >= points {
+                return Err("further outlines do not rise within the points");
+            }
+            before = *first;
+        }
+        let end = 2 * (frames - 1) + 1;
+        let mut before = None;
+        for span in &self.shown {
+            let is_apart = before.is_none_or(|end| end < span.start);
+            if span.start >= span.end || span.end > end || !is_apart {
+                return Err("spans do not rise within the clip");
+            }
+            before = Some(span.end);
+        }
+        let line = match &self.paint {
+            KeyedPaint::Flat(_) => return Ok(()),
+            KeyedPaint::Ramp { ramp, .. } if *ramp as usize >= ramps => {
+                return Err("a ramp that is not there");
+            }
+            KeyedPaint::Ramp { line, .. } | KeyedPaint::Own { line, .. } => line,
+        };
+        if line.width != 4 {
+            return Err("a gradient's line without four numbers");
+        }
+        line.check(frames)
+    }
+
     /// Whether it is shown at a moment, in frames.
     pub fn is_shown_at(&self, frame: f64) -> bool {
         // Half frames are counted from half a frame before the first: frame f lies at 2 f.

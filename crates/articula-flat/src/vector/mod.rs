@@ -5,9 +5,16 @@
 //! - [`keyed_clip`]: shapes with keys, what the key-framed writers take
 //! - [`path`]: the shortest text for outlines, numbers, colours and ids
 //! - [`raster`]: still SVG to pixels
+//! - [`smil`]: animated SVG from key to key, without script
+//! - [`smil_sampler`]: what such a file shows at a moment, as still SVG
+//! - [`flipbook`]: animated SVG with a group for each frame
 
+pub mod flipbook;
 pub mod keyed_clip;
 pub mod path;
 pub mod raster;
+pub mod smil;
+pub mod smil_sampler;
+mod svg_text;
 
 pub use keyed_clip::{KeyedClip, KeyedPaint, KeyedShape, KeyedTrack};

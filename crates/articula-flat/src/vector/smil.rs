@@ -1,0 +1,655 @@
+//! Writes a [`KeyedClip`] as one SVG file that moves without script.
+//!
+//! Source: `spec/vector.md` 8.1 (SVG 1.1 and SVG 2 with SMIL 3.0 animation). A shape is one
+//! `path` whose `d` is animated from key to key; a gradient names a shared ramp and gives its
+//! own line. Rules that players taught: `fill` is never animated between gradients, switching is
+//! always `calcMode="discrete"`, linear key times run from 0 to 1.
+//!
+//! Differs where bytes can be saved without changing a pixel: a closed outline needs no `z` to
+//! be filled, lines after `m` need no `l`, an outline begins at the corner that gives the
+//! shortest text, and a moving shape is hidden by jumping to an outline without area (two keys
+//! at one time) where that is shorter than switching `display`.
+//!
+//! Players that do not animate show the first frame: attributes hold its state, and what is
+//! hidden then has no outline there.
+
+use super::keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack};
+use super::path::{push_color, push_id, push_outlines};
+use super::svg_text::{Clock, push_title};
+use crate::planar::PlanarError;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::ops::Range;
+
+/// Most points of an outline for which every beginning is tried.
+const MAX_TURNED_POINTS: usize = 16;
+
+/// The SVG text of a clip; `name` becomes its title (none if it is empty).
+///
+/// O(keys).
+///
+/// # Errors
+/// [`PlanarError::Mismatch`] if the clip is not sound, as [`KeyedClip::check`] tells.
+pub fn smil(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
+    clip.check()?;
+    let mut writer = SvgWriter::new(clip, name);
+    for shape in &clip.shapes {
+        writer.shape(shape);
+    }
+    Ok(writer.finish())
+}
+
+/// Writes shapes one after the other.
+pub(super) struct SvgWriter<'a> {
+    out: String,
+    clock: Clock,
+    /// Gradients that are there already, by ramp and line, or stops and line.
+    known: BTreeMap<GradientKey<'a>, u32>,
+    next_id: u32,
+}
+
+/// What makes two gradients the same; a shape that is hidden at first leaves its gradient's
+/// first state out, so it does not lend it.
+type GradientKey<'a> = (Colors, &'a KeyedTrack, bool);
+
+/// Where a gradient's colours come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Colors {
+    Ramp(u32),
+    Own([[u8; 3]; 2]),
+}
+
+impl<'a> SvgWriter<'a> {
+    /// Begins a file with the clip's size, title and ramps.
+    pub(super) fn new(clip: &KeyedClip, name: &str) -> Self {
+        let (width, height) = (i64::from(clip.width), i64::from(clip.height));
+        let grid = i64::from(GRID);
+        let mut out = String::new();
+        // Writing into a String cannot fail.
+        let _ = write!(
+            out,
+            r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {} {}">"#,
+            width * grid,
+            height * grid
+        );
+        push_title(&mut out, name);
+        for (ramp, color) in (0..).zip(&clip.ramps) {
+            let id = id_of(ramp);
+            let _ = write!(
+                out,
+                r#"<linearGradient id="{id}" gradientUnits="userSpaceOnUse"><stop/><stop offset="1" stop-color=""#
+            );
+            push_color(&mut out, *color);
+            out.push_str(r#""/></linearGradient>"#);
+        }
+        Self {
+            out,
+            clock: Clock::new(clip.frames, clip.fps),
+            known: BTreeMap::new(),
+            next_id: clip.ramps.len() as u32,
+        }
+    }
+
+    /// Ends the file.
+    pub(super) fn finish(mut self) -> String {
+        self.out.push_str("</svg>");
+        self.out
+    }
+
+    /// Begins a group with attributes, shown in spans of half frames only.
+    pub(super) fn begin_group(&mut self, attributes: &str, shown: &[Range<u32>]) {
+        let display = self.display(shown);
+        let _ = write!(self.out, "<g{attributes}>{display}");
+    }
+
+    /// Ends a group.
+    pub(super) fn end_group(&mut self) {
+        self.out.push_str("</g>");
+    }
+
+    /// One shape, over those before it.
+    pub(super) fn shape(&mut self, shape: &'a KeyedShape) {
+        let Some(first) = shape.shown.first() else {
+            return;
+        };
+        let is_shown_first = first.start == 0;
+        self.open_path(&shape.paint, is_shown_first);
+        let outline = turned(shape);
+        let (first, animates) = self.outline(shape, &outline, is_shown_first);
+        self.out.push_str(&first);
+        if animates.is_empty() {
+            self.out.push_str("/>");
+        } else {
+            let _ = write!(self.out, ">{animates}</path>");
+        }
+    }
+
+    /// The first state of a shape, whenever it is shown.
+    pub(super) fn still_shape(&mut self, shape: &'a KeyedShape) {
+        self.open_path(&shape.paint, true);
+        let path = path_of(turned(shape).key(0), &shape.further_outlines);
+        let _ = write!(self.out, r#" d="{path}"/>"#);
+    }
+
+    fn open_path(&mut self, paint: &'a KeyedPaint, is_shown_first: bool) {
+        let gradient = self.gradient(paint, is_shown_first);
+        self.out.push_str("<path");
+        match (paint, gradient) {
+            // Black is what fills without a word.
+            (KeyedPaint::Flat([0, 0, 0]), _) => {}
+            (KeyedPaint::Flat(color), _) => {
+                self.out.push_str(r#" fill=""#);
+                push_color(&mut self.out, *color);
+                self.out.push('"');
+            }
+            (_, id) => {
+                let _ = write!(self.out, r##" fill="url(#{})""##, id_of(id.unwrap_or(0)));
+            }
+        }
+    }
+
+    /// The first outline as attributes, and the animations of outline and display.
+    fn outline(
+        &self,
+        shape: &KeyedShape,
+        outline: &KeyedTrack,
+        is_shown_first: bool,
+    ) -> (String, String) {
+        let starts = &shape.further_outlines;
+        let path = |values: &[i32]| path_of(values, starts);
+        let is_always =
+            shape.shown.len() == 1 && is_shown_first && { shape.shown[0].end > self.clock.end() };
+        let at_first = || format!(r#" d="{}""#, path(&rounded(outline, 0)));
+        if outline.is_still() {
+            let mut first = at_first();
+            if !is_shown_first {
+                first.push_str(r#" display="none""#);
+            }
+            let switch = if is_always {
+                String::new()
+            } else {
+                self.display(&shape.shown)
+            };
+            return (first, switch);
+        }
+        let first = if is_shown_first {
+            at_first()
+        } else {
+            String::new()
+        };
+        let keys = outline.frames.iter().enumerate();
+        let plain: Vec<(u32, String)> = keys.map(|(k, f)| (2 * f, path(outline.key(k)))).collect();
+        let moving = self.animate("d", &plain);
+        if is_always {
+            return (first, moving);
+        }
+        let switched = moving + &self.display(&shape.shown);
+        let jumping = self.animate("d", &self.jumps(shape, outline));
+        if jumping.len() <= switched.len() {
+            (first, jumping)
+        } else {
+            (first, switched)
+        }
+    }
+
+    /// Keys of an outline that has no area while it is hidden.
+    fn jumps(&self, shape: &KeyedShape, outline: &KeyedTrack) -> Vec<(u32, String)> {
+        let starts = &shape.further_outlines;
+        let hidden = path_of(&vec![0; outline.width], starts);
+        let value = |half: u32| path_of(&rounded(outline, half), starts);
+        let end = self.clock.end();
+        let mut keys = Vec::new();
+        let begins_hidden = shape.shown.first().is_some_and(|s| s.start > 0);
+        if begins_hidden {
+            keys.push((0, hidden.clone()));
+        }
+        for span in &shape.shown {
+            if span.start > 0 {
+                keys.push((span.start, hidden.clone()));
+            }
+            keys.push((span.start, value(span.start)));
+            let inside = outline.frames.iter().map(|f| 2 * f);
+            let inside = inside.filter(|half| *half > span.start && *half < span.end);
+            keys.extend(inside.map(|half| (half, value(half))));
+            if span.end <= end {
+                keys.push((span.end, value(span.end)));
+                keys.push((span.end, hidden.clone()));
+            }
+        }
+        if keys.last().is_some_and(|(half, _)| *half < end) {
+            keys.push((end, hidden));
+        }
+        keys
+    }
+
+    /// One linear animation.
+    fn animate(&self, attribute: &str, keys: &[(u32, String)]) -> String {
+        let mut out = self.begin(attribute);
+        out.push_str(r#" values=""#);
+        for (k, (_, value)) in keys.iter().enumerate() {
+            out.push_str(if k > 0 { ";" } else { "" });
+            out.push_str(value);
+        }
+        // Without key times they are spread evenly.
+        let steps = keys.len() as u64 - 1;
+        let even = |(k, (half, _)): (usize, &(u32, String))| {
+            u64::from(*half) * steps == k as u64 * u64::from(self.clock.end())
+        };
+        if !keys.iter().enumerate().all(even) {
+            out.push_str(r#"" keyTimes=""#);
+            for (k, (half, _)) in keys.iter().enumerate() {
+                out.push_str(if k > 0 { ";" } else { "" });
+                self.clock.push_time(&mut out, *half);
+            }
+        }
+        out.push_str(r#""/>"#);
+        out
+    }
+
+    fn begin(&self, attribute: &str) -> String {
+        format!(
+            r#"<animate attributeName="{attribute}" dur="{}" repeatCount="indefinite""#,
+            self.clock.dur()
+        )
+    }
+
+    /// The animation that shows something in spans of half frames only.
+    fn display(&self, shown: &[Range<u32>]) -> String {
+        let mut out = self.begin("display");
+        out.push_str(r#" calcMode="discrete" values=""#);
+        let mut times = String::from("0");
+        if shown.first().is_some_and(|s| s.start > 0) {
+            out.push_str("none;");
+            times.push(';');
+            self.clock.push_time(&mut times, shown[0].start);
+        }
+        for (i, span) in shown.iter().enumerate() {
+            if i > 0 {
+                out.push(';');
+                times.push(';');
+                self.clock.push_time(&mut times, span.start);
+            }
+            out.push_str("inline");
+            if span.end <= self.clock.end() {
+                out.push_str(";none");
+                times.push(';');
+                self.clock.push_time(&mut times, span.end);
+            }
+        }
+        let _ = write!(out, r#"" keyTimes="{times}"/>"#);
+        out
+    }
+
+    /// Writes a shape's gradient unless an equal one is there; its id.
+    fn gradient(&mut self, paint: &'a KeyedPaint, is_shown_first: bool) -> Option<u32> {
+        let (colors, line) = match paint {
+            KeyedPaint::Flat(_) => return None,
+            KeyedPaint::Ramp { ramp, line } => (Colors::Ramp(*ramp), line),
+            KeyedPaint::Own { stops, line } => (Colors::Own(*stops), line),
+        };
+        let key = (colors, line, is_shown_first);
+        if let Some(id) = self.known.get(&key) {
+            return Some(*id);
+        }
+        let id = self.next_id;
+        self.next_id += 1;
+        self.known.insert(key, id);
+        let _ = write!(self.out, r#"<linearGradient id="{}""#, id_of(id));
+        let stops = match colors {
+            Colors::Ramp(ramp) => {
+                let _ = write!(self.out, r##" href="#{}""##, id_of(ramp));
+                String::new()
+            }
+            Colors::Own([from, to]) => {
+                self.out.push_str(r#" gradientUnits="userSpaceOnUse""#);
+                let mut stops = String::from(r#"<stop stop-color=""#);
+                push_color(&mut stops, from);
+                stops.push_str(r#""/><stop offset="1" stop-color=""#);
+                push_color(&mut stops, to);
+                stops.push_str(r#""/>"#);
+                stops
+            }
+        };
+        let animates = self.line(line, is_shown_first);
+        if stops.is_empty() && animates.is_empty() {
+            self.out.push_str("/>");
+        } else {
+            let _ = write!(self.out, ">{stops}{animates}</linearGradient>");
+        }
+        Some(id)
+    }
+
+    /// Writes a gradient's line as attributes; gives its animations.
+    fn line(&mut self, line: &KeyedTrack, is_shown_first: bool) -> String {
+        let mut animates = String::new();
+        for (i, name) in ["x1", "y1", "x2", "y2"].into_iter().enumerate() {
+            let keys = needed_keys(line, i);
+            // Without a word x1, y1 and y2 are 0; x2 is the whole width.
+            let first = line.values[i];
+            let is_told = (first != 0 || i == 2) && (is_shown_first || keys.len() == 1);
+            if is_told {
+                let _ = write!(self.out, r#" {name}="{first}""#);
+            }
+            if keys.len() > 1 {
+                let text = |k: &usize| (2 * line.frames[*k], line.key(*k)[i].to_string());
+                let keys: Vec<(u32, String)> = keys.iter().map(text).collect();
+                animates += &self.animate(name, &keys);
+            }
+        }
+        animates
+    }
+}
+
+/// Keys of one number of a track without those that lie exactly between their neighbours; one
+/// key if it never changes.
+fn needed_keys(track: &KeyedTrack, number: usize) -> Vec<usize> {
+    let at = |k: usize| i64::from(track.key(k)[number]);
+    let frame = |k: usize| i64::from(track.frames[k]);
+    if (1..track.len()).all(|k| at(k) == at(0)) {
+        return vec![0];
+    }
+    let mut kept: Vec<usize> = vec![0];
+    for k in 1..track.len() - 1 {
+        let before = kept[kept.len() - 1];
+        let run = (at(k) - at(before)) * (frame(k + 1) - frame(k));
+        let next = (at(k + 1) - at(k)) * (frame(k) - frame(before));
+        // All between `before` and `k` lie on one line, so one comparison is enough.
+        if run != next {
+            kept.push(k);
+        }
+    }
+    kept.push(track.len() - 1);
+    kept
+}
+
+/// A track's numbers at a moment in half frames, on the grid.
+fn rounded(track: &KeyedTrack, half: u32) -> Vec<i32> {
+    let values = track.at(f64::from(half) / 2.0);
+    values.into_iter().map(|v| v.round() as i32).collect()
+}
+
+/// Path data of outlines.
+fn path_of(points: &[i32], further_outlines: &[u32]) -> String {
+    let mut out = String::new();
+    push_outlines(&mut out, points, further_outlines);
+    out
+}
+
+/// The `index`th id.
+fn id_of(index: u32) -> String {
+    let mut out = String::new();
+    push_id(&mut out, index as usize);
+    out
+}
+
+/// The outline begun at the point, and run in the direction, that make its text shortest.
+fn turned(shape: &KeyedShape) -> KeyedTrack {
+    let track = &shape.outline;
+    let points = track.width / 2;
+    if !shape.further_outlines.is_empty() || points > MAX_TURNED_POINTS {
+        return track.clone();
+    }
+    let mut best: Option<(usize, KeyedTrack)> = None;
+    for start in 0..points {
+        for is_back in [false, true] {
+            let source = |p: usize| {
+                let step = if is_back { points - p } else { p };
+                2 * ((start + step) % points)
+            };
+            let place = |key: &[i32], p: usize| [key[source(p)], key[source(p) + 1]];
+            let mut values = Vec::with_capacity(track.values.len());
+            for k in 0..track.len() {
+                let key = track.key(k);
+                values.extend((0..points).flat_map(|p| place(key, p)));
+            }
+            let turned = KeyedTrack {
+                values,
+                ..track.clone()
+            };
+            let length = |k: usize| path_of(turned.key(k), &[]).len();
+            let length = (0..turned.len()).map(length).sum();
+            if best.as_ref().is_none_or(|(least, _)| length < *least) {
+                best = Some((length, turned));
+            }
+        }
+    }
+    best.map_or_else(|| track.clone(), |(_, turned)| turned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::smil_sampler::MovingSvg;
+    use super::*;
+    use proptest::prelude::*;
+
+    fn clip(frames: u32, shapes: Vec<KeyedShape>) -> KeyedClip {
+        KeyedClip {
+            width: 100,
+            height: 50,
+            fps: 25.0,
+            frames,
+            ramps: vec![[255, 0, 0]],
+            shapes,
+        }
+    }
+
+    fn triangle(outline: KeyedTrack, frames: u32) -> KeyedShape {
+        KeyedShape {
+            outline,
+            further_outlines: vec![],
+            paint: KeyedPaint::Flat([0x11, 0x22, 0x33]),
+            shown: KeyedShape::shown_in(std::slice::from_ref(&(0..frames as usize)), frames),
+        }
+    }
+
+    fn keys(frames: &[u32], rows: &[[i32; 6]]) -> KeyedTrack {
+        KeyedTrack {
+            frames: frames.to_vec(),
+            values: rows.as_flattened().to_vec(),
+            width: 6,
+        }
+    }
+
+    fn spans(half_frames: &[[u32; 2]]) -> Vec<Range<u32>> {
+        half_frames.iter().map(|[from, to]| *from..*to).collect()
+    }
+
+    #[test]
+    fn one_still_triangle_to_the_byte() {
+        let shape = triangle(KeyedTrack::still(vec![8, 4, 4, 20, 40, 8]), 3);
+        let text = smil(&clip(3, vec![shape]), "a&b").unwrap();
+        let expected = concat!(
+            r#"<svg xmlns="http://www.w3.org/2000/svg" width="100" height="50" viewBox="0 0 400 200">"#,
+            "<title>a&amp;b</title>",
+            r#"<linearGradient id="a" gradientUnits="userSpaceOnUse"><stop/>"#,
+            r##"<stop offset="1" stop-color="#f00"/></linearGradient>"##,
+            r##"<path fill="#123" d="m8 4-4 16 36-12"/></svg>"##,
+        );
+        assert_eq!(text, expected);
+    }
+
+    #[test]
+    fn a_straight_move_has_two_keys_and_no_times() {
+        let rows = [[8, 4, 4, 20, 40, 8], [9, 4, 5, 20, 41, 8]];
+        let shape = triangle(keys(&[0, 2], &rows), 3);
+        let text = smil(&clip(3, vec![shape]), "").unwrap();
+        let expected = concat!(
+            r##"<path fill="#123" d="m8 4-4 16 36-12"><animate attributeName="d" dur="0.08" "##,
+            r#"repeatCount="indefinite" values="m8 4-4 16 36-12;m9 4-4 16 36-12"/></path></svg>"#,
+        );
+        assert!(text.ends_with(expected), "{text}");
+    }
+
+    #[test]
+    fn what_is_hidden_first_has_no_outline_at_first() {
+        let rows = [[8, 4, 4, 20, 40, 8], [48, 4, 44, 20, 80, 8]];
+        let mut moving = triangle(keys(&[0, 10], &rows), 11);
+        moving.shown = spans(&[[5, 15]]);
+        let mut still = triangle(KeyedTrack::still(vec![8, 4, 4, 20, 40, 8]), 11);
+        still.shown = spans(&[[5, 15]]);
+        let text = smil(&clip(11, vec![moving, still]), "").unwrap();
+        let expected = concat!(
+            r##"<path fill="#123"><animate attributeName="d" dur="0.4" repeatCount="indefinite" "##,
+            r#"values="m0 0 0 0 0 0;m0 0 0 0 0 0;m50 8-32-4-4 16;m70 8-32-4-4 16;"#,
+            r#"m0 0 0 0 0 0;m0 0 0 0 0 0" keyTimes="0;.25;.25;.75;.75;1"/></path>"#,
+            r##"<path fill="#123" d="m8 4-4 16 36-12" display="none"><animate "##,
+            r#"attributeName="display" dur="0.4" repeatCount="indefinite" calcMode="discrete" "#,
+            r#"values="none;inline;none" keyTimes="0;.25;.75"/></path>"#,
+        );
+        assert!(text.contains(expected), "{text}");
+    }
+
+    #[test]
+    fn gradients_share_ramps_and_keep_what_does_not_move_still() {
+        let line = KeyedTrack {
+            frames: vec![0, 5, 10],
+            values: vec![0, 5, 100, 5, 0, 5, 110, 5, 0, 5, 120, 5],
+            width: 4,
+        };
+        let mut shape = triangle(KeyedTrack::still(vec![8, 4, 4, 20, 40, 8]), 11);
+        shape.paint = KeyedPaint::Ramp { ramp: 0, line };
+        let text = smil(&clip(11, vec![shape.clone(), shape]), "").unwrap();
+        let expected = concat!(
+            r##"<linearGradient id="b" href="#a" y1="5" x2="100" y2="5"><animate "##,
+            r#"attributeName="x2" dur="0.4" repeatCount="indefinite" values="100;120"/>"#,
+            r##"</linearGradient><path fill="url(#b)" d="m8 4-4 16 36-12"/>"##,
+            r##"<path fill="url(#b)" d="m8 4-4 16 36-12"/></svg>"##,
+        );
+        assert!(text.ends_with(expected), "{text}");
+    }
+
+    #[test]
+    fn unsound_clips_are_refused() {
+        let good = triangle(KeyedTrack::still(vec![0; 6]), 3);
+        let refused = |change: fn(&mut KeyedClip)| {
+            let mut clip = clip(3, vec![good.clone()]);
+            change(&mut clip);
+            smil(&clip, "").unwrap_err()
+        };
+        assert_eq!(refused(|c| c.frames = 0), PlanarError::NoFrames);
+        for change in [
+            (|c: &mut KeyedClip| c.fps = f32::NAN) as fn(&mut KeyedClip),
+            |c| c.shapes[0].shown = spans(&[[0, 9]]),
+            |c| c.shapes[0].shown = spans(&[[0, 2], [2, 4]]),
+            |c| c.shapes[0].outline.frames = vec![1],
+            |c| c.shapes[0].outline.values = vec![0; 5],
+            |c| c.shapes[0].outline.values[2] = i32::MIN,
+            |c| c.shapes[0].further_outlines = vec![3],
+            |c| {
+                c.shapes[0].paint = KeyedPaint::Ramp {
+                    ramp: 1,
+                    line: KeyedTrack::still(vec![0; 4]),
+                };
+            },
+        ] {
+            assert!(matches!(refused(change), PlanarError::Mismatch { .. }));
+        }
+    }
+
+    /// Points of every path of a still SVG, sorted within a path; gradients' lines.
+    fn seen(svg: &str) -> Vec<Vec<[f64; 2]>> {
+        let document = resvg::usvg::roxmltree::Document::parse(svg).unwrap();
+        let paths = document
+            .descendants()
+            .filter(|n| n.tag_name().name() == "path" && n.attribute("display") != Some("none"));
+        paths
+            .map(|n| {
+                let d = n.attribute("d").unwrap_or("").replace('m', " ");
+                let d = d.replace('-', " -");
+                let numbers: Vec<f64> = d.split_whitespace().map(|w| w.parse().unwrap()).collect();
+                let mut at = [0.0, 0.0];
+                let mut points: Vec<[f64; 2]> = Vec::new();
+                for step in numbers.chunks(2) {
+                    at = [at[0] + step[0], at[1] + step[1]];
+                    points.push(at);
+                }
+                points.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                points
+            })
+            .collect()
+    }
+
+    fn track(frames: u32, inner: Vec<u32>, values: Vec<i32>) -> KeyedTrack {
+        let mut frames_of: Vec<u32> = inner.into_iter().map(|f| f % frames).collect();
+        frames_of.extend([0, frames - 1]);
+        frames_of.sort_unstable();
+        frames_of.dedup();
+        let count = frames_of.len() * 6;
+        KeyedTrack {
+            frames: frames_of,
+            values: values.into_iter().cycle().take(count).collect(),
+            width: 6,
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(60))]
+
+        // Lengths at which three digits tell a frame exactly.
+        #[test]
+        fn the_sampler_reads_what_the_tracks_say(
+            steps in prop::sample::select(vec![1u32, 2, 4, 10, 20, 50, 100, 250, 500]),
+            inner in prop::collection::vec(0u32..1000, 0..6),
+            values in prop::collection::vec(-900i32..900, 30),
+            moments in prop::collection::vec(0.0f64..1.0, 8),
+        ) {
+            let frames = steps + 1;
+            let outline = track(frames, inner, values);
+            let text = smil(&clip(frames, vec![triangle(outline.clone(), frames)]), "n").unwrap();
+            let moving = MovingSvg::read(&text).unwrap();
+            prop_assert!((moving.duration_secs() - f64::from(steps) / 25.0).abs() < 1e-9);
+            for share in moments {
+                let svg = moving.at(share * moving.duration_secs()).unwrap();
+                let mut expected: Vec<[f64; 2]> = outline
+                    .at(share * f64::from(steps))
+                    .chunks(2)
+                    .map(|p| [p[0], p[1]])
+                    .collect();
+                expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                let found = &seen(&svg)[0];
+                for (a, b) in found.iter().zip(&expected) {
+                    for i in 0..2 {
+                        prop_assert!((a[i] - b[i]).abs() < 1e-3, "{found:?} {expected:?}");
+                    }
+                }
+            }
+        }
+
+        #[test]
+        fn shown_is_what_the_spans_say(
+            steps in prop::sample::select(vec![4u32, 10, 20, 50, 100, 250]),
+            inner in prop::collection::vec(0u32..1000, 0..6),
+            borders in prop::collection::btree_set(0usize..250, 2..9),
+            is_still: bool,
+        ) {
+            let frames = steps + 1;
+            let borders: Vec<usize> =
+                borders.into_iter().filter(|f| *f <= frames as usize).collect();
+            let spans: Vec<Range<usize>> =
+                borders.chunks_exact(2).map(|b| b[0]..b[1]).collect();
+            let mut shape = triangle(track(frames, inner, vec![40, 0, 3, 100, 77, 51, 9]), frames);
+            if is_still {
+                shape.outline = KeyedTrack::still(vec![0, 0, 90, 0, 0, 90]);
+            }
+            shape.shown = KeyedShape::shown_in(&spans, frames);
+            let text = smil(&clip(frames, vec![shape.clone()]), "").unwrap();
+            let moving = MovingSvg::read(&text).unwrap();
+            for half in 0..2 * steps {
+                // A little after each half frame: borders themselves are told by digits.
+                let frame = f64::from(half) / 2.0 + 0.01;
+                let svg = moving.at(frame / 25.0).unwrap();
+                let area = |p: &Vec<[f64; 2]>| {
+                    p.len() == 3 && {
+                        let (u, v) = (
+                            [p[1][0] - p[0][0], p[1][1] - p[0][1]],
+                            [p[2][0] - p[0][0], p[2][1] - p[0][1]],
+                        );
+                        (u[0] * v[1] - u[1] * v[0]).abs() > 1.0
+                    }
+                };
+                let is_seen = seen(&svg).iter().any(area);
+                prop_assert_eq!(is_seen, shape.is_shown_at(frame), "{} {}", half, text);
+            }
+        }
+    }
+}

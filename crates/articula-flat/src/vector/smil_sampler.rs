@@ -1,0 +1,666 @@
+//! Reads an animated SVG that [`super::smil`] or [`super::flipbook`] wrote, and gives what it
+//! shows at a moment as a still SVG.
+//!
+//! Source: SMIL 3.0 (simple animation: `values`, `keyTimes`, `calcMode` linear and discrete) and
+//! SVG 2, as far as our writers use them; `spec/vector.md` 11. Everything is taken from the
+//! file's text, so writer and reader judge each other. What is not in that subset is refused
+//! by name instead of being shown wrongly.
+//!
+//! XML is read by the parser that comes with resvg; document types, and so entities, are refused.
+
+use super::svg_text::push_escaped;
+use crate::error::PictureError;
+use resvg::usvg::roxmltree::{Document, Node, ParsingOptions};
+use std::fmt::Write as _;
+
+/// Longest text that is read, bytes.
+const MAX_BYTES: usize = 1 << 28;
+/// Most elements, texts and comments.
+const MAX_NODES: u32 = 4_000_000;
+/// Deepest nesting of elements.
+const MAX_DEPTH: usize = 32;
+
+/// A moving SVG, read once and shown at any moment.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MovingSvg {
+    parts: Vec<Part>,
+    duration_secs: f64,
+}
+
+/// A piece of the still SVG, in the order of the text.
+#[derive(Debug, Clone, PartialEq)]
+enum Part {
+    Open(Element),
+    Text(String),
+    Close(&'static str),
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Element {
+    tag: &'static str,
+    attributes: Vec<(&'static str, String)>,
+    animations: Vec<Animation>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Animation {
+    attribute: &'static str,
+    duration_secs: f64,
+    is_discrete: bool,
+    /// Key times, 0 to 1.
+    times: Vec<f64>,
+    values: Values,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Values {
+    /// One word a key.
+    Words(Vec<String>),
+    /// Texts that differ in their numbers alone: what stands between them, and a row of numbers
+    /// for each key.
+    Rows { pattern: Vec<u8>, rows: Vec<f64> },
+}
+
+/// Stands for a number in a pattern.
+const NUMBER: u8 = b'#';
+
+const TAGS: [&str; 7] = [
+    "svg",
+    "title",
+    "g",
+    "path",
+    "linearGradient",
+    "stop",
+    "animate",
+];
+
+const ATTRIBUTES: [&str; 16] = [
+    "width",
+    "height",
+    "viewBox",
+    "id",
+    "href",
+    "gradientUnits",
+    "x1",
+    "y1",
+    "x2",
+    "y2",
+    "offset",
+    "stop-color",
+    "fill",
+    "d",
+    "display",
+    "shape-rendering",
+];
+
+impl MovingSvg {
+    /// Reads a file's text.
+    ///
+    /// # Errors
+    /// [`PictureError::Malformed`] for text that breaks the rules of XML, SVG or SMIL,
+    /// [`PictureError::Unsupported`] for what our writers do not write, or too much of it.
+    pub fn read(text: &str) -> Result<Self, PictureError> {
+        if text.len() > MAX_BYTES {
+            return Err(unsupported(format!(
+                "an SVG of more than {MAX_BYTES} bytes"
+            )));
+        }
+        let options = ParsingOptions {
+            allow_dtd: false,
+            nodes_limit: MAX_NODES,
+            ..ParsingOptions::default()
+        };
+        let document = Document::parse_with_options(text, options)
+            .map_err(|e| malformed("XML", e.to_string()))?;
+        let mut svg = Self {
+            parts: Vec::new(),
+            duration_secs: 0.0,
+        };
+        if document.root_element().tag_name().name() != "svg" {
+            return Err(malformed("SVG", "the first element is not svg".into()));
+        }
+        // A stack of what is still to do keeps deep nesting off the call stack.
+        let mut open = Vec::new();
+        let mut next = Some(document.root_element());
+        while let Some(node) = next {
+            let opened = svg.enter(node, open.len())?;
+            if let (Some(tag), Some(child)) = (opened, node.first_child()) {
+                open.push((node, tag));
+                next = Some(child);
+                continue;
+            }
+            if let Some(tag) = opened {
+                svg.parts.push(Part::Close(tag));
+            }
+            next = node.next_sibling();
+            while next.is_none() {
+                let Some((parent, tag)) = open.pop() else {
+                    break;
+                };
+                svg.parts.push(Part::Close(tag));
+                if !open.is_empty() {
+                    next = parent.next_sibling();
+                }
+            }
+        }
+        Ok(svg)
+    }
+
+    /// Length of the longest animation before it repeats, seconds; 0 if nothing moves.
+    pub fn duration_secs(&self) -> f64 {
+        self.duration_secs
+    }
+
+    /// What is shown at a moment, as a still SVG. Animations repeat for ever, so their end shows
+    /// their beginning.
+    ///
+    /// O(size of the file).
+    ///
+    /// # Errors
+    /// [`PictureError::Mismatch`] for a moment that is negative or not finite.
+    pub fn at(&self, secs: f64) -> Result<String, PictureError> {
+        if !secs.is_finite() || secs < 0.0 {
+            return Err(PictureError::Mismatch {
+                at: "moment",
+                what: format!("{secs} s, expected 0 or more"),
+            });
+        }
+        let mut out = String::new();
+        for (p, part) in self.parts.iter().enumerate() {
+            match part {
+                Part::Open(element) => {
+                    element.write(secs, &mut out);
+                    let is_empty = matches!(self.parts.get(p + 1), Some(Part::Close(_)));
+                    out.push_str(if is_empty { "/>" } else { ">" });
+                }
+                Part::Text(text) => push_escaped(&mut out, text),
+                Part::Close(tag) => {
+                    let is_empty = p > 0 && matches!(self.parts[p - 1], Part::Open(_));
+                    if !is_empty {
+                        // Writing into a String cannot fail.
+                        let _ = write!(out, "</{tag}>");
+                    }
+                }
+            }
+        }
+        Ok(out)
+    }
+
+    /// Takes in one node; its tag if it is an element that stays open.
+    fn enter(
+        &mut self,
+        node: Node<'_, '_>,
+        depth: usize,
+    ) -> Result<Option<&'static str>, PictureError> {
+        if depth >= MAX_DEPTH {
+            return Err(unsupported(format!("nesting deeper than {MAX_DEPTH}")));
+        }
+        if let (true, Some(text)) = (node.is_text(), node.text()) {
+            let is_title = matches!(self.parts.last(), Some(Part::Open(e)) if e.tag == "title");
+            if is_title {
+                self.parts.push(Part::Text(text.to_owned()));
+            } else if !text.trim().is_empty() {
+                return Err(unsupported("text outside the title".to_owned()));
+            }
+            return Ok(None);
+        }
+        if !node.is_element() {
+            return Ok(None);
+        }
+        let found = node.tag_name();
+        let is_svg = found.namespace() == Some("http://www.w3.org/2000/svg");
+        let known = TAGS.into_iter().find(|tag| is_svg && *tag == found.name());
+        let Some(tag) = known else {
+            return Err(unsupported(format!(
+                "the element {}",
+                shortened(found.name())
+            )));
+        };
+        if tag == "animate" {
+            // Its parent has read it.
+            return Ok(None);
+        }
+        let attributes = node.attributes().map(|a| {
+            let known = ATTRIBUTES.into_iter().find(|name| *name == a.name());
+            match known {
+                Some(name) if a.namespace().is_none() => Ok((name, a.value().to_owned())),
+                _ => Err(unsupported(format!(
+                    "the attribute {}",
+                    shortened(a.name())
+                ))),
+            }
+        });
+        let animations = self.animations(node)?;
+        self.parts.push(Part::Open(Element {
+            tag,
+            attributes: attributes.collect::<Result<_, _>>()?,
+            animations,
+        }));
+        Ok(Some(tag))
+    }
+    fn animations(&mut self, node: Node<'_, '_>) -> Result<Vec<Animation>, PictureError> {
+        let mut animations = Vec::new();
+        let is_animate = |n: &Node<'_, '_>| n.is_element() && n.tag_name().name() == "animate";
+        for child in node.children().filter(is_animate) {
+            let animation = Animation::read(child)?;
+            self.duration_secs = self.duration_secs.max(animation.duration_secs);
+            animations.push(animation);
+        }
+        Ok(animations)
+    }
+}
+
+impl Element {
+    /// The opening tag without its end.
+    fn write(&self, secs: f64, out: &mut String) {
+        out.push('<');
+        out.push_str(self.tag);
+        if self.tag == "svg" {
+            out.push_str(r#" xmlns="http://www.w3.org/2000/svg""#);
+        }
+        let attribute = |out: &mut String, name: &str, value: &str| {
+            let _ = write!(out, r#" {name}=""#);
+            push_escaped(out, value);
+            out.push('"');
+        };
+        let is_moved = |name: &str| self.animations.iter().any(|a| a.attribute == name);
+        for (name, value) in self.attributes.iter().filter(|(name, _)| !is_moved(name)) {
+            attribute(out, name, value);
+        }
+        for (a, animation) in self.animations.iter().enumerate() {
+            // The last animation of an attribute wins.
+            let later = &self.animations[a + 1..];
+            if later.iter().all(|l| l.attribute != animation.attribute) {
+                attribute(out, animation.attribute, &animation.at(secs));
+            }
+        }
+    }
+}
+
+impl Animation {
+    fn read(node: Node<'_, '_>) -> Result<Self, PictureError> {
+        let (mut name, mut dur, mut repeat, mut mode) = ("", "", "", "linear");
+        let (mut values, mut times) = ("", None);
+        for attribute in node.attributes() {
+            let value = attribute.value();
+            match attribute.name() {
+                "attributeName" => name = value,
+                "dur" => dur = value,
+                "repeatCount" => repeat = value,
+                "calcMode" => mode = value,
+                "values" => values = value,
+                "keyTimes" => times = Some(value),
+                other => return Err(unsupported(format!("animate with {}", shortened(other)))),
+            }
+        }
+        let known = ["d", "display", "x1", "y1", "x2", "y2"];
+        let Some(attribute) = known.into_iter().find(|k| *k == name) else {
+            return Err(unsupported(format!("animating {:?}", shortened(name))));
+        };
+        if repeat != "indefinite" {
+            return Err(unsupported("an animation that ends".to_owned()));
+        }
+        let is_discrete = match mode {
+            "discrete" => true,
+            "linear" if attribute != "display" => false,
+            _ => return Err(unsupported(format!("calcMode {mode:?} on {attribute}"))),
+        };
+        let duration = dur.strip_suffix('s').unwrap_or(dur);
+        let duration_secs = number(duration).filter(|d| *d > 0.0);
+        let duration_secs =
+            duration_secs.ok_or_else(|| malformed("dur", format!("{:?}", shortened(dur))))?;
+        let values = Values::read(values, attribute, is_discrete)?;
+        let times = key_times(times, values.keys(), is_discrete)?;
+        Ok(Self {
+            attribute,
+            duration_secs,
+            is_discrete,
+            times,
+            values,
+        })
+    }
+
+    fn at(&self, secs: f64) -> String {
+        let share = secs % self.duration_secs / self.duration_secs;
+        // Of keys at the same time the last one holds.
+        let after = self.times.partition_point(|t| *t <= share);
+        let key = after.saturating_sub(1);
+        if self.is_discrete || after == self.times.len() {
+            return self.values.between(key, key, 0.0);
+        }
+        let (from, to) = (self.times[key], self.times[after]);
+        self.values
+            .between(key, after, (share - from) / (to - from))
+    }
+}
+
+/// Times of keys: rising from 0, to 1 unless the values are held.
+fn key_times(text: Option<&str>, keys: usize, is_discrete: bool) -> Result<Vec<f64>, PictureError> {
+    let Some(text) = text else {
+        let steps = if is_discrete { keys } else { keys - 1 };
+        return Ok((0..keys).map(|k| k as f64 / steps.max(1) as f64).collect());
+    };
+    let refuse = |what: String| malformed("keyTimes", what);
+    let mut times = Vec::new();
+    for time in text.split(';') {
+        let found = number(time.trim()).filter(|t| (0.0..=1.0).contains(t));
+        times.push(found.ok_or_else(|| refuse(format!("{:?}", shortened(time))))?);
+    }
+    if times.len() != keys {
+        return Err(refuse(format!("{} for {keys} values", times.len())));
+    }
+    let rises = times.windows(2).all(|pair| pair[0] <= pair[1]);
+    let is_whole = is_discrete || times[keys - 1] == 1.0;
+    if times[0] != 0.0 || !rises || !is_whole {
+        return Err(refuse("do not rise from 0 to 1".to_owned()));
+    }
+    Ok(times)
+}
+
+impl Values {
+    fn read(text: &str, attribute: &str, is_discrete: bool) -> Result<Self, PictureError> {
+        if text.is_empty() {
+            return Err(malformed("values", "none".to_owned()));
+        }
+        if is_discrete {
+            return Ok(Self::Words(text.split(';').map(str::to_owned).collect()));
+        }
+        let mut first: Option<Vec<u8>> = None;
+        let mut rows = Vec::new();
+        for value in text.split(';') {
+            let pattern = if attribute == "d" {
+                path_numbers(value, &mut rows)
+            } else {
+                number(value.trim()).map(|v| {
+                    rows.push(v);
+                    vec![NUMBER]
+                })
+            };
+            let refuse = || malformed("values", format!("{:?}", shortened(value)));
+            let pattern = pattern.ok_or_else(refuse)?;
+            if first.get_or_insert_with(|| pattern.clone()) != &pattern {
+                return Err(malformed(
+                    "values",
+                    "paths of different commands".to_owned(),
+                ));
+            }
+        }
+        let pattern = first.unwrap_or_default();
+        Ok(Self::Rows { pattern, rows })
+    }
+
+    fn keys(&self) -> usize {
+        match self {
+            Self::Words(words) => words.len(),
+            Self::Rows { pattern, rows } => rows.len() / width(pattern),
+        }
+    }
+
+    /// The value `share` of the way between two keys.
+    fn between(&self, from: usize, to: usize, share: f64) -> String {
+        let (pattern, rows) = match self {
+            Self::Words(words) => return words[from].clone(),
+            Self::Rows { pattern, rows } => (pattern, rows),
+        };
+        let width = width(pattern);
+        let row = |key: usize| &rows[key * width..(key + 1) * width];
+        let mut numbers = row(from)
+            .iter()
+            .zip(row(to))
+            .map(|(a, b)| a + (b - a) * share);
+        let mut out = String::new();
+        for part in pattern {
+            if *part != NUMBER {
+                out.push(char::from(*part));
+                continue;
+            }
+            // A ten-thousandth of a grid step is far below what can be seen.
+            let value = numbers.next().unwrap_or_default();
+            let text = ((value * 1e4).round() / 1e4).to_string();
+            if out.ends_with(|c: char| c.is_ascii_digit()) && !text.starts_with('-') {
+                out.push(' ');
+            }
+            out.push_str(&text);
+        }
+        out
+    }
+}
+
+/// Numbers of a row.
+fn width(pattern: &[u8]) -> usize {
+    pattern.iter().filter(|p| **p == NUMBER).count().max(1)
+}
+
+/// Splits relative path data into commands and numbers; `None` if it is anything else.
+fn path_numbers(text: &str, numbers: &mut Vec<f64>) -> Option<Vec<u8>> {
+    let bytes = text.as_bytes();
+    let mut pattern = Vec::new();
+    let mut pending = 0;
+    let mut at = 0;
+    while at < bytes.len() {
+        match bytes[at] {
+            b' ' | b',' | b'\n' | b'\t' | b'\r' => at += 1,
+            command @ (b'm' | b'l' | b'z') => {
+                // A path begins by moving, and a command takes what it needs.
+                let begins = !pattern.is_empty() || command == b'm';
+                if pending % 2 != 0 || !begins || needs_numbers(&pattern) {
+                    return None;
+                }
+                pattern.push(command);
+                pending = 0;
+                at += 1;
+            }
+            _ => {
+                let end = number_end(bytes, at);
+                numbers.push(number(text.get(at..end)?)?);
+                let is_after_line = !matches!(pattern.last(), None | Some(b'z'));
+                if !is_after_line {
+                    return None;
+                }
+                pattern.push(NUMBER);
+                pending += 1;
+                at = end;
+            }
+        }
+    }
+    let is_whole = pending % 2 == 0 && !pattern.is_empty() && !needs_numbers(&pattern);
+    is_whole.then_some(pattern)
+}
+
+fn needs_numbers(pattern: &[u8]) -> bool {
+    matches!(pattern.last(), Some(b'm' | b'l'))
+}
+
+/// Where the number that begins at `at` ends; at least one byte on.
+fn number_end(bytes: &[u8], at: usize) -> usize {
+    let mut end = at + 1;
+    let mut has_point = bytes[at] == b'.';
+    while let Some(byte) = bytes.get(end) {
+        match byte {
+            b'0'..=b'9' => {}
+            b'.' if !has_point => has_point = true,
+            _ => break,
+        }
+        end += 1;
+    }
+    end
+}
+
+/// A plain decimal number.
+fn number(text: &str) -> Option<f64> {
+    let is_plain = |c: char| c.is_ascii_digit() || c == '.' || c == '-';
+    if text.is_empty() || !text.chars().all(is_plain) {
+        return None;
+    }
+    text.parse().ok().filter(|v: &f64| v.is_finite())
+}
+
+fn malformed(at: &'static str, what: String) -> PictureError {
+    PictureError::Malformed { at, what }
+}
+
+fn unsupported(what: String) -> PictureError {
+    let mend = "choose a file that flatten wrote with the profile smil or flipbook".to_owned();
+    PictureError::Unsupported { what, mend }
+}
+
+/// The beginning of a text from a file, for messages.
+fn shortened(text: &str) -> String {
+    text.chars().take(40).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 40">"#;
+
+    fn file(body: &str) -> String {
+        format!("{HEAD}{body}</svg>")
+    }
+
+    fn animate(rest: &str) -> String {
+        file(&format!(
+            r#"<path d="m1 1 2 2 3 0"><animate attributeName="d" dur="2s" repeatCount="indefinite" {rest}/></path>"#
+        ))
+    }
+
+    #[test]
+    fn moments_by_hand() {
+        let text =
+            animate(r#"values="m0 0l8 0-8 8z;m4-4l8 0-8 8z;m4 0l8 0-8 8z" keyTimes="0;.5;1""#);
+        let svg = MovingSvg::read(&text).unwrap();
+        assert_eq!(svg.duration_secs(), 2.0);
+        let path = |secs| {
+            let still = svg.at(secs).unwrap();
+            assert!(
+                still.starts_with(HEAD) && still.ends_with("</svg>"),
+                "{still}"
+            );
+            still[HEAD.len()..still.len() - 6].to_owned()
+        };
+        assert_eq!(path(0.0), r#"<path d="m0 0l8 0-8 8z"/>"#);
+        assert_eq!(path(0.25), r#"<path d="m1-1l8 0-8 8z"/>"#);
+        assert_eq!(path(1.0), r#"<path d="m4-4l8 0-8 8z"/>"#);
+        assert_eq!(path(1.5), r#"<path d="m4-2l8 0-8 8z"/>"#);
+        // The end is the beginning of the next round.
+        assert_eq!(path(2.0), path(0.0));
+        assert_eq!(path(4.25), path(0.25));
+        assert!(svg.at(-1.0).is_err() && svg.at(f64::NAN).is_err());
+    }
+
+    #[test]
+    fn of_two_keys_at_one_time_the_later_holds_from_then_on() {
+        let text = animate(r#"values="m0 0;m8 0;m0 9;m0 0" keyTimes="0;.5;.5;1""#);
+        let svg = MovingSvg::read(&text).unwrap();
+        assert!(svg.at(0.999).unwrap().contains(r#"d="m7.992 0""#));
+        assert!(svg.at(1.0).unwrap().contains(r#"d="m0 9""#));
+    }
+
+    #[test]
+    fn held_values_and_names_come_through() {
+        let text = file(
+            r#"<title>a &amp; "b"</title><g display="none"><animate attributeName="display" dur="1" repeatCount="indefinite" calcMode="discrete" values="none;inline" keyTimes="0;.5"/><path fill="url(#1)" d="m0 0 1 0 0 1"/></g>"#,
+        );
+        let svg = MovingSvg::read(&text).unwrap();
+        assert_eq!(
+            svg.at(0.4).unwrap(),
+            file(
+                r#"<title>a &amp; &quot;b&quot;</title><g display="none"><path fill="url(#1)" d="m0 0 1 0 0 1"/></g>"#
+            )
+        );
+        assert!(svg.at(0.5).unwrap().contains(r#"<g display="inline">"#));
+    }
+
+    #[test]
+    fn what_is_not_ours_is_refused_by_name() {
+        let bad = [
+            ("", "XML"),
+            ("<svg/>", "element svg"),
+            ("<a xmlns='http://www.w3.org/2000/svg'/>", "not svg"),
+            (
+                "<!DOCTYPE svg [<!ENTITY a 'aaaaaaaaaa'><!ENTITY b '&a;&a;&a;&a;'>]><svg>&b;</svg>",
+                "XML",
+            ),
+            (&file("<script>alert(1)</script>"), "script"),
+            (&file("<path onclick='f()'/>"), "onclick"),
+            (&file("words"), "text"),
+            (&file(&"<g>".repeat(40).to_string()), "XML"),
+            (
+                &file(&format!("{}{}", "<g>".repeat(40), "</g>".repeat(40))),
+                "nesting",
+            ),
+            (&animate(r#"values="""#), "values"),
+            (&animate(r#"values="m0 0;m0 0 1 1""#), "different"),
+            (&animate(r#"values="m0 0 1""#), "values"),
+            (&animate(r#"values="0 0""#), "values"),
+            (&animate(r#"values="m0 0a1 1 0 0 0 1 1""#), "values"),
+            (&animate(r#"values="m1e9 0""#), "values"),
+            (&animate(r#"values="m0 é""#), "values"),
+            (&animate(r#"values="m0 0;m1 1" keyTimes="0""#), "keyTimes"),
+            (
+                &animate(r#"values="m0 0;m1 1" keyTimes="0;.5""#),
+                "keyTimes",
+            ),
+            (
+                &animate(r#"values="m0 0;m1 1;m1 1" keyTimes="0;2;1""#),
+                "keyTimes",
+            ),
+            (
+                &animate(r#"values="m0 0;m1 1;m1 1" keyTimes="0;NaN;1""#),
+                "keyTimes",
+            ),
+            (&animate(r#"values="m0 0" begin="1s""#), "begin"),
+            (&animate(r#"values="m0 0" calcMode="spline""#), "spline"),
+        ];
+        for (text, word) in bad {
+            let error = MovingSvg::read(text).unwrap_err().to_string();
+            assert!(error.contains(word), "{text}: {error}");
+        }
+        for dur in ["0", "-1", "nan", "", "1h"] {
+            let text = animate(r#"values="m0 0""#).replace("2s", dur);
+            assert!(MovingSvg::read(&text).is_err(), "{dur}");
+        }
+    }
+
+    #[test]
+    fn mutated_files_never_panic() {
+        let text =
+            animate(r#"values="m0 0l8 0-8 8z;m4-4l8 0-8 8z;m4 0l8 0-8 8z" keyTimes="0;.5;1""#);
+        let text = text.replace(
+            "</svg>",
+            r##"<linearGradient id="1" href="#0" x2="9"><animate attributeName="x1" dur="2" repeatCount="indefinite" values="1;-2.5"/></linearGradient></svg>"##,
+        );
+        // Marsaglia's xorshift.
+        let mut state = 0x2545_f491_u32;
+        let mut next = |below: usize| {
+            state ^= state << 13;
+            state ^= state >> 17;
+            state ^= state << 5;
+            state as usize % below
+        };
+        let spare = b"<>/\"'&;=. -0123456789mlz\xe9d!";
+        let mut read = 0;
+        for _ in 0..20_000 {
+            let mut bytes = text.clone().into_bytes();
+            for _ in 0..=next(3) {
+                let at = next(bytes.len());
+                match next(4) {
+                    0 => bytes[at] = spare[next(spare.len())],
+                    1 => drop(bytes.remove(at)),
+                    2 => bytes.insert(at, spare[next(spare.len())]),
+                    _ => bytes.truncate(at.max(bytes.len() * 9 / 10)),
+                }
+            }
+            let text = String::from_utf8_lossy(&bytes);
+            if let Ok(svg) = MovingSvg::read(&text) {
+                read += 1;
+                for secs in [0.0, 0.3, 1e300] {
+                    // What was read can be shown, and read again.
+                    MovingSvg::read(&svg.at(secs).unwrap()).unwrap();
+                }
+            }
+        }
+        assert!(read > 100, "{read}");
+    }
+}
