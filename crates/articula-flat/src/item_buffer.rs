@@ -178,18 +178,18 @@ impl ItemBuffer {
         faces: Faces,
         mut keep: impl FnMut(Vec2) -> bool,
     ) {
-        if !corners.iter().all(|c| c.is_finite()) {
-            return;
+        for part in pieces(corners) {
+            self.fill(id, part, faces, &mut keep);
         }
-        let mut polygon = Polygon::new(corners);
-        polygon.clip();
-        let screen = polygon.corners().map(Snapped::new);
-        let mut fan = [Snapped::default(); MOST_CORNERS];
-        for (slot, corner) in fan.iter_mut().zip(screen) {
-            *slot = corner;
-        }
-        for i in 2..polygon.len {
-            self.fill(id, [fan[0], fan[i - 1], fan[i]], faces, &mut keep);
+    }
+
+    /// Calls `visit` with every sample that a triangle covers, whatever is nearer there; draws
+    /// nothing. They are the samples that [`Self::draw`] would take in an empty buffer.
+    pub fn visit(&self, corners: [Vec4; 3], faces: Faces, mut visit: impl FnMut(u32, u32)) {
+        for part in pieces(corners) {
+            if let Some(scan) = Scan::new(part, faces, self.sample_size(), self.step()) {
+                scan.each(|x, y| visit(x as u32, y as u32));
+            }
         }
     }
 
@@ -201,39 +201,97 @@ impl ItemBuffer {
     fn fill(
         &mut self,
         id: u32,
-        mut corners: [Snapped; 3],
+        corners: [Snapped; 3],
         faces: Faces,
         keep: &mut impl FnMut(Vec2) -> bool,
     ) {
+        let size = self.sample_size();
+        let Some(scan) = Scan::new(corners, faces, size, self.step()) else {
+            return;
+        };
+        let plane = Plane::through(scan.corners, scan.area, self.step());
+        scan.each(|x, y| {
+            let nearness = plane.at(x, y);
+            let i = y as usize * size.0 as usize + x as usize;
+            let held = self.nearness[i];
+            let wins = nearness > held || (nearness == held && id < self.ids[i]);
+            if wins && keep(self.position(x as u32, y as u32)) {
+                self.nearness[i] = nearness;
+                self.ids[i] = id;
+            }
+        });
+    }
+
+    /// Steps of the snapping grid from sample to sample.
+    fn step(&self) -> i64 {
+        GRID / i64::from(self.samples.per_side())
+    }
+}
+
+/// What is left of a triangle before the camera and near the picture, as triangles on the
+/// snapping grid; nothing if a corner is not finite.
+fn pieces(corners: [Vec4; 3]) -> impl Iterator<Item = [Snapped; 3]> {
+    let is_finite = corners.iter().all(|c| c.is_finite());
+    let mut polygon = Polygon::new(corners);
+    if is_finite {
+        polygon.clip();
+    }
+    let mut fan = [Snapped::default(); MOST_CORNERS];
+    for (slot, corner) in fan.iter_mut().zip(polygon.corners()) {
+        *slot = Snapped::new(corner);
+    }
+    let end = if is_finite { polygon.len } else { 0 };
+    (2..end).map(move |i| [fan[0], fan[i - 1], fan[i]])
+}
+
+/// The samples that a triangle covers.
+struct Scan {
+    /// Clockwise on the screen.
+    corners: [Snapped; 3],
+    /// Twice its area.
+    area: i64,
+    columns: (i64, i64),
+    rows: (i64, i64),
+    edges: [Edge; 3],
+}
+
+impl Scan {
+    /// `None` if it has no area or shows the side that is not asked for.
+    fn new(
+        mut corners: [Snapped; 3],
+        faces: Faces,
+        (width, height): (u32, u32),
+        step: i64,
+    ) -> Option<Self> {
         let area = double_area(corners);
         // The picture's y points down, so a counter-clockwise triangle has negative area.
         if area == 0 || (faces == Faces::Front && area > 0) {
-            return;
+            return None;
         }
         if area < 0 {
             corners.swap(1, 2);
         }
-        let step = GRID / i64::from(self.samples.per_side());
-        let (w, h) = self.sample_size();
-        let (left, right) = span(corners.map(|c| c.x), step, w);
-        let (top, bottom) = span(corners.map(|c| c.y), step, h);
-        let plane = Plane::through(corners, area.abs(), step);
-        let first = (left * step + step / 2, top * step + step / 2);
-        let mut edges = [0, 1, 2].map(|i| Edge::new(corners[i], corners[(i + 1) % 3], first, step));
-        for y in top..bottom {
-            let row = y as usize * w as usize;
+        let columns = span(corners.map(|c| c.x), step, width);
+        let rows = span(corners.map(|c| c.y), step, height);
+        let first = (columns.0 * step + step / 2, rows.0 * step + step / 2);
+        let edges = [0, 1, 2].map(|i| Edge::new(corners[i], corners[(i + 1) % 3], first, step));
+        Some(Self {
+            corners,
+            area: area.abs(),
+            columns,
+            rows,
+            edges,
+        })
+    }
+
+    fn each(&self, mut visit: impl FnMut(i64, i64)) {
+        let mut edges = self.edges;
+        for y in self.rows.0..self.rows.1 {
             let mut at = edges.map(|e| e.value);
-            for x in left..right {
+            for x in self.columns.0..self.columns.1 {
                 // All three are inside if none has its sign bit set.
                 if (at[0] | at[1] | at[2]) >= 0 {
-                    let nearness = plane.at(x, y);
-                    let i = row + x as usize;
-                    let held = self.nearness[i];
-                    let wins = nearness > held || (nearness == held && id < self.ids[i]);
-                    if wins && keep(self.position(x as u32, y as u32)) {
-                        self.nearness[i] = nearness;
-                        self.ids[i] = id;
-                    }
+                    visit(x, y);
                 }
                 for (value, edge) in at.iter_mut().zip(&edges) {
                     *value += edge.right;
@@ -512,6 +570,21 @@ mod tests {
         assert!(covered(no_number, Samples::One).is_empty());
         let huge = [flat(-1e6, -1e6), flat(1e6, -1e6), flat(0.0, 1e6)];
         assert_eq!(covered(huge, Samples::One).len(), 24 * 24);
+    }
+
+    #[test]
+    fn visiting_finds_what_nearer_ones_hide_and_draws_nothing() {
+        let corners = [(0.0, 0.0), (3.0, 0.0), (0.0, 3.0)];
+        let mut buffer = ItemBuffer::new(24, 24, Samples::One).unwrap();
+        let wall = [(-9.0, -9.0), (99.0, -9.0), (-9.0, 99.0)];
+        buffer.draw(1, wall.map(|(x, y)| Vec4::new(x, y, 9.0, 1.0)), Faces::Both);
+        let before = buffer.clone();
+        let mut seen = Vec::new();
+        let corners = corners.map(|(x, y)| flat(x, y));
+        buffer.visit(corners, Faces::Both, |x, y| seen.push((x, y)));
+        assert_eq!(seen, [(0, 0), (1, 0), (0, 1)]);
+        assert_eq!(buffer, before);
+        buffer.visit(corners, Faces::Front, |_, _| panic!("it shows its back"));
     }
 
     #[test]

@@ -7,6 +7,7 @@
 use super::clip::PlanarClip;
 use super::error::PlanarError;
 use crate::item_buffer::{Faces, ItemBuffer, Samples};
+use std::ops::Range;
 
 /// Gaps of fewer frames than this are drawn.
 const SHORT_GAP: usize = 6;
@@ -74,6 +75,11 @@ impl Drawn {
         self.frames
     }
 
+    /// Number of triangles, drawn or not.
+    pub fn triangles(&self) -> usize {
+        self.triangles
+    }
+
     /// Whether a triangle is drawn in a frame.
     pub fn get(&self, frame: usize, triangle: usize) -> bool {
         self.bits[frame * self.triangles + triangle]
@@ -86,13 +92,48 @@ impl Drawn {
 
     /// Triangles that are drawn in some frame, rising.
     pub fn ever(&self) -> Vec<u32> {
-        let ever = |t: &usize| (0..self.frames).any(|f| self.get(f, *t));
-        (0..self.triangles).filter(ever).map(|t| t as u32).collect()
+        self.within(&(0..self.frames))
+    }
+
+    /// Triangles that are drawn in some of these frames, rising.
+    pub fn within(&self, frames: &Range<usize>) -> Vec<u32> {
+        let mask = self.mask(frames);
+        (0..)
+            .zip(mask)
+            .filter_map(|(t, is)| is.then_some(t))
+            .collect()
+    }
+
+    /// For each triangle whether it is drawn in some of these frames.
+    pub fn mask(&self, frames: &Range<usize>) -> Vec<bool> {
+        let mut mask = vec![false; self.triangles];
+        for f in frames.start..frames.end.min(self.frames) {
+            let row = &self.bits[f * self.triangles..(f + 1) * self.triangles];
+            for (is_drawn, bit) in mask.iter_mut().zip(row) {
+                *is_drawn |= bit;
+            }
+        }
+        mask
+    }
+
+    /// Checks that this is about a clip of as many frames and triangles.
+    ///
+    /// # Errors
+    /// [`PlanarError::Mismatch`] if it is not.
+    pub fn fits(&self, clip: &PlanarClip) -> Result<(), PlanarError> {
+        let (frames, triangles) = (clip.frames.len(), clip.triangles.len());
+        if (self.frames, self.triangles) == (frames, triangles) {
+            return Ok(());
+        }
+        let found = format!("{} frames of {} triangles", self.frames, self.triangles);
+        let what = format!("{found}, expected {frames} of {triangles}");
+        let at = "drawn";
+        Err(PlanarError::Mismatch { at, what })
     }
 
     /// Spans of frames in which a triangle is drawn.
-    pub fn spans(&self, triangle: usize) -> Vec<std::ops::Range<usize>> {
-        let mut spans: Vec<std::ops::Range<usize>> = Vec::new();
+    pub fn spans(&self, triangle: usize) -> Vec<Range<usize>> {
+        let mut spans: Vec<Range<usize>> = Vec::new();
         for f in (0..self.frames).filter(|f| self.get(*f, triangle)) {
             match spans.last_mut() {
                 Some(last) if last.end == f => last.end = f + 1,

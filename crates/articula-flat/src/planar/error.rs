@@ -42,6 +42,14 @@ pub enum PlanarError {
         /// The most that are converted.
         most: usize,
     },
+    /// Triangles lie over each other in more ways than are counted.
+    #[error(
+        "triangles lie over each other in more than {most} ways; choose fewer triangles or frames, or a smaller picture"
+    )]
+    TooManyOverlaps {
+        /// The most that are counted.
+        most: usize,
+    },
     /// There is no frame.
     #[error("the clip has no frame; choose another clip or a longer part of it")]
     NoFrames,

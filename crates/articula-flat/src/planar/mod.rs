@@ -8,6 +8,7 @@
 //! - [`stage`]: where a moving subject is, and which of its triangles are ever seen
 //! - [`drawn`]: which triangles are seen in which frames
 //! - [`mod@reference`]: the supersampled Gouraud picture that every output is measured against
+//! - [`order`]: in which order triangles are painted, in epochs, and what stays wrong
 //! - [`error`]: what can be wrong with a clip that is to be converted
 
 pub mod bake;
@@ -16,9 +17,11 @@ pub mod drawn;
 pub mod error;
 #[cfg(test)]
 mod fixture;
+pub mod order;
 pub mod reference;
 pub mod stage;
 
 pub use clip::{PlanarClip, PlanarFrame, Surface};
 pub use drawn::Drawn;
 pub use error::PlanarError;
+pub use order::{Epoch, Layer, OrderOptions, Overlaps, Painting, WrongPixels, wrong_pixels};

@@ -1,0 +1,157 @@
+//! Spans of frames that share one order.
+//!
+//! Source: `spec/vector.md` 4. Differs: each epoch's order grows out of the one before it by
+//! sifting, so that few triangles change their place and need a copy.
+
+use super::graph::first_order;
+use super::overlap::Overlaps;
+use super::sift::sift;
+use super::{Epoch, OrderOptions, Painting, far_first, nearness};
+use crate::planar::clip::PlanarClip;
+use crate::planar::drawn::Drawn;
+use std::ops::Range;
+
+/// One order for the whole clip.
+pub(super) fn single(clip: &PlanarClip, drawn: &Drawn, overlaps: &Overlaps) -> Painting {
+    let frames = 0..clip.frames.len();
+    let order = fresh_order(clip, drawn, overlaps, &frames);
+    Painting {
+        epochs: vec![Epoch { frames, order }],
+    }
+}
+
+/// An order for each frame.
+pub(super) fn per_frame(clip: &PlanarClip, drawn: &Drawn, overlaps: &Overlaps) -> Painting {
+    let epoch = |f: usize| {
+        let frames = f..f + 1;
+        let order = fresh_order(clip, drawn, overlaps, &frames);
+        Epoch { frames, order }
+    };
+    Painting {
+        epochs: (0..clip.frames.len()).map(epoch).collect(),
+    }
+}
+
+/// The order of a span of frames, out of nothing else.
+fn fresh_order(
+    clip: &PlanarClip,
+    drawn: &Drawn,
+    overlaps: &Overlaps,
+    frames: &Range<usize>,
+) -> Vec<u32> {
+    let mut order = drawn.within(frames);
+    let mut mean = vec![0.0; clip.triangles.len()];
+    for t in &order {
+        let shown = frames.clone().filter(|f| drawn.get(*f, *t as usize));
+        let (sum, count) = shown.fold((0.0, 0), |(sum, n), f| (sum + nearness(clip, f, *t), n + 1));
+        mean[*t as usize] = sum / f64::from(count);
+    }
+    far_first(&mut order, |t| mean[t as usize]);
+    let weights = overlaps.sum(frames);
+    let mut order = first_order(overlaps, &weights, &order);
+    sift(overlaps, &weights, &mut order);
+    order
+}
+
+/// One order if it is good enough, else as few epochs as a greedy search finds.
+pub(super) fn epochs(
+    clip: &PlanarClip,
+    drawn: &Drawn,
+    overlaps: &Overlaps,
+    options: &OrderOptions,
+) -> Painting {
+    let best = per_frame(clip, drawn, overlaps);
+    let allowed = |epoch: &Epoch| {
+        let object = overlaps.object(&epoch.frames) as f64;
+        let tolerance = options.order_tol.max(0.0) * object / epoch.frames.len() as f64;
+        overlaps.wrong_within(&epoch.frames, &epoch.order) as f64 + tolerance
+    };
+    let allowed: Vec<f64> = best.epochs.iter().map(allowed).collect();
+    let one = single(clip, drawn, overlaps);
+    let search = Search {
+        drawn,
+        overlaps,
+        allowed,
+    };
+    let all = 0..clip.frames.len();
+    if search.holds(&all, &one.epochs[0].order) || options.max_epochs <= 1 {
+        return one;
+    }
+    let mut painting = Painting { epochs: Vec::new() };
+    let mut before = one.epochs[0].order.clone();
+    let mut from = 0;
+    while from < all.end {
+        let is_last = painting.epochs.len() + 1 >= options.max_epochs;
+        let (end, order) = if is_last {
+            (all.end, search.order(&(from..all.end), &before).0)
+        } else {
+            search.longest(from, &before)
+        };
+        let frames = from..end;
+        let is_drawn = drawn.mask(&frames);
+        let shown = order.iter().copied().filter(|t| is_drawn[*t as usize]);
+        painting.epochs.push(Epoch {
+            order: shown.collect(),
+            frames,
+        });
+        before = order;
+        from = end;
+    }
+    painting
+}
+
+/// Orders here name every triangle that is ever drawn.
+struct Search<'a> {
+    drawn: &'a Drawn,
+    overlaps: &'a Overlaps,
+    /// Wrong samples that each frame may have.
+    allowed: Vec<f64>,
+}
+
+impl Search<'_> {
+    fn holds(&self, frames: &Range<usize>, order: &[u32]) -> bool {
+        let allowed: f64 = self.allowed[frames.clone()].iter().sum();
+        self.overlaps.wrong_within(frames, order) as f64 <= allowed
+    }
+
+    /// An order for a span that changes the one before as little as sifting does, and whether
+    /// it holds.
+    fn order(&self, frames: &Range<usize>, before: &[u32]) -> (Vec<u32>, bool) {
+        let mut order = before.to_vec();
+        if self.holds(frames, &order) {
+            return (order, true);
+        }
+        let weights = self.overlaps.sum(frames);
+        sift(self.overlaps, &weights, &mut order);
+        let holds = self.holds(frames, &order);
+        (order, holds)
+    }
+
+    /// The end of the longest span found from a frame on whose order holds, and the order; one
+    /// frame at least.
+    fn longest(&self, from: usize, before: &[u32]) -> (usize, Vec<u32>) {
+        let last = self.drawn.frames();
+        let (mut good, mut order) = (from + 1, self.order(&(from..from + 1), before).0);
+        let (mut length, mut bad) = (2, last + 1);
+        while good < last {
+            let end = (from + length).min(last);
+            let (next, holds) = self.order(&(from..end), before);
+            if !holds {
+                bad = end;
+                break;
+            }
+            (good, order) = (end, next);
+            length *= 2;
+        }
+        while good + 1 < bad.min(last + 1) {
+            let end = good.midpoint(bad);
+            let (next, holds) = self.order(&(from..end), before);
+            if holds {
+                (good, order) = (end, next);
+            } else {
+                bad = end;
+            }
+        }
+        (good, order)
+    }
+}

@@ -1,0 +1,363 @@
+//! Who covers whom: the sets of triangles that lie over each other at a sample, counted.
+//!
+//! Source: `spec/vector.md` 4, steps 1 and 4. Differs: whole sets are kept instead of pairs. A
+//! sample is right if the triangle that owns it is painted last of its set, so the count of
+//! wrong samples of any order is exact, without painting anything again.
+
+use super::Painting;
+use crate::item_buffer::{Faces, ItemBuffer, Samples};
+use crate::planar::clip::PlanarClip;
+use crate::planar::drawn::{Drawn, draw_frame};
+use crate::planar::error::PlanarError;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// How finely pixels are looked at; the same as for [`Drawn`], so that every owner is painted.
+const SAMPLES: Samples = Samples::Two;
+/// Most different sets of a clip.
+const MAX_SETS: usize = 1 << 24;
+
+/// The sets of painted triangles that overlap in a clip, with their samples in each frame.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Overlaps {
+    /// Where each set's members begin, and the end.
+    starts: Vec<usize>,
+    /// Members of all sets, the owner of the sample first.
+    members: Vec<u32>,
+    frames: Vec<FrameOverlaps>,
+}
+
+/// One frame's samples.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+struct FrameOverlaps {
+    /// Sets and their samples.
+    counts: Vec<(u32, u32)>,
+    /// Samples that are wrong in every order: the owner is not painted, or nothing owns them
+    /// and something is painted.
+    lost: u32,
+    /// Samples that something owns.
+    object: u32,
+}
+
+/// Where a painting is wrong.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct WrongPixels {
+    /// For each frame the samples that show a triangle other than the nearest, and the samples
+    /// of the object. There are four samples in a pixel.
+    pub per_frame: Vec<(u32, u32)>,
+}
+
+impl WrongPixels {
+    /// Mean over the frames of the share of the object that is wrong, per cent.
+    pub fn percent_mean(&self) -> f64 {
+        let share = |(wrong, object): &(u32, u32)| f64::from(*wrong) / f64::from((*object).max(1));
+        let sum: f64 = self.per_frame.iter().map(share).sum();
+        100.0 * sum / self.per_frame.len().max(1) as f64
+    }
+}
+
+/// Samples that a painting shows wrong, frame by frame.
+///
+/// # Errors
+/// What is wrong with the clip, or [`PlanarError::Mismatch`] if `drawn` is of another one.
+pub fn wrong_pixels(
+    clip: &PlanarClip,
+    drawn: &Drawn,
+    painting: &Painting,
+) -> Result<WrongPixels, PlanarError> {
+    Ok(Overlaps::of(clip, drawn)?.wrong(painting))
+}
+
+impl Overlaps {
+    /// Finds them by rasterising every frame.
+    ///
+    /// O(frames x samples covered).
+    ///
+    /// # Errors
+    /// What is wrong with the clip, [`PlanarError::Mismatch`] if `drawn` is of another one,
+    /// [`PlanarError::TooManyOverlaps`].
+    pub fn of(clip: &PlanarClip, drawn: &Drawn) -> Result<Self, PlanarError> {
+        clip.check()?;
+        drawn.fits(clip)?;
+        let mut buffer = ItemBuffer::new(clip.width, clip.height, SAMPLES)?;
+        let mut sets = Sets::new(clip.triangles.len());
+        let mut frames = Vec::new();
+        for f in 0..clip.frames.len() {
+            draw_frame(clip, f, &mut buffer);
+            frames.push(sets.frame(clip, drawn, f, &buffer)?);
+        }
+        Ok(sets.finish(frames))
+    }
+
+    /// Number of different sets.
+    pub fn sets(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// A set's triangles; the first owns the sample, the others have to be painted before it.
+    pub fn members(&self, set: usize) -> &[u32] {
+        &self.members[self.starts[set]..self.starts[set + 1]]
+    }
+
+    /// The sets of a frame with their samples.
+    pub fn counts(&self, frame: usize) -> &[(u32, u32)] {
+        &self.frames[frame].counts
+    }
+
+    /// Number of frames.
+    pub fn frames(&self) -> usize {
+        self.frames.len()
+    }
+
+    /// Samples of the object over some frames.
+    pub fn object(&self, frames: &Range<usize>) -> u64 {
+        let of = |f: &FrameOverlaps| u64::from(f.object);
+        self.frames[frames.clone()].iter().map(of).sum()
+    }
+
+    /// Samples of every set over some frames; sets without any are left out, the others rise.
+    pub fn sum(&self, frames: &Range<usize>) -> Vec<(u32, u64)> {
+        let all = self.frames[frames.clone()].iter().flat_map(|f| &f.counts);
+        let mut sum: Vec<(u32, u64)> = all.map(|(set, n)| (*set, u64::from(*n))).collect();
+        sum.sort_unstable_by_key(|(set, _)| *set);
+        sum.dedup_by(|next, kept| {
+            let is_same = next.0 == kept.0;
+            if is_same {
+                kept.1 += next.1;
+            }
+            is_same
+        });
+        sum
+    }
+
+    /// Samples that a painting shows wrong, frame by frame.
+    pub fn wrong(&self, painting: &Painting) -> WrongPixels {
+        let mut per_frame = vec![(0, 0); self.frames.len()];
+        for epoch in &painting.epochs {
+            let places = Places::of(&epoch.order);
+            for f in epoch.frames.clone().filter(|f| *f < self.frames.len()) {
+                let frame = &self.frames[f];
+                let is_wrong = |(set, _): &&(u32, u32)| self.is_wrong(*set, &places);
+                let counts = frame.counts.iter().filter(is_wrong);
+                let wrong: u32 = counts.map(|(_, n)| *n).sum();
+                per_frame[f] = (wrong + frame.lost, frame.object);
+            }
+        }
+        WrongPixels { per_frame }
+    }
+
+    /// Samples that an order shows wrong over some frames, those that every order does left
+    /// out.
+    pub(super) fn wrong_within(&self, frames: &Range<usize>, order: &[u32]) -> u64 {
+        let places = Places::of(order);
+        let all = self.frames[frames.clone()].iter().flat_map(|f| &f.counts);
+        let wrong = all.filter(|(set, _)| self.is_wrong(*set, &places));
+        wrong.map(|(_, n)| u64::from(*n)).sum()
+    }
+
+    fn is_wrong(&self, set: u32, places: &Places) -> bool {
+        let members = self.members(set as usize);
+        let owner = places.get(members[0]);
+        members[1..].iter().any(|t| places.get(*t) > owner)
+    }
+}
+
+/// Place of each triangle in an order.
+struct Places(Vec<u32>);
+
+impl Places {
+    fn of(order: &[u32]) -> Self {
+        let count = order.iter().max().map_or(0, |t| *t as usize + 1);
+        let mut places = vec![0; count];
+        for (place, t) in order.iter().enumerate() {
+            places[*t as usize] = place as u32 + 1;
+        }
+        Self(places)
+    }
+
+    /// 0 if it is not in the order.
+    fn get(&self, triangle: u32) -> u32 {
+        self.0.get(triangle as usize).copied().unwrap_or(0)
+    }
+}
+
+/// Sets while they grow: a tree whose path from a root (the owner) names the members.
+struct Sets {
+    triangles: u32,
+    /// Parent and last member of each set; a root is its own parent.
+    nodes: Vec<(u32, u32)>,
+    owner: Vec<u32>,
+    known: HashMap<(u32, u32), u32>,
+    /// The child that the triangle at hand leads to, and for which walk that holds.
+    memo: Vec<(u32, u32)>,
+    walks: u32,
+    state: Vec<u32>,
+    tally: Vec<u32>,
+}
+
+impl Sets {
+    fn new(triangles: usize) -> Self {
+        // Two more roots: samples that nothing owns, and those that are lost already.
+        let roots = triangles as u32 + 2;
+        Self {
+            triangles: triangles as u32,
+            nodes: (0..roots).map(|t| (t, t)).collect(),
+            owner: (0..roots).collect(),
+            known: HashMap::new(),
+            memo: vec![(0, 0); roots as usize],
+            walks: 0,
+            state: Vec::new(),
+            tally: vec![0; roots as usize],
+        }
+    }
+
+    fn blank(&self) -> u32 {
+        self.triangles
+    }
+
+    fn lost(&self) -> u32 {
+        self.triangles + 1
+    }
+
+    fn frame(
+        &mut self,
+        clip: &PlanarClip,
+        drawn: &Drawn,
+        f: usize,
+        buffer: &ItemBuffer,
+    ) -> Result<FrameOverlaps, PlanarError> {
+        let mut frame = FrameOverlaps::default();
+        self.start(drawn, f, buffer, &mut frame);
+        let width = buffer.sample_size().0;
+        let mut state = std::mem::take(&mut self.state);
+        for t in (0..self.triangles).filter(|t| drawn.get(f, *t as usize)) {
+            self.walks += 1;
+            let mut last = (u32::MAX, 0);
+            buffer.visit(clip.corners(f, t as usize), Faces::Both, |x, y| {
+                let at = &mut state[y as usize * width as usize + x as usize];
+                if *at != last.0 {
+                    last = (*at, self.with(*at, t));
+                }
+                *at = last.1;
+            });
+            if self.nodes.len() > MAX_SETS {
+                return Err(PlanarError::TooManyOverlaps { most: MAX_SETS });
+            }
+        }
+        let (blank, lost) = (self.blank(), self.lost());
+        let mut seen = Vec::new();
+        for set in &state {
+            if *set != blank {
+                let n = &mut self.tally[*set as usize];
+                if *n == 0 {
+                    seen.push(*set);
+                }
+                *n += 1;
+            }
+        }
+        self.state = state;
+        frame.lost = self.tally[lost as usize];
+        seen.sort_unstable();
+        for set in seen {
+            let n = std::mem::take(&mut self.tally[set as usize]);
+            if set > lost {
+                frame.counts.push((set, n));
+            }
+        }
+        Ok(frame)
+    }
+
+    /// Begins a frame with the owners of its samples.
+    fn start(&mut self, drawn: &Drawn, f: usize, buffer: &ItemBuffer, frame: &mut FrameOverlaps) {
+        let (width, height) = buffer.sample_size();
+        let (blank, lost) = (self.blank(), self.lost());
+        self.state.clear();
+        for y in 0..height {
+            for x in 0..width {
+                let item = buffer.item(x, y);
+                frame.object += u32::from(item.is_some());
+                self.state.push(match item {
+                    None => blank,
+                    Some(t) if drawn.get(f, t as usize) => t,
+                    Some(_) => lost,
+                });
+            }
+        }
+    }
+
+    /// The set that a triangle makes of another one.
+    fn with(&mut self, set: u32, triangle: u32) -> u32 {
+        let owner = self.owner[set as usize];
+        if owner == triangle {
+            return set;
+        }
+        if owner >= self.triangles {
+            return self.lost();
+        }
+        let memo = self.memo[set as usize];
+        if memo.1 == self.walks {
+            return memo.0;
+        }
+        let next = self.nodes.len() as u32;
+        let child = *self.known.entry((set, triangle)).or_insert(next);
+        if child == next {
+            self.nodes.push((set, triangle));
+            self.owner.push(owner);
+            self.memo.push((0, 0));
+            self.tally.push(0);
+        }
+        self.memo[set as usize] = (child, self.walks);
+        child
+    }
+
+    /// Numbers the sets that samples ended in, in turn.
+    fn finish(self, mut frames: Vec<FrameOverlaps>) -> Overlaps {
+        const NONE: u32 = u32::MAX;
+        let mut number = vec![NONE; self.nodes.len()];
+        let (mut starts, mut members) = (vec![0], Vec::new());
+        for (set, _) in frames.iter_mut().flat_map(|f| &mut f.counts) {
+            let mut at = *set;
+            if number[at as usize] == NONE {
+                number[at as usize] = starts.len() as u32 - 1;
+                let first = members.len();
+                while self.nodes[at as usize].0 != at {
+                    members.push(self.nodes[at as usize].1);
+                    at = self.nodes[at as usize].0;
+                }
+                members.push(at);
+                members[first..].reverse();
+                starts.push(members.len());
+            }
+            *set = number[*set as usize];
+        }
+        Overlaps {
+            starts,
+            members,
+            frames,
+        }
+    }
+}
+
+#[cfg(test)]
+impl Overlaps {
+    /// Frames of sets, owner first, with their samples.
+    pub(super) fn by_hand(frames: &[&[(&[u32], u32)]]) -> Self {
+        let (mut starts, mut members) = (vec![0], Vec::new());
+        let mut add = |(set, n): &(&[u32], u32)| {
+            members.extend_from_slice(set);
+            starts.push(members.len());
+            (starts.len() as u32 - 2, *n)
+        };
+        let mut frame = |sets: &&[(&[u32], u32)]| FrameOverlaps {
+            counts: sets.iter().map(&mut add).collect(),
+            lost: 0,
+            object: sets.iter().map(|(_, n)| n).sum(),
+        };
+        let frames = frames.iter().map(&mut frame).collect();
+        Self {
+            starts,
+            members,
+            frames,
+        }
+    }
+}
