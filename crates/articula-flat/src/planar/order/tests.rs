@@ -1,8 +1,10 @@
+//! Orders by hand, and what must hold of any.
+
 use super::graph::first_order;
 use super::sift::sift;
 use super::*;
 use crate::item_buffer::{Faces, ItemBuffer, Samples};
-use crate::planar::fixture;
+use crate::planar::clip::fixture;
 use crate::planar::drawn::draw_frame;
 use proptest::prelude::*;
 
