@@ -3,6 +3,7 @@
 //! Source: thesis 4.2, `spec/vector.md` 7 to 11.
 //!
 //! - [`keyed_clip`]: shapes with keys, what the key-framed writers take
+//! - [`lottie`]: Lottie JSON
 //! - [`path`]: the shortest text for outlines, numbers, colours and ids
 //! - [`raster`]: still SVG to pixels
 //! - [`smil`]: animated SVG from key to key, without script
@@ -11,6 +12,7 @@
 
 pub mod flipbook;
 pub mod keyed_clip;
+pub mod lottie;
 pub mod path;
 pub mod raster;
 pub mod smil;

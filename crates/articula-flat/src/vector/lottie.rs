@@ -1,0 +1,505 @@
+//! Lottie JSON: the clip for the players of applications.
+//!
+//! Source: Lottie specification 1.0.1 (lottie.github.io); `spec/vector.md` 8.4. Differs: what that
+//! specification leaves optional but players need is written too (`v`, the layer's `st`, the whole
+//! transforms, easing handles of straight keys); `docs/formats/lottie.md` says who needs what.
+//!
+//! One shape layer holds a group for each shape. The layer's scale takes the grid to pixels, so
+//! that coordinates stay whole numbers.
+
+use super::keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack};
+use crate::planar::PlanarError;
+use std::fmt::Write;
+use std::ops::Range;
+
+/// What to write besides the shapes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Options<'a> {
+    /// Name of the animation, as editors show it.
+    pub name: &'a str,
+    /// Whether gradients are written. If not, a shape has one colour at a time, the gradient's at
+    /// its middle, which changes from key to key; for players that draw no gradients.
+    pub gradients: bool,
+}
+
+/// Writes a clip as a Lottie document.
+///
+/// The clip lasts `frames - 1` frames and then begins anew; one frame alone lasts one. A shape
+/// that is never shown is left out.
+///
+/// # Errors
+/// What [`KeyedClip::check`] finds.
+pub fn write(clip: &KeyedClip, options: &Options<'_>) -> Result<String, PlanarError> {
+    clip.check()?;
+    let length = last_frame(clip).max(1);
+    let mut text = String::new();
+    let _ = write!(
+        text,
+        r#"{{"v":"5.7.0","ver":10001,"fr":{},"ip":0,"op":{length},"w":{},"h":{},"nm":"#,
+        clip.fps, clip.width, clip.height,
+    );
+    push_string(&mut text, options.name);
+    let _ = write!(
+        text,
+        r#","ddd":0,"assets":[],"layers":[{{"ty":4,"ind":1,"ip":0,"op":{length},"st":0,"ks":{{"#,
+    );
+    push_transform(&mut text, 100.0 / f64::from(GRID), r#"{"a":0,"k":100}"#);
+    text.push_str(r#"},"shapes":["#);
+    // The first group lies on top.
+    let shown = clip.shapes.iter().rev().filter(|s| !s.shown.is_empty());
+    push_list(&mut text, shown, |text, shape| {
+        push_shape(text, clip, shape, options);
+    });
+    text.push_str("]}]}");
+    Ok(text)
+}
+
+/// The frame that ends a clip.
+fn last_frame(clip: &KeyedClip) -> u32 {
+    clip.frames.saturating_sub(1)
+}
+
+fn push_shape(text: &mut String, clip: &KeyedClip, shape: &KeyedShape, options: &Options<'_>) {
+    text.push_str(r#"{"ty":"gr","it":["#);
+    let points = (shape.outline.width / 2) as u32;
+    let further = shape.further_outlines.iter().copied();
+    for (first, end) in std::iter::once(0)
+        .chain(further.clone())
+        .zip(further.chain([points]))
+    {
+        text.push_str(r#"{"ty":"sh","ks":"#);
+        let part = 2 * first as usize..2 * end as usize;
+        push_track(text, &shape.outline, part, Form::Outline);
+        text.push_str("},");
+    }
+    match gradient(clip, &shape.paint) {
+        Some((stops, line)) if options.gradients => push_gradient(text, stops, line),
+        Some((stops, line)) => push_fill(text, &middle_color(&shape.outline, stops, line)),
+        None => {
+            let KeyedPaint::Flat(color) = shape.paint else {
+                return;
+            };
+            push_fill(text, &KeyedTrack::still(color.map(i32::from).to_vec()));
+        }
+    }
+    text.push_str(r#",{"ty":"tr","#);
+    push_transform(text, 100.0, &opacity(&shape.shown, last_frame(clip)));
+    text.push_str("}]}");
+}
+
+/// Stops and line of a paint that has them.
+fn gradient<'a>(clip: &KeyedClip, paint: &'a KeyedPaint) -> Option<([[u8; 3]; 2], &'a KeyedTrack)> {
+    match paint {
+        KeyedPaint::Flat(_) => None,
+        KeyedPaint::Ramp { ramp, line } => Some(([[0; 3], clip.ramps[*ramp as usize]], line)),
+        KeyedPaint::Own { stops, line } => Some((*stops, line)),
+    }
+}
+
+/// A linear gradient between two colours.
+fn push_gradient(text: &mut String, stops: [[u8; 3]; 2], line: &KeyedTrack) {
+    text.push_str(r#"{"ty":"gf","o":{"a":0,"k":100},"r":1,"t":1,"g":{"p":2,"k":{"a":0,"k":["#);
+    let levels = stops.map(|stop| stop.map(|level| share(level.into())));
+    let [from, to] = levels.map(|stop| stop.join(","));
+    let _ = write!(text, r#"0,{from},1,{to}]}}}},"s":"#);
+    push_track(text, line, 0..2, Form::Point);
+    text.push_str(r#","e":"#);
+    push_track(text, line, 2..4, Form::Point);
+    text.push('}');
+}
+
+/// A fill of one colour at a time.
+fn push_fill(text: &mut String, color: &KeyedTrack) {
+    text.push_str(r#"{"ty":"fl","o":{"a":0,"k":100},"r":1,"c":"#);
+    push_track(text, color, 0..3, Form::Color);
+    text.push('}');
+}
+
+/// The colour that a gradient has in the middle of an outline, at each of the line's keys.
+fn middle_color(outline: &KeyedTrack, stops: [[u8; 3]; 2], line: &KeyedTrack) -> KeyedTrack {
+    let of_key = |key: usize| {
+        let points = outline.at(line.frames[key].into());
+        let mean = |axis| {
+            let values = points.iter().skip(axis).step_by(2);
+            values.sum::<f64>() / (points.len() / 2) as f64
+        };
+        let [x1, y1, x2, y2] = [0, 1, 2, 3].map(|i| f64::from(line.key(key)[i]));
+        let (dx, dy) = (x2 - x1, y2 - y1);
+        let along = (mean(0) - x1) * dx + (mean(1) - y1) * dy;
+        let length = dx * dx + dy * dy;
+        // A line without a length has the last colour everywhere, as in SVG.
+        let share = if length > 0.0 {
+            (along / length).clamp(0.0, 1.0)
+        } else {
+            1.0
+        };
+        [0, 1, 2].map(|i| {
+            let [from, to] = stops.map(|stop| f64::from(stop[i]));
+            (from + (to - from) * share).round() as i32
+        })
+    };
+    KeyedTrack {
+        frames: line.frames.clone(),
+        values: (0..line.len()).flat_map(of_key).collect(),
+        width: 3,
+    }
+}
+
+/// The opacity of a group that is shown in these spans of half frames: held from key to key.
+fn opacity(shown: &[Range<u32>], last_frame: u32) -> String {
+    let end = 2 * last_frame + 1;
+    if let [only] = shown
+        && *only == (0..end)
+    {
+        return r#"{"a":0,"k":100}"#.to_owned();
+    }
+    let mut keys = Vec::new();
+    if shown.first().is_some_and(|first| first.start > 0) {
+        keys.push((0, 0));
+    }
+    for span in shown {
+        keys.push((span.start, 100));
+        if span.end < end {
+            keys.push((span.end, 0));
+        }
+    }
+    let mut text = String::from(r#"{"a":1,"k":["#);
+    push_list(&mut text, keys, |text, (half, percent)| {
+        let frame = f64::from(half) / 2.0;
+        let _ = write!(text, r#"{{"t":{frame},"s":[{percent}],"h":1}}"#);
+    });
+    text.push_str("]}");
+    text
+}
+
+/// The members of a transform that scales, without its braces.
+fn push_transform(text: &mut String, percent: f64, opacity: &str) {
+    const NOWHERE: &str = r#"{"a":0,"k":[0,0]}"#;
+    let _ = write!(
+        text,
+        r#""a":{NOWHERE},"p":{NOWHERE},"s":{{"a":0,"k":[{percent},{percent}]}},"r":{{"a":0,"k":0}},"o":{opacity}"#,
+    );
+}
+
+/// What numbers of a track are.
+#[derive(Debug, Clone, Copy)]
+enum Form {
+    /// x, y, x, y, … of a closed outline.
+    Outline,
+    /// x, y.
+    Point,
+    /// Red, green and blue levels.
+    Color,
+}
+
+/// A property: some numbers of each key of a track.
+fn push_track(text: &mut String, track: &KeyedTrack, part: Range<usize>, form: Form) {
+    let of = |key: usize| &track.key(key)[part.clone()];
+    if (1..track.len()).all(|key| of(key) == of(0)) {
+        text.push_str(r#"{"a":0,"k":"#);
+        push_value(text, of(0), form);
+        text.push('}');
+        return;
+    }
+    text.push_str(r#"{"a":1,"k":["#);
+    let keys = (0..track.len()).zip(&track.frames);
+    push_list(text, keys, |text, (key, frame)| {
+        let _ = write!(text, r#"{{"t":{frame},"s":"#);
+        match form {
+            Form::Outline => {
+                text.push('[');
+                push_value(text, of(key), form);
+                text.push(']');
+            }
+            Form::Point | Form::Color => push_value(text, of(key), form),
+        }
+        if key + 1 < track.len() {
+            text.push_str(r#","i":{"x":1,"y":1},"o":{"x":0,"y":0}"#);
+        }
+        text.push('}');
+    });
+    text.push_str("]}");
+}
+
+fn push_value(text: &mut String, numbers: &[i32], form: Form) {
+    match form {
+        Form::Point => {
+            let _ = write!(text, "[{},{}]", numbers[0], numbers[1]);
+        }
+        Form::Color => {
+            let shares: Vec<String> = numbers.iter().map(|level| share(*level)).collect();
+            let _ = write!(text, "[{}]", shares.join(","));
+        }
+        Form::Outline => {
+            let points = numbers.chunks_exact(2);
+            let straight = vec!["[0,0]"; points.len()].join(",");
+            let _ = write!(
+                text,
+                r#"{{"c":true,"i":[{straight}],"o":[{straight}],"v":["#
+            );
+            push_list(text, points, |text, point| {
+                push_value(text, point, Form::Point)
+            });
+            text.push_str("]}");
+        }
+    }
+}
+
+/// A level as a share of 255, just large enough that cutting off gives the level back as well as
+/// rounding does: lottie-web cuts the colours of fills.
+fn share(level: i32) -> String {
+    let thousandths = (level.clamp(0, 255) * 1000).div_euclid(255);
+    let exact = thousandths * 255 == level.clamp(0, 255) * 1000;
+    let thousandths = if exact { thousandths } else { thousandths + 1 };
+    (f64::from(thousandths) / 1000.0).to_string()
+}
+
+fn push_list<T>(
+    text: &mut String,
+    items: impl IntoIterator<Item = T>,
+    mut push: impl FnMut(&mut String, T),
+) {
+    for (i, item) in items.into_iter().enumerate() {
+        if i > 0 {
+            text.push(',');
+        }
+        push(text, item);
+    }
+}
+
+/// A JSON string (RFC 8259, 7).
+fn push_string(text: &mut String, string: &str) {
+    text.push('"');
+    for c in string.chars() {
+        match c {
+            '"' | '\\' => text.extend(['\\', c]),
+            c if c < ' ' => {
+                let _ = write!(text, "\\u{:04x}", u32::from(c));
+            }
+            c => text.push(c),
+        }
+    }
+    text.push('"');
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use serde_json::{Value, json};
+    use std::iter::once;
+
+    const WITH_GRADIENTS: Options<'_> = Options {
+        name: "a",
+        gradients: true,
+    };
+
+    fn track(frames: &[u32], values: &[i32]) -> KeyedTrack {
+        KeyedTrack {
+            frames: frames.to_vec(),
+            values: values.to_vec(),
+            width: values.len() / frames.len(),
+        }
+    }
+
+    fn clip(shapes: Vec<KeyedShape>) -> KeyedClip {
+        KeyedClip {
+            width: 40,
+            height: 30,
+            fps: 12.5,
+            frames: 5,
+            ramps: vec![[255, 51, 1]],
+            shapes,
+        }
+    }
+
+    fn shape(outline: KeyedTrack, paint: KeyedPaint) -> KeyedShape {
+        KeyedShape {
+            outline,
+            further_outlines: vec![],
+            paint,
+            shown: once(0..9).collect(),
+        }
+    }
+
+    fn read(clip: &KeyedClip, options: &Options<'_>) -> Value {
+        serde_json::from_str(&write(clip, options).unwrap()).unwrap()
+    }
+
+    /// Elements of the `i`th group.
+    fn group(document: &Value, i: usize) -> &Vec<Value> {
+        document["layers"][0]["shapes"][i]["it"].as_array().unwrap()
+    }
+
+    #[test]
+    fn a_moving_triangle_before_a_still_one() {
+        let back = shape(
+            KeyedTrack::still(vec![0, 0, 8, 0, 0, 8]),
+            KeyedPaint::Flat([0, 128, 255]),
+        );
+        let moving = track(&[0, 4], &[0, 0, 4, 0, 0, 4, -2, 0, 4, 0, 0, 4]);
+        let front = shape(moving, KeyedPaint::Flat([51; 3]));
+        let document = read(&clip(vec![back, front]), &WITH_GRADIENTS);
+        assert_eq!(
+            [
+                &document["fr"],
+                &document["ip"],
+                &document["op"],
+                &document["w"],
+                &document["h"]
+            ],
+            [&json!(12.5), &json!(0), &json!(4), &json!(40), &json!(30)]
+        );
+        let layer = &document["layers"][0];
+        assert_eq!([&layer["ty"], &layer["op"]], [&json!(4), &json!(4)]);
+        assert_eq!(layer["ks"]["s"], json!({"a": 0, "k": [25, 25]}));
+        // The front one comes first.
+        let key = |x: i32| {
+            let zero = [[0, 0]; 3];
+            json!([{"c": true, "i": zero, "o": zero, "v": [[x, 0], [4, 0], [0, 4]]}])
+        };
+        let [path, fill, transform] = &group(&document, 0)[..] else {
+            panic!("{document}");
+        };
+        let straight = json!([{"x": 1, "y": 1}, {"x": 0, "y": 0}]);
+        assert_eq!(
+            *path,
+            json!({"ty": "sh", "ks": {"a": 1, "k": [
+                {"t": 0, "s": key(0), "i": straight[0], "o": straight[1]},
+                {"t": 4, "s": key(-2)},
+            ]}})
+        );
+        assert_eq!(fill["c"], json!({"a": 0, "k": [0.2, 0.2, 0.2]}));
+        assert_eq!(transform["ty"], "tr");
+        assert_eq!(transform["o"], json!({"a": 0, "k": 100}));
+        assert_eq!(transform["s"], json!({"a": 0, "k": [100, 100]}));
+        let behind = group(&document, 1);
+        assert_eq!(behind[0]["ks"]["a"], 0);
+        // 128 / 255 is 0.50196: a thousandth more gives 128 whether cut or rounded.
+        assert_eq!(behind[1]["c"]["k"], json!([0, 0.502, 1]));
+    }
+
+    #[test]
+    fn spans_are_held_keys_of_the_opacity() {
+        let mut blinking = shape(KeyedTrack::still(vec![0; 6]), KeyedPaint::Flat([0; 3]));
+        blinking.shown = vec![3..5, 7..9];
+        let mut never = blinking.clone();
+        never.shown.clear();
+        let mut early = blinking.clone();
+        early.shown = once(0..3).collect();
+        let document = read(&clip(vec![never, early, blinking]), &WITH_GRADIENTS);
+        assert_eq!(document["layers"][0]["shapes"].as_array().unwrap().len(), 2);
+        let key = |t: f64, s: i32| {
+            let whole = json!(t as i32);
+            json!({"t": if t.fract() == 0.0 { whole } else { json!(t) }, "s": [s], "h": 1})
+        };
+        let keys = [key(0.0, 0), key(1.5, 100), key(2.5, 0), key(3.5, 100)];
+        assert_eq!(group(&document, 0)[2]["o"], json!({"a": 1, "k": keys}));
+        let keys = [key(0.0, 100), key(1.5, 0)];
+        assert_eq!(group(&document, 1)[2]["o"], json!({"a": 1, "k": keys}));
+    }
+
+    #[test]
+    fn a_gradient_runs_from_its_start_to_its_end() {
+        let line = track(&[0, 2, 4], &[0, 0, 8, 0, 0, 0, 8, 4, 0, 0, 8, 0]);
+        let outline = KeyedTrack::still(vec![0, 0, 12, 0, 0, 12]);
+        let ramp = shape(
+            outline.clone(),
+            KeyedPaint::Ramp {
+                ramp: 0,
+                line: line.clone(),
+            },
+        );
+        let stops = [[10, 20, 30], [110, 120, 130]];
+        let own = shape(outline, KeyedPaint::Own { stops, line });
+        let clip = clip(vec![ramp, own]);
+        let document = read(&clip, &WITH_GRADIENTS);
+        let ramp = &group(&document, 1)[1];
+        assert_eq!([&ramp["ty"], &ramp["t"]], [&json!("gf"), &json!(1)]);
+        assert_eq!(
+            ramp["g"],
+            json!({"p": 2, "k": {"a": 0, "k": [0, 0, 0, 0, 1, 1, 0.2, 0.004]}})
+        );
+        // The start stands still.
+        assert_eq!(ramp["s"], json!({"a": 0, "k": [0, 0]}));
+        let ends: Vec<&Value> = ramp["e"]["k"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|k| &k["s"])
+            .collect();
+        assert_eq!(ends, [&json!([8, 0]), &json!([8, 4]), &json!([8, 0])]);
+        // Its middle (4, 4) is halfway at first; then (4 * 8 + 4 * 4) / (8 * 8 + 4 * 4) = 0.6.
+        let flat = Options {
+            gradients: false,
+            ..WITH_GRADIENTS
+        };
+        let document = read(&clip, &flat);
+        let fill = &group(&document, 0)[1];
+        assert_eq!(fill["ty"], "fl");
+        let level = |key: usize| (fill["c"]["k"][key]["s"][0].as_f64().unwrap() * 255.0) as i32;
+        assert_eq!([level(0), level(1), level(2)], [60, 70, 60]);
+    }
+
+    #[test]
+    fn a_hole_is_an_outline_of_its_own() {
+        let mut ring = shape(
+            KeyedTrack::still(vec![0, 0, 90, 0, 0, 90, 9, 9, 9, 18, 18, 9]),
+            KeyedPaint::Flat([0; 3]),
+        );
+        ring.further_outlines = vec![3];
+        let document = read(&clip(vec![ring]), &WITH_GRADIENTS);
+        let [outer, hole, _, _] = &group(&document, 0)[..] else {
+            panic!("{document}");
+        };
+        assert_eq!(outer["ks"]["k"]["v"], json!([[0, 0], [90, 0], [0, 90]]));
+        assert_eq!(hole["ks"]["k"]["v"], json!([[9, 9], [9, 18], [18, 9]]));
+    }
+
+    #[test]
+    fn names_are_escaped_and_faults_are_told() {
+        let name = "a \"b\" \\ \n </script> é";
+        let document = read(
+            &clip(vec![]),
+            &Options {
+                name,
+                gradients: true,
+            },
+        );
+        assert_eq!(document["nm"], name);
+        assert_eq!(document["layers"][0]["shapes"], json!([]));
+        let none = KeyedClip {
+            frames: 0,
+            ..clip(vec![])
+        };
+        assert_eq!(write(&none, &WITH_GRADIENTS), Err(PlanarError::NoFrames));
+        let one = KeyedClip {
+            frames: 1,
+            ..clip(vec![])
+        };
+        assert_eq!(read(&one, &WITH_GRADIENTS)["op"], 1);
+    }
+
+    proptest! {
+        #[test]
+        fn every_level_comes_back_whether_cut_or_rounded(level in 0i32..256) {
+            let share: f64 = share(level).parse().unwrap();
+            prop_assert!((0.0..=1.0).contains(&share));
+            prop_assert_eq!((share * 255.0) as i32, level);
+            prop_assert_eq!((share * 255.0).round() as i32, level);
+            prop_assert_eq!((share as f32 * 255.0) as i32, level);
+        }
+
+        #[test]
+        fn every_number_of_a_track_is_written(values in prop::collection::vec(-9000i32..9000, 24)) {
+            let outline = track(&[0, 1, 3, 4], &values);
+            let document = read(&clip(vec![shape(outline.clone(), KeyedPaint::Flat([1; 3]))]), &WITH_GRADIENTS);
+            let keys = group(&document, 0)[0]["ks"]["k"].as_array().unwrap();
+            for (i, key) in keys.iter().enumerate() {
+                prop_assert_eq!(&key["t"], &json!(outline.frames[i]));
+                let points = outline.key(i).chunks(2).map(|p| json!(p));
+                prop_assert_eq!(&key["s"][0]["v"], &Value::Array(points.collect()));
+            }
+        }
+    }
+}
