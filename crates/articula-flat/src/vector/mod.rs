@@ -9,6 +9,7 @@
 //! - [`smil`]: animated SVG from key to key, without script
 //! - [`smil_sampler`]: what such a file shows at a moment, as still SVG
 //! - [`flipbook`]: animated SVG with a group for each frame
+//! - [`thesis`]: the files of the thesis, the baseline of all ratios
 
 pub mod flipbook;
 pub mod keyed_clip;
@@ -18,5 +19,6 @@ pub mod raster;
 pub mod smil;
 pub mod smil_sampler;
 mod svg_text;
+pub mod thesis;
 
 pub use keyed_clip::{KeyedClip, KeyedPaint, KeyedShape, KeyedTrack};

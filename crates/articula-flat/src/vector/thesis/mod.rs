@@ -1,0 +1,153 @@
+//! The vector graphics of the thesis, as it describes them: the baseline that ratios are
+//! measured against.
+//!
+//! Source: thesis 4.2, 6.2.2; `spec/vector.md` 8.6. Triangles are sorted by depth once, at the
+//! neutral frame; whole faces are switched by back-face and frustum culling, never by occlusion;
+//! a face has one colour, and Gouraud shading is for stills. It plays once and stays at its last
+//! frame, as nothing else is said. Differs: the figures with the SVG text are lost to us, so the
+//! wording of the elements is ours, chosen so that the sizes come near the printed ones
+//! ([`formula_bytes`]); faces that are in view in no frame are left out.
+//!
+//! - `document`: head and tail of a file, and its clock
+//! - `faces`: culling, painting order and colour of faces
+//! - `polygon`, `path`, `gouraud`: the three forms
+
+mod document;
+mod faces;
+mod gouraud;
+mod path;
+mod polygon;
+
+use crate::planar::{PlanarClip, PlanarError};
+use document::{Clock, Document};
+use faces::Faces;
+
+/// Most bytes that are written, about.
+const MOST_BYTES: usize = 1 << 30;
+
+/// How the thesis turns a clip into SVG elements.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ThesisForm {
+    /// A `polygon` for each face and frame in view, shown for that frame.
+    Polygon,
+    /// A `path` for each face, with the absolute coordinates of every frame.
+    Path,
+    /// One frame with three gradients a face.
+    GouraudStill {
+        /// The frame.
+        frame: usize,
+    },
+}
+
+/// What is written, and which optimisations of thesis 4.2.3 the form [`ThesisForm::Path`] has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ThesisOptions {
+    /// The elements.
+    pub form: ThesisForm,
+    /// Coordinates are left out while a face is hidden.
+    pub optimise_hidden: bool,
+    /// Coordinates are left out while a face is in view and stays where it is.
+    pub optimise_static: bool,
+    /// The frame whose depths give the painting order, and whose light the colours of paths.
+    pub neutral_frame: usize,
+}
+
+impl Default for ThesisOptions {
+    fn default() -> Self {
+        Self {
+            form: ThesisForm::Path,
+            optimise_hidden: false,
+            optimise_static: false,
+            neutral_frame: 0,
+        }
+    }
+}
+
+/// A file as the thesis would have written it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ThesisFile {
+    /// The SVG.
+    pub text: String,
+    /// Number of its elements, the root included.
+    pub elements: usize,
+    /// Faces that it shows; what the thesis calls nbp.
+    pub triangles: usize,
+    /// Pairs of a face and a frame that it shows.
+    pub shown: usize,
+}
+
+/// Bytes that the thesis states (6.2.2): `286 nbp nbf` for polygons, `352 nbp + 56 nbp nbf` for
+/// paths, 1252 for each face of a Gouraud still.
+pub fn formula_bytes(form: ThesisForm, triangles: usize, frames: usize) -> usize {
+    match form {
+        ThesisForm::Polygon => 286 * triangles * frames,
+        ThesisForm::Path => 352 * triangles + 56 * triangles * frames,
+        ThesisForm::GouraudStill { .. } => 1252 * triangles,
+    }
+}
+
+/// Writes a clip as the thesis does.
+///
+/// O(faces x frames).
+///
+/// # Errors
+/// What is wrong with the clip; [`PlanarError::NothingSeen`] if no face is in view;
+/// [`PlanarError::Mismatch`] for a frame that the clip does not have, frames shorter than a
+/// millisecond, or a file above a gigabyte.
+pub fn thesis(clip: &PlanarClip, options: &ThesisOptions) -> Result<ThesisFile, PlanarError> {
+    clip.check()?;
+    has_frame(clip, "neutral_frame", options.neutral_frame)?;
+    let faces = match options.form {
+        ThesisForm::GouraudStill { frame } => {
+            has_frame(clip, "frame of the still", frame)?;
+            Faces::of(clip, frame..frame + 1, options.neutral_frame)
+        }
+        _ => Faces::of(clip, 0..clip.frames.len(), options.neutral_frame),
+    };
+    if faces.order.is_empty() {
+        return Err(PlanarError::NothingSeen);
+    }
+    let (triangles, shown) = (faces.order.len(), faces.shown());
+    fits(match options.form {
+        ThesisForm::Polygon => formula_bytes(options.form, 1, shown),
+        form => formula_bytes(form, triangles, clip.frames.len()),
+    })?;
+    let clock = Clock::new(clip.fps)?;
+    let mut document = Document::new(clip.width, clip.height);
+    match options.form {
+        ThesisForm::Polygon => polygon::write(clip, &faces, clock, document.text()),
+        ThesisForm::Path => path::write(clip, &faces, options, clock, document.text()),
+        ThesisForm::GouraudStill { frame } => {
+            gouraud::write(clip, frame, &faces.order, document.text());
+        }
+    }
+    let (text, elements) = document.end();
+    Ok(ThesisFile {
+        text,
+        elements,
+        triangles,
+        shown,
+    })
+}
+
+fn has_frame(clip: &PlanarClip, at: &'static str, frame: usize) -> Result<(), PlanarError> {
+    let frames = clip.frames.len();
+    if frame < frames {
+        return Ok(());
+    }
+    let what = format!("{frame}, but the clip has {frames} frames");
+    Err(PlanarError::Mismatch { at, what })
+}
+
+fn fits(bytes: usize) -> Result<(), PlanarError> {
+    if bytes <= MOST_BYTES {
+        return Ok(());
+    }
+    let what = format!(
+        "about {bytes} bytes as the thesis writes them, more than {MOST_BYTES}; choose fewer triangles or frames"
+    );
+    Err(PlanarError::Mismatch { at: "clip", what })
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,57 @@
+//! A `polygon` for each face and frame in view.
+//!
+//! Source: thesis 4.2.2: a polygon cannot be deformed, so a face takes a series of them, each
+//! visible for one frame. A pair of face and frame that is hidden takes none, which is what
+//! the printed sizes of the pyramid say (6.2.2: both formulas give them for one number of frames
+//! only if four or five of the eight faces have polygons). The colour is that of the frame.
+
+use super::document::{Clock, Points, put};
+use super::faces::{Faces, mean_color};
+use crate::planar::PlanarClip;
+
+/// Appends all polygons, face by face in painting order.
+pub(super) fn write(clip: &PlanarClip, faces: &Faces, clock: Clock, text: &mut String) {
+    for face in &faces.order {
+        for frame in 0..clip.frames.len() {
+            if faces.is_shown(frame, *face) {
+                write_one(clip, (*face, frame), clock, text);
+            }
+        }
+    }
+}
+
+fn write_one(clip: &PlanarClip, (face, frame): (u32, usize), clock: Clock, text: &mut String) {
+    let points = Points(clip.places(frame, face as usize), 3);
+    let [red, green, blue] = mean_color(clip, frame, face);
+    let is_first = frame == 0;
+    let visibility = if is_first { "visible" } else { "hidden" };
+    put(
+        text,
+        format_args!(
+            "<polygon id=\"face{face}frame{frame}\" points=\"{points}\" \
+             fill=\"rgb({red},{green},{blue})\" stroke=\"none\" visibility=\"{visibility}\">\n"
+        ),
+    );
+    let is_last = frame + 1 == clip.frames.len();
+    let (begin, length) = (clock.begin(frame), clock.between(frame, frame + 1));
+    // The first frame is what a viewer without animation shows, so it is hidden when it is over.
+    if is_first && !is_last {
+        put(
+            text,
+            format_args!(
+                "<set attributeName=\"visibility\" attributeType=\"CSS\" to=\"hidden\" \
+                 begin=\"{length}\" fill=\"freeze\"/>\n"
+            ),
+        );
+    } else if !is_first {
+        let fill = if is_last { "freeze" } else { "remove" };
+        put(
+            text,
+            format_args!(
+                "<set attributeName=\"visibility\" attributeType=\"CSS\" to=\"visible\" \
+                 begin=\"{begin}\" dur=\"{length}\" fill=\"{fill}\"/>\n"
+            ),
+        );
+    }
+    text.push_str("</polygon>\n");
+}
