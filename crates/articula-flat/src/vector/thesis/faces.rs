@@ -3,7 +3,8 @@
 //! Source: thesis 4.2.1 (view-frustum and back-face culling give one flag a face and frame;
 //! occlusion does not count) and 4.2.2 (sorted by depth at initialisation).
 
-use crate::planar::{Drawn, PlanarClip};
+use crate::planar::order::Painting;
+use crate::planar::{Drawn, PlanarClip, PlanarError};
 use glam::Vec2;
 use std::ops::Range;
 
@@ -16,20 +17,24 @@ pub(super) struct Faces {
 
 impl Faces {
     /// Culls the faces in some frames, and sorts them by their depth in the neutral one.
-    pub(super) fn of(clip: &PlanarClip, frames: Range<usize>, neutral_frame: usize) -> Self {
+    ///
+    /// # Errors
+    /// [`PlanarError::Mismatch`] if the clip has no such neutral frame.
+    pub(super) fn of(
+        clip: &PlanarClip,
+        frames: Range<usize>,
+        neutral_frame: usize,
+    ) -> Result<Self, PlanarError> {
         let mut flags = Drawn::none(clip.frames.len(), clip.triangles.len());
-        let mut in_view = vec![false; clip.triangles.len()];
         let size = Vec2::new(clip.width as f32, clip.height as f32);
         for f in frames {
-            for (t, ever) in in_view.iter_mut().enumerate() {
-                let shown = is_in_view(clip.places(f, t), size);
-                flags.set(f, t, shown);
-                *ever |= shown;
+            for t in 0..clip.triangles.len() {
+                flags.set(f, t, is_in_view(clip.places(f, t), size));
             }
         }
-        let mut order = by_depth(clip, neutral_frame);
-        order.retain(|t| in_view[*t as usize]);
-        Self { flags, order }
+        let sorted = Painting::one_depth_sort(clip, &flags, neutral_frame)?;
+        let order = sorted.epochs.into_iter().flat_map(|e| e.order).collect();
+        Ok(Self { flags, order })
     }
 
     /// Pairs of a face and a frame that are in view.
@@ -60,18 +65,6 @@ fn is_in_view(corners: [Vec2; 3], size: Vec2) -> bool {
         || beyond(&|p| p.x >= size.x)
         || beyond(&|p| p.y >= size.y);
     is_front && !is_out
-}
-
-/// All faces, far ones first, by the mean nearness of their corners in a frame.
-fn by_depth(clip: &PlanarClip, frame: usize) -> Vec<u32> {
-    let nearness = &clip.frames[frame].nearness;
-    let near = |t: &u32| -> f32 {
-        let corners = clip.triangles[*t as usize];
-        corners.iter().map(|v| nearness[*v as usize] / 3.0).sum()
-    };
-    let mut order: Vec<u32> = (0..clip.triangles.len() as u32).collect();
-    order.sort_by(|a, b| near(a).total_cmp(&near(b)).then(a.cmp(b)));
-    order
 }
 
 /// The one colour of a face in a frame: the mean of its corners', sRGB levels.
@@ -119,10 +112,10 @@ mod tests {
         for v in 0..3 {
             clip.frames[1].nearness[v] = 0.1;
         }
-        assert_eq!(Faces::of(&clip, 0..2, 0).order, [1, 2, 0]);
-        assert_eq!(Faces::of(&clip, 0..2, 1).order, [0, 1, 2]);
+        assert_eq!(Faces::of(&clip, 0..2, 0).unwrap().order, [1, 2, 0]);
+        assert_eq!(Faces::of(&clip, 0..2, 1).unwrap().order, [0, 1, 2]);
         // The covered ones stay, which is what the thesis is blamed for.
-        assert_eq!(Faces::of(&clip, 0..2, 0).shown(), 6);
+        assert_eq!(Faces::of(&clip, 0..2, 0).unwrap().shown(), 6);
     }
 
     #[test]

@@ -100,9 +100,9 @@ pub fn thesis(clip: &PlanarClip, options: &ThesisOptions) -> Result<ThesisFile, 
     let faces = match options.form {
         ThesisForm::GouraudStill { frame } => {
             has_frame(clip, "frame of the still", frame)?;
-            Faces::of(clip, frame..frame + 1, options.neutral_frame)
+            Faces::of(clip, frame..frame + 1, options.neutral_frame)?
         }
-        _ => Faces::of(clip, 0..clip.frames.len(), options.neutral_frame),
+        _ => Faces::of(clip, 0..clip.frames.len(), options.neutral_frame)?,
     };
     if faces.order.is_empty() {
         return Err(PlanarError::NothingSeen);
@@ -128,6 +128,30 @@ pub fn thesis(clip: &PlanarClip, options: &ThesisOptions) -> Result<ThesisFile, 
         triangles,
         shown,
     })
+}
+
+/// What a file of flat faces shows in a frame, as still SVG: for readers that do not play, such as
+/// [`super::raster`].
+///
+/// # Errors
+/// As [`thesis`].
+pub fn thesis_frame(
+    clip: &PlanarClip,
+    options: &ThesisOptions,
+    frame: usize,
+) -> Result<String, PlanarError> {
+    clip.check()?;
+    has_frame(clip, "frame", frame)?;
+    let faces = Faces::of(clip, frame..frame + 1, options.neutral_frame)?;
+    let color_frame = match options.form {
+        ThesisForm::Path => options.neutral_frame,
+        _ => frame,
+    };
+    let mut document = Document::new(clip.width, clip.height);
+    for face in &faces.order {
+        polygon::write_still(clip, (*face, frame), color_frame, document.text());
+    }
+    Ok(document.end().0)
 }
 
 fn has_frame(clip: &PlanarClip, at: &'static str, frame: usize) -> Result<(), PlanarError> {

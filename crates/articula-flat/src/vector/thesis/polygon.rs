@@ -20,6 +20,24 @@ pub(super) fn write(clip: &PlanarClip, faces: &Faces, clock: Clock, text: &mut S
     }
 }
 
+/// Appends the polygon of a face in a frame that nothing switches, with its colour in another.
+pub(super) fn write_still(
+    clip: &PlanarClip,
+    (face, frame): (u32, usize),
+    color_frame: usize,
+    text: &mut String,
+) {
+    let points = Points(clip.places(frame, face as usize), 3);
+    let [red, green, blue] = mean_color(clip, color_frame, face);
+    put(
+        text,
+        format_args!(
+            "<polygon id=\"face{face}\" points=\"{points}\" fill=\"rgb({red},{green},{blue})\" \
+             stroke=\"none\"/>\n"
+        ),
+    );
+}
+
 fn write_one(clip: &PlanarClip, (face, frame): (u32, usize), clock: Clock, text: &mut String) {
     let points = Points(clip.places(frame, face as usize), 3);
     let [red, green, blue] = mean_color(clip, frame, face);

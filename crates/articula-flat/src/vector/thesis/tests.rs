@@ -3,6 +3,7 @@
 use super::*;
 use crate::planar::clip::fixture::{loose, turning_cube};
 use crate::planar::{PlanarFrame, Surface};
+use crate::vector::raster::raster;
 use glam::{Mat3, Vec2, Vec3};
 use proptest::prelude::*;
 use resvg::usvg::roxmltree::{Document as Xml, Node};
@@ -159,6 +160,23 @@ fn wrong_frames_and_what_is_out_of_view_are_told() {
     );
     // A gigabyte is refused before it is written.
     assert!(fits(MOST_BYTES).is_ok() && fits(MOST_BYTES + 1).is_err());
+}
+
+#[test]
+fn who_does_not_play_sees_the_first_frame() {
+    // The first frame is another than the neutral one, and has another light.
+    let clip = turning_cube(9);
+    for form in [POLYGON, PATH] {
+        let options = ThesisOptions {
+            neutral_frame: 4,
+            optimise_hidden: true,
+            ..options(form)
+        };
+        let file = raster(&thesis(&clip, &options).unwrap().text, [255; 4]).unwrap();
+        let of = |f| raster(&thesis_frame(&clip, &options, f).unwrap(), [255; 4]).unwrap();
+        assert!(file == of(0) && file != of(1));
+        assert!(thesis_frame(&clip, &options, 9).is_err());
+    }
 }
 
 /// What a player shows of a file at a moment: faces in painting order, each with its outline as
