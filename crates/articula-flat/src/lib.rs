@@ -28,6 +28,7 @@ pub mod paint;
 pub mod picture;
 pub mod planar;
 pub mod plot;
+pub mod portrait;
 pub mod projection;
 pub mod render;
 pub mod skeleton;

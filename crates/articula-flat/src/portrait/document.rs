@@ -1,0 +1,248 @@
+//! A portrait as files: one JSON document and one picture for each view.
+//!
+//! The format is described in `docs/formats/portrait.md`. Numbers lie in base 64, little endian.
+
+use super::error::{PortraitError, refuse};
+use super::pose_grid::{ExpressionTable, Quantised};
+use super::views::View;
+use super::{Portrait, PortraitClip};
+use crate::error::PictureError;
+use crate::picture::Picture;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use std::fmt::Write;
+
+/// Steps of a weight in a clip; weights reach from -8 to 8.
+const WEIGHT_STEPS: f32 = 4096.0;
+/// Steps of a degree in a clip.
+const ANGLE_STEPS: f32 = 100.0;
+
+/// The player, a script for the browser.
+pub const PLAYER: &str = include_str!("player.js");
+
+/// How view pictures are written; both keep every bit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PictureFormat {
+    /// Lossless WebP, the smaller one.
+    #[default]
+    WebP,
+    /// PNG.
+    Png,
+}
+
+impl PictureFormat {
+    /// Ending of the file's name.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::WebP => "webp",
+            Self::Png => "png",
+        }
+    }
+
+    /// Its media type.
+    pub fn media_type(self) -> &'static str {
+        match self {
+            Self::WebP => "image/webp",
+            Self::Png => "image/png",
+        }
+    }
+}
+
+/// Names of the files of a portrait with their bytes.
+pub type Files = Vec<(String, Vec<u8>)>;
+
+impl Portrait {
+    /// All files: `portrait.json`, a picture for each view, and the player.
+    ///
+    /// # Errors
+    /// As [`Self::to_json`], and [`PortraitError::Picture`] if a picture cannot be encoded.
+    pub fn to_files(&self, format: PictureFormat) -> Result<Files, PortraitError> {
+        let mut files = vec![("portrait.json".to_owned(), self.to_json(format)?.into_bytes())];
+        let names = self.picture_names(format);
+        for (name, view) in names.into_iter().zip(&self.views) {
+            files.push((name, encoded(&view.picture, format)?));
+        }
+        files.push(("player.js".to_owned(), PLAYER.as_bytes().to_vec()));
+        Ok(files)
+    }
+
+    fn picture_names(&self, format: PictureFormat) -> Vec<String> {
+        let name = |i: usize| format!("view{i}.{}", format.extension());
+        (0..self.views.len()).map(name).collect()
+    }
+
+    /// The JSON document.
+    ///
+    /// # Errors
+    /// [`PortraitError::Mismatch`] if a number in it is not finite.
+    pub fn to_json(&self, format: PictureFormat) -> Result<String, PortraitError> {
+        let mut out = String::from("{\n\"format\":\"articula-portrait\",\"version\":1,\n");
+        let (width, height) = self.size;
+        let (x, y) = (number(self.pivot.x)?, number(self.pivot.y)?);
+        let two_sided = self.mesh.two_sided.iter().map(|s| u8::from(*s));
+        let _ = write!(
+            out,
+            "\"size\":[{width},{height}],\"pivot\":[{x},{y}],\n\"vertices\":{},\n\
+             \"triangles\":{},\n\"twoSided\":{},\"layers\":{},\n\"tilts\":{},\n",
+            numbers(self.mesh.vertices.iter().map(|v| v.to_le_bytes())),
+            shorts(self.mesh.triangles.iter().flatten()),
+            numbers(two_sided.map(|s| [s])),
+            numbers(self.uncovered.layers.iter().map(|l| [*l])),
+            numbers(self.tilts.iter().map(|t| [*t])),
+        );
+        let views = self.views.iter().zip(&self.uncovered.seen);
+        let views = views.zip(self.picture_names(format));
+        let views = views.map(|((view, seen), name)| view_json(view, seen, &name));
+        let _ = writeln!(out, "\"views\":{},", list(views)?);
+        let _ = writeln!(out, "\"grid\":{},", self.grid_json()?);
+        let expressions = self.grid.expressions.iter().map(expression_json);
+        let _ = writeln!(out, "\"expressions\":{},", list(expressions)?);
+        let sectors = self.sectors.iter().map(|s| {
+            let from = number(s.from_yaw_degrees)?;
+            let order = shorts(s.order.iter());
+            Ok(format!("{{\"from\":{from},\"order\":{order}}}"))
+        });
+        let _ = writeln!(out, "\"sectors\":{},", list(sectors)?);
+        let clips = self.clips.iter().map(clip_json);
+        let _ = write!(out, "\"clips\":{}\n}}\n", list(clips)?);
+        Ok(out)
+    }
+
+    fn grid_json(&self) -> Result<String, PortraitError> {
+        if let Some(i) = self.grid.coefficients.iter().position(|c| !c.is_finite()) {
+            return Err(refuse(format!("grid.coefficients[{i}]"), "is no number"));
+        }
+        let rest = self.grid.rest.iter().map(|mode: &Quantised<i16>| {
+            let steps = numbers(mode.steps.iter().map(|s| s.to_le_bytes()));
+            Ok(format!("{{\"scale\":{},\"steps\":{steps}}}", number(mode.scale)?))
+        });
+        Ok(format!(
+            "{{\"yaw\":{},\"pitch\":{},\n\"coefficients\":{},\n\"rest\":{}}}",
+            floats(&self.grid.yaw_degrees)?,
+            floats(&self.grid.pitch_degrees)?,
+            numbers(self.grid.coefficients.iter().map(|c| c.to_le_bytes())),
+            list(rest)?,
+        ))
+    }
+}
+
+fn view_json(view: &View, seen: &[bool], name: &str) -> Result<String, PortraitError> {
+    let shifts: Vec<String> = view.shifts.iter().map(|[x, y]| format!("[{x},{y}]")).collect();
+    let byte = |bits: &[bool]| {
+        let bits = bits.iter().enumerate();
+        [bits.fold(0u8, |byte, (i, bit)| byte | u8::from(*bit) << i)]
+    };
+    Ok(format!(
+        "{{\"yaw\":{},\"pitch\":{},\"picture\":{},\"width\":{},\"height\":{},\"shifts\":[{}],\"seen\":{}}}",
+        number(view.pose.yaw_degrees)?,
+        number(view.pose.pitch_degrees)?,
+        quoted(name),
+        view.picture.width(),
+        view.picture.height(),
+        shifts.join(","),
+        numbers(seen.chunks(8).map(byte)),
+    ))
+}
+
+fn expression_json(table: &ExpressionTable) -> Result<String, PortraitError> {
+    let scales: Vec<f32> = table.modes.iter().map(|m| m.scale).collect();
+    let steps = table.modes.iter().flat_map(|m| &m.steps);
+    Ok(format!(
+        "{{\"name\":{},\"vertices\":{},\"scales\":{},\"steps\":{}}}",
+        quoted(&table.name),
+        shorts(table.vertices.iter()),
+        floats(&scales)?,
+        numbers(steps.map(|s| s.to_le_bytes())),
+    ))
+}
+
+fn clip_json(clip: &PortraitClip) -> Result<String, PortraitError> {
+    let step = |value: f32, steps: f32| (value * steps).round() as i16;
+    let angles = clip.poses.iter().flat_map(|p| {
+        [p.yaw_degrees, p.pitch_degrees, p.roll_degrees].map(|a| step(a, ANGLE_STEPS))
+    });
+    let count = clip.weights.first().map_or(0, Vec::len);
+    let moves = |e: &usize| clip.weights.iter().any(|frame| step(frame[*e], WEIGHT_STEPS) != 0);
+    let driven: Vec<usize> = (0..count).filter(moves).collect();
+    let weights = clip.weights.iter().flat_map(|frame| {
+        let of = |e: &usize| step(frame[*e], WEIGHT_STEPS);
+        driven.iter().map(of)
+    });
+    let names: Vec<String> = driven.iter().map(usize::to_string).collect();
+    Ok(format!(
+        "{{\"name\":{},\"rate\":{},\"frames\":{},\"poses\":{},\"driven\":[{}],\"weights\":{}}}",
+        quoted(&clip.name),
+        number(clip.rate_hz)?,
+        clip.poses.len(),
+        numbers(angles.map(i16::to_le_bytes)),
+        names.join(","),
+        numbers(weights.map(i16::to_le_bytes)),
+    ))
+}
+
+/// The picture's file.
+pub(crate) fn encoded(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, PictureError> {
+    if format == PictureFormat::Png {
+        return crate::codec::png(picture);
+    }
+    let mut bytes = Vec::new();
+    let pixels: Vec<u8> = picture.pixels().iter().flatten().copied().collect();
+    image_webp::WebPEncoder::new(&mut bytes)
+        .encode(
+            &pixels,
+            picture.width(),
+            picture.height(),
+            image_webp::ColorType::Rgba8,
+        )
+        .map_err(|e| PictureError::Unsupported {
+            what: format!("this picture as WebP ({e})"),
+            mend: "write PNG".to_owned(),
+        })?;
+    Ok(bytes)
+}
+
+/// A number as JSON.
+fn number(value: f32) -> Result<String, PortraitError> {
+    if value.is_finite() {
+        return Ok(value.to_string());
+    }
+    Err(refuse("portrait", format!("{value} cannot be written")))
+}
+
+fn floats(values: &[f32]) -> Result<String, PortraitError> {
+    list(values.iter().map(|v| number(*v)))
+}
+
+fn list(
+    items: impl Iterator<Item = Result<String, PortraitError>>,
+) -> Result<String, PortraitError> {
+    Ok(format!("[{}]", items.collect::<Result<Vec<_>, _>>()?.join(",")))
+}
+
+/// Bytes in base 64, in quotation marks.
+fn numbers<const N: usize>(values: impl Iterator<Item = [u8; N]>) -> String {
+    let bytes: Vec<u8> = values.flatten().collect();
+    format!("\"{}\"", STANDARD.encode(bytes))
+}
+
+/// Vertices and triangles fit 16 bits: their numbers are limited.
+fn shorts<'a>(values: impl Iterator<Item = &'a u32>) -> String {
+    numbers(values.map(|v| (*v as u16).to_le_bytes()))
+}
+
+/// A text as JSON; it may stand inside a script element too.
+pub(crate) fn quoted(text: &str) -> String {
+    let mut out = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => out.extend(['\\', c]),
+            // Also what would end a script element, and line ends that old scripts refuse.
+            '\0'..='\u{1f}' | '<' | '>' | '&' | '\u{7f}' | '\u{2028}' | '\u{2029}' => {
+                let _ = write!(out, "\\u{:04x}", c as u32);
+            }
+            c => out.push(c),
+        }
+    }
+    out.push('"');
+    out
+}

@@ -1,0 +1,65 @@
+//! How far a portrait is from a render of the 3D figure in the same pose.
+
+use super::error::PortraitError;
+use super::posing::Poser;
+use super::source::{HeadPose, PortraitOptions, PortraitSource};
+use super::views::render_options;
+use super::Portrait;
+use crate::error::PictureError;
+use crate::picture::Picture;
+use crate::render::render;
+
+/// The picture that a portrait stands for: the 3D figure in full quality, under the same light.
+///
+/// # Errors
+/// As [`super::build`], and [`PortraitError::Mismatch`] for more weights than expressions.
+pub fn truth(
+    source: &PortraitSource<'_>,
+    options: &PortraitOptions,
+    pose: &HeadPose,
+    weights: &[f32],
+) -> Result<Picture, PortraitError> {
+    source.check(options)?;
+    let most = source.expressions.len();
+    if weights.len() > most || weights.iter().any(|w| !w.is_finite()) || !pose.is_finite() {
+        let what = format!("{} weights for {most} expressions, or no number", weights.len());
+        return Err(super::error::refuse("weights", what));
+    }
+    let poser = Poser::new(source.mesh, source.rig, &source.head, source.expressions);
+    let driven: Vec<(usize, f32)> = weights.iter().copied().enumerate().collect();
+    let skinned = poser.skin(*pose, &driven);
+    let options = render_options(options, pose);
+    Ok(render(source.mesh, &skinned, source.look, &source.camera, &options)?)
+}
+
+/// Root mean square difference over the pixels where either picture shows the figure, in levels
+/// (0 to 255), both laid over white.
+///
+/// # Errors
+/// [`PictureError::Mismatch`] if the pictures differ in size.
+pub fn rmse_over_figure(a: &Picture, b: &Picture) -> Result<f64, PictureError> {
+    let whole = crate::compare::rmse(a, b)?;
+    let shown = a.pixels().iter().zip(b.pixels());
+    let shown = shown.filter(|(p, q)| p[3] > 0 || q[3] > 0).count();
+    // What neither shows is white in both, so it adds nothing but to the count.
+    let share = shown.max(1) as f64 / a.pixels().len().max(1) as f64;
+    Ok(whole / share.sqrt())
+}
+
+impl Portrait {
+    /// Error against [`truth`], in levels over the figure.
+    ///
+    /// # Errors
+    /// As [`truth`] and [`Self::picture`].
+    pub fn error(
+        &self,
+        source: &PortraitSource<'_>,
+        options: &PortraitOptions,
+        pose: &HeadPose,
+        weights: &[f32],
+    ) -> Result<f64, PortraitError> {
+        let found = self.picture(pose, weights)?;
+        let truth = truth(source, options, pose, weights)?;
+        Ok(rmse_over_figure(&found, &truth)?)
+    }
+}

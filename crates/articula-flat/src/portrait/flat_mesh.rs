@@ -1,0 +1,165 @@
+//! The 2D mesh: the triangles that can ever be seen, over vertices that move as one.
+
+use super::error::{PortraitError, refuse};
+use super::posing::{Poser, part_of, places, project};
+use super::source::{HeadPose, MAX_VERTICES, PortraitOptions, PortraitSource, limit};
+use articula_core::mesh::Mesh;
+use glam::Vec2;
+use std::collections::BTreeMap;
+
+/// Triangles smaller than this, in square pixels, show nothing.
+const LEAST_AREA: f32 = 0.02;
+
+/// Triangles of a portrait, without anything of where they are.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FlatMesh {
+    /// Vertex of the 3D mesh that each vertex follows; rising.
+    pub vertices: Vec<u32>,
+    /// Counter-clockwise where they show their front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Whether a triangle is drawn from behind too.
+    pub two_sided: Vec<bool>,
+}
+
+impl FlatMesh {
+    /// The triangle on the other side of each edge (corner to next corner), if there is one.
+    pub fn neighbours(&self) -> Vec<[Option<u32>; 3]> {
+        let mut of_edge: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
+        let key = |a: u32, b: u32| (a.min(b), a.max(b));
+        let edges = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
+        for (t, triangle) in self.triangles.iter().enumerate() {
+            for (a, b) in edges(triangle) {
+                of_edge.entry(key(a, b)).or_default().push(t as u32);
+            }
+        }
+        let other = |t: usize, (a, b): (u32, u32)| {
+            let sharing = of_edge.get(&key(a, b))?;
+            sharing.iter().copied().find(|n| *n as usize != t)
+        };
+        let of = |(t, triangle)| edges(triangle).map(|edge| other(t, edge));
+        self.triangles.iter().enumerate().map(of).collect()
+    }
+
+    /// Whether a triangle with these corners is drawn: its front is seen (or both sides count).
+    pub fn shows(&self, triangle: usize, corners: [Vec2; 3]) -> bool {
+        let area = front_area(corners);
+        area > LEAST_AREA || (self.two_sided[triangle] && area < -LEAST_AREA)
+    }
+}
+
+/// Area in square pixels, positive where the front is seen (the picture's y points down).
+pub(crate) fn front_area([a, b, c]: [Vec2; 3]) -> f32 {
+    -0.5 * (b - a).perp_dot(c - a)
+}
+
+/// The corners of a triangle.
+pub(crate) fn corners_of(places: &[Vec2], triangle: [u32; 3]) -> [Vec2; 3] {
+    triangle.map(|v| places[v as usize])
+}
+
+/// Poses that show what a portrait can show: turns alone, and each expression in some turns.
+fn probes(expressions: usize, options: &PortraitOptions) -> Vec<(HeadPose, Vec<(usize, f32)>)> {
+    let (yaw, pitch) = (options.yaw_limit_degrees, options.pitch_limit_degrees);
+    let mut out = Vec::new();
+    for y in [0.0, -1.0, -0.5, 0.5, 1.0] {
+        for p in [0.0, -1.0, 1.0] {
+            let pose = HeadPose {
+                yaw_degrees: y * yaw,
+                pitch_degrees: p * pitch,
+                roll_degrees: 0.0,
+            };
+            out.push((pose, Vec::new()));
+            if p == 0.0 {
+                out.extend((0..expressions).map(|e| (pose, vec![(e, 1.0)])));
+            }
+        }
+    }
+    out
+}
+
+/// Finds the 2D mesh of a source.
+pub(crate) fn flat_mesh(
+    source: &PortraitSource<'_>,
+    options: &PortraitOptions,
+) -> Result<FlatMesh, PortraitError> {
+    let mut used: Vec<u32> = source.triangles.iter().flatten().copied().collect();
+    used.sort_unstable();
+    used.dedup();
+    let mesh = part_of(source.mesh, &used);
+    let poser = Poser::new(&mesh, source.rig, &source.head, source.expressions);
+    let local = |v: u32| used.partition_point(|u| *u < v) as u32;
+    let triangles: Vec<[u32; 3]> = source.triangles.iter().map(|t| t.map(local)).collect();
+    let sides = two_sided(source, source.triangles);
+    let viewport = source.camera.viewport;
+    let size = Vec2::new(viewport.width_px, viewport.height_px);
+    let mut tracks: Vec<Vec<u32>> = vec![Vec::new(); used.len()];
+    let mut seen = vec![false; triangles.len()];
+    for (pose, weights) in probes(source.expressions.len(), options) {
+        let skinned = poser.skin(pose, &weights);
+        for (track, p) in tracks.iter_mut().zip(&skinned.positions) {
+            // A tenth of a micrometre, so that rounding tears no seam.
+            track.extend(p.to_array().map(|x| (x * 1e7).round() as i32 as u32));
+        }
+        let places = places(&project(&skinned, &source.camera, pose)?);
+        for (t, triangle) in triangles.iter().enumerate() {
+            let corners = corners_of(&places, *triangle);
+            let low = corners[0].min(corners[1]).min(corners[2]);
+            let high = corners[0].max(corners[1]).max(corners[2]);
+            let inside = high.cmpgt(Vec2::ZERO).all() && low.cmplt(size).all();
+            let area = front_area(corners);
+            seen[t] |= inside && (area > LEAST_AREA || (sides[t] && area < -LEAST_AREA));
+        }
+    }
+    let welded = weld(tracks);
+    let mut flat = FlatMesh::default();
+    for (t, triangle) in triangles.iter().enumerate() {
+        let corners = triangle.map(|v| welded[v as usize]);
+        let [a, b, c] = corners;
+        if seen[t] && a != b && b != c && c != a {
+            flat.triangles.push(corners);
+            flat.two_sided.push(sides[t]);
+        }
+    }
+    if flat.triangles.is_empty() {
+        return Err(refuse("triangles", "none of them is ever in view"));
+    }
+    compact(flat, &used)
+}
+
+/// The first of the vertices that move as each does.
+fn weld(tracks: Vec<Vec<u32>>) -> Vec<u32> {
+    let mut first: BTreeMap<Vec<u32>, u32> = BTreeMap::new();
+    let place = |(v, track)| *first.entry(track).or_insert(v as u32);
+    tracks.into_iter().enumerate().map(place).collect()
+}
+
+/// Leaves out vertices of no triangle.
+fn compact(mut flat: FlatMesh, used: &[u32]) -> Result<FlatMesh, PortraitError> {
+    let mut kept: Vec<u32> = flat.triangles.iter().flatten().copied().collect();
+    kept.sort_unstable();
+    kept.dedup();
+    limit("vertices of the 2D mesh", kept.len(), MAX_VERTICES)?;
+    for corner in flat.triangles.iter_mut().flatten() {
+        *corner = kept.partition_point(|k| k < corner) as u32;
+    }
+    flat.vertices = kept.iter().map(|k| used[*k as usize]).collect();
+    Ok(flat)
+}
+
+/// Whether the material of each triangle shows both sides, told by its first vertex.
+fn two_sided(source: &PortraitSource<'_>, triangles: &[[u32; 3]]) -> Vec<bool> {
+    let of = |t: &[u32; 3]| {
+        let part = part_at(source.mesh, t[0]);
+        let material = part.and_then(|p| source.mesh.parts[p].material);
+        material
+            .and_then(|m| source.look.materials.get(m))
+            .is_some_and(|m| m.double_sided)
+    };
+    triangles.iter().map(of).collect()
+}
+
+/// The part that a vertex belongs to.
+pub(crate) fn part_at(mesh: &Mesh, vertex: u32) -> Option<usize> {
+    let is_in = |p: &articula_core::mesh::Part| p.vertices.contains(&(vertex as usize));
+    mesh.parts.iter().position(is_in)
+}

@@ -1,0 +1,124 @@
+//! One HTML page that shows a portrait: player, document and pictures in one file.
+
+use super::Portrait;
+use super::document::{PLAYER, PictureFormat, encoded};
+use super::error::PortraitError;
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use std::fmt::Write;
+
+/// A file that goes into a page.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Enclosed {
+    /// Media type, such as `image/png` or `audio/mpeg`.
+    pub media_type: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// What a page shows beside the portrait.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct PageOptions {
+    /// Title of the page.
+    pub title: String,
+    /// A picture behind the portrait.
+    pub background: Option<Enclosed>,
+    /// Sound that the clip follows.
+    pub audio: Option<Enclosed>,
+    /// Sliders for the head and all expressions.
+    pub controls: bool,
+}
+
+/// The page. It plays the first clip, or sweeps from side to side without one.
+///
+/// `articulaSeek(seconds)` and `articulaFrames` on `window` show a moment and count what was
+/// painted.
+///
+/// # Errors
+/// As [`Portrait::to_files`].
+pub fn page(portrait: &Portrait, options: &PageOptions) -> Result<String, PortraitError> {
+    let mut out = String::from("<!DOCTYPE html>\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n");
+    let _ = writeln!(out, "<title>{}</title>", escaped(&options.title));
+    out.push_str(STYLE);
+    let (width, height) = portrait.size;
+    let _ = writeln!(
+        out,
+        "<canvas id=\"portrait\" width=\"{width}\" height=\"{height}\" role=\"img\" aria-label={}></canvas>",
+        attribute(&options.title),
+    );
+    if let Some(audio) = &options.audio {
+        let _ = writeln!(out, "<audio id=\"audio\" controls src={}></audio>", uri(audio));
+    }
+    if options.controls {
+        out.push_str("<div id=\"controls\"></div>\n");
+    }
+    let _ = write!(out, "<script>\n{PLAYER}</script>\n<script>\n\"use strict\";\n");
+    let format = PictureFormat::default();
+    // Names are the one text in the document, and they are escaped for scripts.
+    let _ = writeln!(out, "const json = {};", portrait.to_json(format)?.trim_end());
+    let mut pictures = Vec::new();
+    for view in &portrait.views {
+        pictures.push(uri(&Enclosed {
+            media_type: format.media_type().to_owned(),
+            bytes: encoded(&view.picture, format)?,
+        }));
+    }
+    let _ = writeln!(out, "const pictures = [{}];", pictures.join(","));
+    let background = options.background.as_ref().map_or("null".to_owned(), uri);
+    let _ = writeln!(out, "const behind = {background};");
+    out.push_str(SCRIPT);
+    out.push_str("</script>\n</html>\n");
+    Ok(out)
+}
+
+/// The file as a data URI in quotation marks, right in scripts and in attributes.
+fn uri(file: &Enclosed) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "/+-.;=".contains(c);
+    let media_type: String = file.media_type.chars().filter(|c| plain(*c)).collect();
+    format!("\"data:{media_type};base64,{}\"", STANDARD.encode(&file.bytes))
+}
+
+fn escaped(text: &str) -> String {
+    let mut out = String::new();
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+fn attribute(text: &str) -> String {
+    format!("\"{}\"", escaped(text))
+}
+
+const STYLE: &str = "<style>
+body { margin: 0; font: 14px system-ui, sans-serif; }
+canvas { display: block; }
+#controls { display: grid; grid-template-columns: repeat(auto-fill, minmax(15em, 1fr)); gap: 2px 12px; padding: 8px; }
+#controls label { display: flex; justify-content: space-between; gap: 8px; }
+</style>
+";
+
+const SCRIPT: &str = include_str!("page.js");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::portrait::document::quoted;
+
+    #[test]
+    fn names_cannot_leave_their_place() {
+        assert_eq!(escaped("a<b>&\"c\""), "a&lt;b&gt;&amp;&quot;c&quot;");
+        assert_eq!(quoted("</script>\"\\\n"), "\"\\u003c/script\\u003e\\\"\\\\\\u000a\"");
+        let file = Enclosed {
+            media_type: "image/png\"><script>".to_owned(),
+            bytes: vec![0, 1, 2],
+        };
+        assert_eq!(uri(&file), "\"data:image/pngscript;base64,AAEC\"");
+    }
+}

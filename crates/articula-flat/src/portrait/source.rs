@@ -1,0 +1,281 @@
+//! What a portrait is made of and how: the figure, its coarse triangles, its expressions.
+
+use super::clip::PortraitClip;
+use super::error::{PortraitError, refuse};
+use crate::appearance::Appearance;
+use articula_core::mesh::Mesh;
+use articula_core::rig::Rig;
+use articula_core::view::Camera;
+use glam::{EulerRot, Quat, Vec3};
+
+/// Most triangles of a 2D mesh.
+pub const MAX_TRIANGLES: usize = 20_000;
+/// Most vertices of a 2D mesh; players number them with 16 bits.
+pub const MAX_VERTICES: usize = 65_535;
+/// Most expressions of one portrait.
+pub const MAX_EXPRESSIONS: usize = 512;
+
+/// Where the head looks, in degrees. The rotation is roll after yaw after pitch, about the
+/// model's Z, Y and X axes: the figure faces +Z.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct HeadPose {
+    /// Turn about the vertical; positive towards the figure's left (the viewer's right).
+    pub yaw_degrees: f32,
+    /// Nod; positive looks down.
+    pub pitch_degrees: f32,
+    /// Tilt in the plane of the picture; positive is counter-clockwise as the viewer sees it.
+    pub roll_degrees: f32,
+}
+
+impl HeadPose {
+    /// A turn without nod and tilt.
+    pub fn yaw(yaw_degrees: f32) -> Self {
+        Self {
+            yaw_degrees,
+            ..Self::default()
+        }
+    }
+
+    /// The rotation in model space.
+    pub fn rotation(&self) -> Quat {
+        let of = f32::to_radians;
+        Quat::from_euler(
+            EulerRot::ZYX,
+            of(self.roll_degrees),
+            of(self.yaw_degrees),
+            of(self.pitch_degrees),
+        )
+    }
+
+    /// The angles of a rotation in model space.
+    pub fn of_rotation(rotation: Quat) -> Self {
+        let (roll, yaw, pitch) = rotation.to_euler(EulerRot::ZYX);
+        Self {
+            yaw_degrees: yaw.to_degrees(),
+            pitch_degrees: pitch.to_degrees(),
+            roll_degrees: roll.to_degrees(),
+        }
+    }
+
+    /// Whether all angles are numbers.
+    pub fn is_finite(&self) -> bool {
+        self.yaw_degrees.is_finite()
+            && self.pitch_degrees.is_finite()
+            && self.roll_degrees.is_finite()
+    }
+}
+
+/// What turns when the head turns.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Head {
+    /// The whole figure, about a point of model space.
+    Whole {
+        /// The point that stays.
+        pivot: Vec3,
+    },
+    /// Joints of the rig, from the neck to the head, each by an equal share of the turn; the
+    /// skin's weights make the falloff.
+    Joints(Vec<usize>),
+}
+
+/// A joint as an expression turns it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct JointTurn {
+    /// Joint of the rig.
+    pub joint: usize,
+    /// Its local rotation where the expression is full.
+    pub rotation: Quat,
+}
+
+/// A named shape of the face, such as one of ARKit's.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PortraitExpression {
+    /// Name by which players drive it.
+    pub name: String,
+    /// Morph slots and their weights where the expression is full, on top of the rest weights.
+    pub morphs: Vec<(u16, f32)>,
+    /// Joints that it turns.
+    pub joints: Vec<JointTurn>,
+}
+
+impl PortraitExpression {
+    /// An expression that is one morph target.
+    pub fn of_morph(name: impl Into<String>, slot: u16) -> Self {
+        Self {
+            name: name.into(),
+            morphs: vec![(slot, 1.0)],
+            joints: Vec::new(),
+        }
+    }
+}
+
+/// What a portrait is made of.
+#[derive(Debug, Clone)]
+pub struct PortraitSource<'a> {
+    /// The figure in full quality, for the view pictures.
+    pub mesh: &'a Mesh,
+    /// Its joints.
+    pub rig: &'a Rig,
+    /// Its materials.
+    pub look: &'a Appearance,
+    /// The 2D mesh: a few triangles over the same vertices (any level of the mesh).
+    pub triangles: &'a [[u32; 3]],
+    /// What turns.
+    pub head: Head,
+    /// The shapes of the face that can be driven.
+    pub expressions: &'a [PortraitExpression],
+    /// Motions to carry along.
+    pub clips: &'a [PortraitClip],
+    /// The camera; its viewport is the size of the portrait.
+    pub camera: Camera,
+}
+
+/// Whether light stays with the viewer or with the head.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LightFollows {
+    /// Light stays where it is while the head turns, as in a scene.
+    #[default]
+    Viewer,
+    /// The key light turns with the head.
+    Head,
+}
+
+/// How a portrait is made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PortraitOptions {
+    /// View pictures: 1 (front, as in the thesis), 3 (and both sides), or 5 (and from above and
+    /// below).
+    pub views: usize,
+    /// Turn of the head in the side views, degrees.
+    pub view_yaw_degrees: f32,
+    /// Nod of the head in the upper and lower view, degrees.
+    pub view_pitch_degrees: f32,
+    /// Greatest turn that the portrait can show, degrees.
+    pub yaw_limit_degrees: f32,
+    /// Greatest nod that the portrait can show, degrees.
+    pub pitch_limit_degrees: f32,
+    /// Root mean square error of the 2D positions that the tables may have, pixels.
+    pub tolerance_px: f32,
+    /// Where the light stays.
+    pub light: LightFollows,
+}
+
+impl Default for PortraitOptions {
+    fn default() -> Self {
+        Self {
+            views: 3,
+            view_yaw_degrees: 45.0,
+            view_pitch_degrees: 20.0,
+            yaw_limit_degrees: 60.0,
+            pitch_limit_degrees: 30.0,
+            tolerance_px: 0.1,
+            light: LightFollows::Viewer,
+        }
+    }
+}
+
+impl PortraitOptions {
+    /// The head's pose in each view, the front first.
+    pub(crate) fn view_poses(&self) -> Vec<HeadPose> {
+        let (yaw, pitch) = (self.view_yaw_degrees, self.view_pitch_degrees);
+        let all = [(0.0, 0.0), (-yaw, 0.0), (yaw, 0.0), (0.0, -pitch), (0.0, pitch)];
+        let pose = |(yaw_degrees, pitch_degrees)| HeadPose {
+            yaw_degrees,
+            pitch_degrees,
+            roll_degrees: 0.0,
+        };
+        all.into_iter().take(self.views).map(pose).collect()
+    }
+
+    fn check(&self) -> Result<(), PortraitError> {
+        if !matches!(self.views, 1 | 3 | 5) {
+            let what = format!("{} views; there are 1, 3 or 5", self.views);
+            return Err(refuse("options.views", what));
+        }
+        let ranges = [
+            ("view_yaw_degrees", self.view_yaw_degrees, 5.0, 80.0),
+            ("view_pitch_degrees", self.view_pitch_degrees, 5.0, 60.0),
+            ("yaw_limit_degrees", self.yaw_limit_degrees, 0.0, 89.0),
+            ("pitch_limit_degrees", self.pitch_limit_degrees, 0.0, 80.0),
+            ("tolerance_px", self.tolerance_px, 1e-3, 10.0),
+        ];
+        for (at, value, least, most) in ranges {
+            // Also refuses what is no number.
+            if !(least..=most).contains(&value) {
+                let what = format!("{value} is not between {least} and {most}");
+                return Err(refuse(format!("options.{at}"), what));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl PortraitSource<'_> {
+    /// Checks that all parts fit each other and the options are in range.
+    pub(crate) fn check(&self, options: &PortraitOptions) -> Result<(), PortraitError> {
+        options.check()?;
+        let vertices = self.mesh.len();
+        if self.triangles.is_empty() || vertices == 0 {
+            return Err(refuse("triangles", "there is nothing to show"));
+        }
+        limit("triangles", self.triangles.len(), MAX_TRIANGLES)?;
+        limit("expressions", self.expressions.len(), MAX_EXPRESSIONS)?;
+        let outside = |t: &[u32; 3]| t.iter().any(|v| *v as usize >= vertices);
+        if let Some(t) = self.triangles.iter().position(outside) {
+            let what = format!("{:?} with {vertices} vertices", self.triangles[t]);
+            return Err(refuse(format!("triangles[{t}]"), what));
+        }
+        let joints = self.rig.len();
+        if let Some(b) = self.mesh.bindings.iter().find(|b| usize::from(b.joint) >= joints) {
+            let what = format!("joint {} of {joints}", b.joint);
+            return Err(refuse("mesh.bindings", what));
+        }
+        self.check_head(joints)?;
+        for (e, expression) in self.expressions.iter().enumerate() {
+            self.check_expression(expression)
+                .map_err(|what| refuse(format!("expressions[{e}]"), what))?;
+        }
+        for (c, clip) in self.clips.iter().enumerate() {
+            clip.check(self.expressions.len())
+                .map_err(|what| refuse(format!("clips[{c}]"), what))?;
+        }
+        Ok(())
+    }
+
+    fn check_head(&self, joints: usize) -> Result<(), PortraitError> {
+        match &self.head {
+            Head::Whole { pivot } if !pivot.is_finite() => {
+                Err(refuse("head.pivot", "is not finite"))
+            }
+            Head::Joints(list) if list.is_empty() => Err(refuse("head", "names no joint")),
+            Head::Joints(list) => match list.iter().find(|j| **j >= joints) {
+                Some(j) => Err(refuse("head", format!("joint {j} of {joints}"))),
+                None if list.windows(2).all(|w| w[0] < w[1]) => Ok(()),
+                None => Err(refuse("head", "joints must rise, the neck before the head")),
+            },
+            Head::Whole { .. } => Ok(()),
+        }
+    }
+
+    fn check_expression(&self, expression: &PortraitExpression) -> Result<(), String> {
+        let slots = self.mesh.morph_weights.len();
+        for (slot, weight) in &expression.morphs {
+            if usize::from(*slot) >= slots || !weight.is_finite() {
+                return Err(format!("morph {slot} of {slots} with weight {weight}"));
+            }
+        }
+        for turn in &expression.joints {
+            if turn.joint >= self.rig.len() || !turn.rotation.is_normalized() {
+                return Err(format!("joint {} or its rotation", turn.joint));
+            }
+        }
+        Ok(())
+    }
+}
+
+pub(crate) fn limit(what: &'static str, count: usize, limit: usize) -> Result<(), PortraitError> {
+    if count <= limit {
+        return Ok(());
+    }
+    Err(PortraitError::LimitExceeded { what, count, limit })
+}

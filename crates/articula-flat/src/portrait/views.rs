@@ -1,0 +1,325 @@
+//! The view pictures: the figure in full quality from a few sides, layer by layer.
+//!
+//! All layers of a view lie in one picture, the first as large as what it shows, the others
+//! cropped below it. Colours run a few pixels beyond what is seen, so that a triangle whose edge
+//! lies a little outside the figure finds no hole.
+
+use super::error::PortraitError;
+use super::flat_mesh::{FlatMesh, corners_of, part_at};
+use super::posing::{Poser, places, project};
+use super::source::{HeadPose, LightFollows, PortraitOptions, PortraitSource};
+use super::visibility::{Uncovered, uncovered};
+use crate::appearance::Appearance;
+use crate::picture::{Picture, Rgba};
+use crate::projection::Projection;
+use crate::render::{Light, RenderOptions, render};
+use articula_core::mesh::{Mesh, Part};
+use articula_core::skin::SkinnedMesh;
+use glam::{Vec2, Vec3, Vec4};
+
+/// Pixels around what a layer shows.
+const MARGIN_PX: f32 = 3.0;
+/// How far colours run beyond what is seen, pixels.
+const BLEED_PX: usize = 4;
+
+/// Where a layer of a view lies in the view's picture: its place in the picture, minus its place
+/// on the screen.
+pub type Shift = [i32; 2];
+
+/// One view of the figure.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// How the head is turned.
+    pub pose: HeadPose,
+    /// All layers.
+    pub picture: Picture,
+    /// For each layer, from screen to picture.
+    pub shifts: Vec<Shift>,
+}
+
+/// Views with what is uncovered in them.
+pub(crate) struct Views {
+    pub(crate) views: Vec<View>,
+    pub(crate) uncovered: Uncovered,
+}
+
+/// The light of a picture of a head in this pose.
+pub(crate) fn light(options: &PortraitOptions, pose: &HeadPose) -> Light {
+    let still = Light::default();
+    match options.light {
+        LightFollows::Viewer => still,
+        LightFollows::Head => Light {
+            key_direction: pose.rotation() * still.key_direction,
+            ..still
+        },
+    }
+}
+
+/// How pictures of the figure are rendered.
+pub(crate) fn render_options(options: &PortraitOptions, pose: &HeadPose) -> RenderOptions {
+    RenderOptions {
+        background: [0; 4],
+        samples: crate::item_buffer::Samples::Four,
+        projection: Projection::Perspective,
+        light: light(options, pose),
+        ..RenderOptions::default()
+    }
+}
+
+/// Renders all views.
+pub(crate) fn views(
+    source: &PortraitSource<'_>,
+    options: &PortraitOptions,
+    flat: &FlatMesh,
+) -> Result<Views, PortraitError> {
+    let poser = Poser::new(source.mesh, source.rig, &source.head, source.expressions);
+    let viewport = source.camera.viewport;
+    let size = (viewport.width_px.round() as u32, viewport.height_px.round() as u32);
+    let poses = options.view_poses();
+    let mut skinned = Vec::with_capacity(poses.len());
+    let mut corners = Vec::with_capacity(poses.len());
+    for pose in &poses {
+        let whole = poser.skin(*pose, &[]);
+        let few = SkinnedMesh {
+            positions: flat.vertices.iter().map(|v| whole.positions[*v as usize]).collect(),
+            normals: Vec::new(),
+        };
+        corners.push(project(&few, &source.camera, *pose)?);
+        skinned.push(whole);
+    }
+    let uncovered = uncovered(flat, &corners, size)?;
+    let owners = owners(source, flat, &poser.skin(HeadPose::default(), &[]), &uncovered);
+    let mut views = Vec::with_capacity(poses.len());
+    for (v, pose) in poses.iter().enumerate() {
+        let mut sheet = Sheet::default();
+        for layer in 0..uncovered.layer_count() {
+            let Some(bounds) = bounds(flat, &uncovered, &corners[v], (v, layer), size) else {
+                sheet.skip();
+                continue;
+            };
+            let mut options = render_options(options, pose);
+            let (mesh, mut look) = subset(source, layer, &owners);
+            if layer > 0 {
+                // Behind others, a surface that turns away is still better than nothing.
+                look.materials.iter_mut().for_each(|m| m.double_sided = true);
+            }
+            options.parts = crate::render::Parts::All;
+            let picture = render(&mesh, &skinned[v], &look, &source.camera, &options)?;
+            let (low, high) = bounds;
+            let picture = bleed(&picture.crop(low.0, low.1, high.0 - low.0, high.1 - low.1));
+            sheet.place(picture, low);
+        }
+        views.push(sheet.view(*pose)?);
+    }
+    Ok(Views { views, uncovered })
+}
+
+/// Layers of one view, one below the other.
+#[derive(Default)]
+struct Sheet {
+    pieces: Vec<(Picture, u32)>,
+    shifts: Vec<Shift>,
+    height: u32,
+}
+
+impl Sheet {
+    fn skip(&mut self) {
+        self.shifts.push([0, 0]);
+    }
+
+    fn place(&mut self, picture: Picture, from: (u32, u32)) {
+        let top = self.height as i32 - from.1 as i32;
+        self.shifts.push([-(from.0 as i32), top]);
+        let height = picture.height();
+        self.pieces.push((picture, self.height));
+        self.height += height;
+    }
+
+    fn view(self, pose: HeadPose) -> Result<View, PortraitError> {
+        let width = self.pieces.iter().map(|(p, _)| p.width()).max();
+        let mut picture = Picture::new(width.unwrap_or(1).max(1), self.height.max(1), [0; 4])?;
+        for (piece, top) in &self.pieces {
+            picture.blit(piece, 0, *top as i32);
+        }
+        Ok(View {
+            pose,
+            picture,
+            shifts: self.shifts,
+        })
+    }
+}
+
+/// The pixels that the triangles of a layer may take from a view; `None` if none are taken.
+fn bounds(
+    flat: &FlatMesh,
+    uncovered: &Uncovered,
+    corners: &[Vec4],
+    (view, layer): (usize, usize),
+    size: (u32, u32),
+) -> Option<((u32, u32), (u32, u32))> {
+    let places = places(corners);
+    let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+    for (t, triangle) in flat.triangles.iter().enumerate() {
+        let is_here = usize::from(uncovered.layers[t]) == layer;
+        // What no view shows may be taken from any of them.
+        let nowhere = || uncovered.seen.iter().all(|view| !view[t]);
+        if is_here && (uncovered.seen[view][t] || nowhere()) {
+            for corner in corners_of(&places, *triangle) {
+                low = low.min(corner);
+                high = high.max(corner);
+            }
+        }
+    }
+    let most = Vec2::new(size.0 as f32, size.1 as f32);
+    let low = (low - MARGIN_PX).floor().clamp(Vec2::ZERO, most);
+    let high = (high + MARGIN_PX).ceil().clamp(Vec2::ZERO, most);
+    let is_empty = high.cmple(low).any() || !low.is_finite() || !high.is_finite();
+    (!is_empty).then_some(((low.x as u32, low.y as u32), (high.x as u32, high.y as u32)))
+}
+
+/// The layer of each triangle of the full mesh: that of the nearest triangle of the 2D mesh that
+/// faces alike. Empty with one layer.
+fn owners(
+    source: &PortraitSource<'_>,
+    flat: &FlatMesh,
+    rest: &SkinnedMesh,
+    uncovered: &Uncovered,
+) -> Vec<u8> {
+    if uncovered.layer_count() < 2 {
+        return Vec::new();
+    }
+    let corners = |t: [u32; 3]| t.map(|v| rest.positions[v as usize]);
+    let coarse: Vec<[Vec3; 3]> = flat
+        .triangles
+        .iter()
+        .map(|t| corners(t.map(|v| flat.vertices[v as usize])))
+        .collect();
+    let normal = |[a, b, c]: &[Vec3; 3]| (*b - *a).cross(*c - *a).normalize_or_zero();
+    let normals: Vec<Vec3> = coarse.iter().map(normal).collect();
+    let material = |v: u32| part_at(source.mesh, v).and_then(|p| source.mesh.parts[p].material);
+    let materials: Vec<_> = flat
+        .triangles
+        .iter()
+        .map(|t| material(flat.vertices[t[0] as usize]))
+        .collect();
+    let layer = |t: &[u32; 3]| {
+        let triangle = corners(*t);
+        let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+        let facing = normal(&triangle);
+        let own = material(t[0]);
+        let far = |c: usize| {
+            let turned = facing.dot(normals[c]) < 0.0 || materials[c] != own;
+            let far = distance_squared(&coarse[c], middle);
+            // What faces away or is of other stuff counts as twice as far, and a centimetre.
+            if turned { far * 4.0 + 1e-4 } else { far }
+        };
+        let nearest = (0..coarse.len()).min_by(|a, b| far(*a).total_cmp(&far(*b)));
+        nearest.map_or(0, |c| uncovered.layers[c])
+    };
+    source.mesh.triangles.iter().map(layer).collect()
+}
+
+/// Squared distance of a point from a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+fn distance_squared(&[a, b, c]: &[Vec3; 3], p: Vec3) -> f32 {
+    let edge = |from: Vec3, to: Vec3| {
+        let along = to - from;
+        let share = (p - from).dot(along) / along.length_squared().max(1e-20);
+        (from + along * share.clamp(0.0, 1.0) - p).length_squared()
+    };
+    let normal = (b - a).cross(c - a);
+    let inside = |from: Vec3, to: Vec3| (to - from).cross(p - from).dot(normal) >= 0.0;
+    if inside(a, b) && inside(b, c) && inside(c, a) {
+        let height = (p - a).dot(normal);
+        return height * height / normal.length_squared().max(1e-20);
+    }
+    edge(a, b).min(edge(b, c)).min(edge(c, a))
+}
+
+/// The mesh with the triangles of a layer alone; the first layer is everything.
+fn subset(source: &PortraitSource<'_>, layer: usize, owners: &[u8]) -> (Mesh, Appearance) {
+    let full = source.mesh;
+    let mut mesh = Mesh {
+        positions: full.positions.clone(),
+        normals: full.normals.clone(),
+        texcoords: full.texcoords.clone(),
+        colors: full.colors.clone(),
+        ..Mesh::default()
+    };
+    for part in &full.parts {
+        let first = mesh.triangles.len();
+        let kept = part.triangles.clone().filter(|t| {
+            layer == 0 || owners.get(*t).is_some_and(|o| usize::from(*o) == layer)
+        });
+        mesh.triangles.extend(kept.map(|t| full.triangles[t]));
+        mesh.parts.push(Part {
+            triangles: first..mesh.triangles.len(),
+            ..part.clone()
+        });
+    }
+    (mesh, source.look.clone())
+}
+
+/// Makes every pixel opaque that shows anything, and lets colours run into the empty.
+fn bleed(picture: &Picture) -> Picture {
+    let mut out = picture.clone();
+    // A half covered pixel has the colour of what covers it; the rest comes from its neighbours.
+    for pixel in out.pixels_mut() {
+        pixel[3] = if pixel[3] > 0 { 255 } else { 0 };
+    }
+    for _ in 0..BLEED_PX {
+        let before = out.clone();
+        for y in 0..out.height() {
+            for x in 0..out.width() {
+                if before.get(x, y).is_some_and(|p| p[3] == 0)
+                    && let Some(color) = mean_around(&before, x, y)
+                {
+                    out.set(x, y, color);
+                }
+            }
+        }
+    }
+    out
+}
+
+/// Mean colour of the opaque pixels around one.
+fn mean_around(picture: &Picture, x: u32, y: u32) -> Option<Rgba> {
+    let mut sum = [0u32; 3];
+    let mut count = 0;
+    for (dx, dy) in [(0, 1), (1, 0), (2, 1), (1, 2), (0, 0), (2, 0), (0, 2), (2, 2)] {
+        let at = ((x + dx).checked_sub(1), (y + dy).checked_sub(1));
+        if let (Some(x), Some(y)) = at
+            && let Some(pixel) = picture.get(x, y)
+            && pixel[3] > 0
+        {
+            sum.iter_mut().zip(pixel).for_each(|(s, p)| *s += u32::from(p));
+            count += 1;
+        }
+    }
+    let mean = |s: u32| ((s + count / 2) / count) as u8;
+    (count > 0).then(|| [mean(sum[0]), mean(sum[1]), mean(sum[2]), 255])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_to_a_triangle_by_hand() {
+        let t = [Vec3::ZERO, Vec3::X, Vec3::Y];
+        let far = |x: f32, y: f32, z: f32| distance_squared(&t, Vec3::new(x, y, z));
+        assert!((far(0.2, 0.2, 0.5) - 0.25).abs() < 1e-6);
+        assert!((far(0.5, -2.0, 0.0) - 4.0).abs() < 1e-6);
+        assert!((far(1.0, 1.0, 0.0) - 0.5).abs() < 1e-6);
+        assert!((far(-3.0, -4.0, 0.0) - 25.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn colours_run_into_the_empty_and_no_farther() {
+        let mut picture = Picture::new(9, 1, [0; 4]).unwrap();
+        picture.set(0, 0, [10, 20, 30, 128]);
+        let found = bleed(&picture);
+        assert_eq!(found.get(0, 0), Some([10, 20, 30, 255]));
+        assert_eq!(found.get(4, 0), Some([10, 20, 30, 255]));
+        assert_eq!(found.get(5, 0), Some([0; 4]));
+    }
+}
