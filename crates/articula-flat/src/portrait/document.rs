@@ -83,16 +83,15 @@ impl Portrait {
         let _ = write!(
             out,
             "\"size\":[{width},{height}],\"pivot\":[{x},{y}],\n\"vertices\":{},\n\
-             \"triangles\":{},\n\"twoSided\":{},\"layers\":{},\n\"tilts\":{},\n",
+             \"triangles\":{},\n\"twoSided\":{},\"tilts\":{},\n",
             numbers(self.mesh.vertices.iter().map(|v| v.to_le_bytes())),
             shorts(self.mesh.triangles.iter().flatten()),
             numbers(two_sided.map(|s| [s])),
-            numbers(self.uncovered.layers.iter().map(|l| [*l])),
             numbers(self.tilts.iter().map(|t| [*t])),
         );
-        let views = self.views.iter().zip(&self.uncovered.seen);
+        let views = self.views.iter().zip(&self.layers.of_view);
         let views = views.zip(self.picture_names(format));
-        let views = views.map(|((view, seen), name)| view_json(view, seen, &name));
+        let views = views.map(|((view, layers), name)| view_json(view, layers, &name));
         let _ = writeln!(out, "\"views\":{},", list(views)?);
         let _ = writeln!(out, "\"grid\":{},", self.grid_json()?);
         let expressions = self.grid.expressions.iter().map(expression_json);
@@ -126,21 +125,17 @@ impl Portrait {
     }
 }
 
-fn view_json(view: &View, seen: &[bool], name: &str) -> Result<String, PortraitError> {
+fn view_json(view: &View, layers: &[u8], name: &str) -> Result<String, PortraitError> {
     let shifts: Vec<String> = view.shifts.iter().map(|[x, y]| format!("[{x},{y}]")).collect();
-    let byte = |bits: &[bool]| {
-        let bits = bits.iter().enumerate();
-        [bits.fold(0u8, |byte, (i, bit)| byte | u8::from(*bit) << i)]
-    };
     Ok(format!(
-        "{{\"yaw\":{},\"pitch\":{},\"picture\":{},\"width\":{},\"height\":{},\"shifts\":[{}],\"seen\":{}}}",
+        "{{\"yaw\":{},\"pitch\":{},\"picture\":{},\"width\":{},\"height\":{},\"shifts\":[{}],\"layers\":{}}}",
         number(view.pose.yaw_degrees)?,
         number(view.pose.pitch_degrees)?,
         quoted(name),
         view.picture.width(),
         view.picture.height(),
         shifts.join(","),
-        numbers(seen.chunks(8).map(byte)),
+        numbers(layers.iter().map(|l| [*l])),
     ))
 }
 

@@ -6,7 +6,7 @@
 //! of the face moves in all views.
 //!
 //! - [`source`]: figure, head, expressions, options; [`clip`]: motions to carry along
-//! - [`flat_mesh`]: the 2D mesh; [`visibility`]: its layers, and what each view shows of them
+//! - [`flat_mesh`]: the 2D mesh; [`visibility`]: its layers in each view
 //! - [`views`]: the view pictures; [`view_weights`]: how much each counts for a triangle
 //! - [`pose_grid`]: where vertices are for any turn, nod and expression
 //! - [`paint_order`]: back to front for a range of turns; [`sealing`]: no gap between neighbours
@@ -48,7 +48,7 @@ use paint_order::{Probe, Sector, sector};
 use pose_grid::{PoseGrid, Samples};
 use posing::{Poser, part_of, places, project};
 use views::View;
-use visibility::Uncovered;
+use visibility::Layers;
 
 /// Step between nodes of the pose grid, degrees.
 const YAW_STEP: f32 = 7.5;
@@ -67,8 +67,8 @@ pub struct Portrait {
     pub mesh: FlatMesh,
     /// The view pictures, the front first.
     pub views: Vec<View>,
-    /// Layers of triangles, and in which views they are uncovered.
-    pub uncovered: Uncovered,
+    /// Where each triangle lies in them.
+    pub layers: Layers,
     /// Where vertices are.
     pub grid: PoseGrid,
     /// How much of a tilt each vertex takes part in, 0 to 255.
@@ -111,7 +111,7 @@ pub fn build(
         size: (viewport.width_px.round() as u32, viewport.height_px.round() as u32),
         mesh: flat,
         views: views.views,
-        uncovered: views.uncovered,
+        layers: views.layers,
         grid,
         tilts: poser.shares().iter().map(|s| (s * 255.0).round() as u8).collect(),
         pivot,

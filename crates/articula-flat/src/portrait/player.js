@@ -19,7 +19,6 @@ class ArticulaPortrait {
     this.triangles = new Uint16Array(bytes(json.triangles));
     this.count = this.triangles.length / 3;
     this.twoSided = new Uint8Array(bytes(json.twoSided));
-    this.layers = new Uint8Array(bytes(json.layers));
     this.tilts = new Uint8Array(bytes(json.tilts));
     this.coefficients = new Float32Array(bytes(json.grid.coefficients));
     const scaled = (steps, scale) => Float32Array.from(steps, (s) => s * scale);
@@ -42,7 +41,7 @@ class ArticulaPortrait {
       const places = this.places({ yaw: view.yaw, pitch: view.pitch, roll: 0 }, []);
       const areas = Float32Array.from({ length: this.count }, (_, t) => this.area(places, t));
       const pattern = this.context.createPattern(images[i], "no-repeat");
-      return { ...view, places, areas, pattern, seen: new Uint8Array(bytes(view.seen)) };
+      return { ...view, places, areas, pattern, layers: new Uint8Array(bytes(view.layers)) };
     });
     const most = (of) => Math.max(...json.views.map((v) => Math.abs(of(v))));
     this.spans = [most((v) => v.yaw), most((v) => v.pitch)];
@@ -214,7 +213,7 @@ class ArticulaPortrait {
   weights(t, area, near) {
     const shown = Math.max(Math.abs(area), 1e-3);
     const found = this.views.map((view, i) => {
-      if (!((view.seen[t >> 3] >> (t & 7)) & 1)) return 0;
+      if (view.layers[t] === 255) return 0;
       const ratio = Math.min(Math.abs(view.areas[t]) / shown, 2);
       return ratio * ratio * near[i];
     });
@@ -313,7 +312,7 @@ class ArticulaPortrait {
     let sum = 0;
     for (const [weight, view] of taken) {
       sum += weight;
-      const [shiftX, shiftY] = view.shifts[this.layers[t]];
+      const [shiftX, shiftY] = view.shifts[view.layers[t]] ?? [0, 0];
       const there = this.corners(view.places, t).map((x, i) => x + (i % 2 ? shiftY : shiftX));
       const [a, b, c, d, e, f] = this.map(there, corners);
       const det = a * d - b * c;

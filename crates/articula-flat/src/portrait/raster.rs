@@ -108,13 +108,15 @@ impl Portrait {
     ) -> Paint {
         let of = |places: &Vec<Vec2>| corners_of(places, self.mesh.triangles[triangle]);
         let areas: Vec<f32> = sources.iter().map(|s| front_area(of(s))).collect();
-        let seen = self.uncovered.views_of(triangle);
+        let seen = self.layers.seen(triangle);
         let weights = view_weights(&areas, &seen, near, front_area(corners));
-        let layer = usize::from(self.uncovered.layers[triangle]);
         let mut taken = Vec::new();
         for (view, weight) in weights.iter().enumerate().filter(|(_, w)| **w >= LEAST_WEIGHT) {
-            let [x, y] = self.views[view].shifts[layer];
-            let shift = Vec2::new(x as f32, y as f32);
+            let layer = usize::from(self.layers.of_view[view][triangle]);
+            let Some([x, y]) = self.views[view].shifts.get(layer) else {
+                continue;
+            };
+            let shift = Vec2::new(*x as f32, *y as f32);
             let there = of(&sources[view]).map(|p| p + shift);
             if let Some(map) = affine(corners, there) {
                 taken.push((view, *weight, map));

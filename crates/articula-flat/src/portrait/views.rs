@@ -8,8 +8,7 @@ use super::error::PortraitError;
 use super::flat_mesh::{FlatMesh, corners_of, part_at};
 use super::posing::{Poser, places, project};
 use super::source::{HeadPose, LightFollows, PortraitOptions, PortraitSource};
-use super::visibility::{Uncovered, uncovered};
-use crate::appearance::Appearance;
+use super::visibility::{Layers, layers};
 use crate::picture::{Picture, Rgba};
 use crate::projection::Projection;
 use crate::render::{Light, RenderOptions, render};
@@ -37,10 +36,10 @@ pub struct View {
     pub shifts: Vec<Shift>,
 }
 
-/// Views with what is uncovered in them.
+/// Views with the layers in them.
 pub(crate) struct Views {
     pub(crate) views: Vec<View>,
-    pub(crate) uncovered: Uncovered,
+    pub(crate) layers: Layers,
 }
 
 /// The light of a picture of a head in this pose.
@@ -87,31 +86,31 @@ pub(crate) fn views(
         corners.push(project(&few, &source.camera, *pose)?);
         skinned.push(whole);
     }
-    let uncovered = uncovered(flat, &corners, size)?;
-    let owners = owners(source, flat, &poser.skin(HeadPose::default(), &[]), &uncovered);
+    let layers = layers(flat, &corners, size)?;
+    let owners = owners(source, flat, &poser.skin(HeadPose::default(), &[]));
     let mut views = Vec::with_capacity(poses.len());
     for (v, pose) in poses.iter().enumerate() {
         let mut sheet = Sheet::default();
-        for layer in 0..uncovered.layer_count() {
-            let Some(bounds) = bounds(flat, &uncovered, &corners[v], (v, layer), size) else {
+        let of_view = &layers.of_view[v];
+        for layer in 0..layers.count(v) as u8 {
+            let Some((low, high)) = bounds(flat, of_view, &corners[v], layer, size) else {
                 sheet.skip();
                 continue;
             };
-            let mut options = render_options(options, pose);
-            let (mesh, mut look) = subset(source, layer, &owners);
-            if layer > 0 {
-                // Behind others, a surface that turns away is still better than nothing.
+            let is_here = |t: usize| layer == 0 || of_view[owners[t] as usize] == layer;
+            let mesh = subset(source.mesh, is_here);
+            let mut look = source.look.clone();
+            if layers.turned[v] == Some(layer) {
                 look.materials.iter_mut().for_each(|m| m.double_sided = true);
             }
-            options.parts = crate::render::Parts::All;
+            let options = render_options(options, pose);
             let picture = render(&mesh, &skinned[v], &look, &source.camera, &options)?;
-            let (low, high) = bounds;
-            let picture = bleed(&picture.crop(low.0, low.1, high.0 - low.0, high.1 - low.1));
-            sheet.place(picture, low);
+            let picture = picture.crop(low.0, low.1, high.0 - low.0, high.1 - low.1);
+            sheet.place(bleed(&picture), low);
         }
         views.push(sheet.view(*pose)?);
     }
-    Ok(Views { views, uncovered })
+    Ok(Views { views, layers })
 }
 
 /// Layers of one view, one below the other.
@@ -149,26 +148,20 @@ impl Sheet {
     }
 }
 
-/// The pixels that the triangles of a layer may take from a view; `None` if none are taken.
+/// The pixels that the triangles of a layer take from a view; `None` if none are taken.
 fn bounds(
     flat: &FlatMesh,
-    uncovered: &Uncovered,
+    layers: &[u8],
     corners: &[Vec4],
-    (view, layer): (usize, usize),
+    layer: u8,
     size: (u32, u32),
 ) -> Option<((u32, u32), (u32, u32))> {
     let places = places(corners);
     let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
-    for (t, triangle) in flat.triangles.iter().enumerate() {
-        let is_here = usize::from(uncovered.layers[t]) == layer;
-        // What no view shows may be taken from any of them.
-        let nowhere = || uncovered.seen.iter().all(|view| !view[t]);
-        if is_here && (uncovered.seen[view][t] || nowhere()) {
-            for corner in corners_of(&places, *triangle) {
-                low = low.min(corner);
-                high = high.max(corner);
-            }
-        }
+    let here = flat.triangles.iter().zip(layers).filter(|(_, l)| **l == layer);
+    for corner in here.flat_map(|(t, _)| corners_of(&places, *t)) {
+        low = low.min(corner);
+        high = high.max(corner);
     }
     let most = Vec2::new(size.0 as f32, size.1 as f32);
     let low = (low - MARGIN_PX).floor().clamp(Vec2::ZERO, most);
@@ -177,17 +170,9 @@ fn bounds(
     (!is_empty).then_some(((low.x as u32, low.y as u32), (high.x as u32, high.y as u32)))
 }
 
-/// The layer of each triangle of the full mesh: that of the nearest triangle of the 2D mesh that
-/// faces alike. Empty with one layer.
-fn owners(
-    source: &PortraitSource<'_>,
-    flat: &FlatMesh,
-    rest: &SkinnedMesh,
-    uncovered: &Uncovered,
-) -> Vec<u8> {
-    if uncovered.layer_count() < 2 {
-        return Vec::new();
-    }
+/// The triangle of the 2D mesh that each triangle of the full mesh belongs to: the nearest one that
+/// faces alike.
+fn owners(source: &PortraitSource<'_>, flat: &FlatMesh, rest: &SkinnedMesh) -> Vec<u32> {
     let corners = |t: [u32; 3]| t.map(|v| rest.positions[v as usize]);
     let coarse: Vec<[Vec3; 3]> = flat
         .triangles
@@ -202,7 +187,7 @@ fn owners(
         .iter()
         .map(|t| material(flat.vertices[t[0] as usize]))
         .collect();
-    let layer = |t: &[u32; 3]| {
+    let owner = |t: &[u32; 3]| {
         let triangle = corners(*t);
         let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
         let facing = normal(&triangle);
@@ -214,9 +199,9 @@ fn owners(
             if turned { far * 4.0 + 1e-4 } else { far }
         };
         let nearest = (0..coarse.len()).min_by(|a, b| far(*a).total_cmp(&far(*b)));
-        nearest.map_or(0, |c| uncovered.layers[c])
+        nearest.map_or(0, |c| c as u32)
     };
-    source.mesh.triangles.iter().map(layer).collect()
+    source.mesh.triangles.iter().map(owner).collect()
 }
 
 /// Squared distance of a point from a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
@@ -235,9 +220,8 @@ fn distance_squared(&[a, b, c]: &[Vec3; 3], p: Vec3) -> f32 {
     edge(a, b).min(edge(b, c)).min(edge(c, a))
 }
 
-/// The mesh with the triangles of a layer alone; the first layer is everything.
-fn subset(source: &PortraitSource<'_>, layer: usize, owners: &[u8]) -> (Mesh, Appearance) {
-    let full = source.mesh;
+/// The mesh with some of its triangles, to be rendered as it is skinned.
+fn subset(full: &Mesh, keep: impl Fn(usize) -> bool) -> Mesh {
     let mut mesh = Mesh {
         positions: full.positions.clone(),
         normals: full.normals.clone(),
@@ -247,16 +231,14 @@ fn subset(source: &PortraitSource<'_>, layer: usize, owners: &[u8]) -> (Mesh, Ap
     };
     for part in &full.parts {
         let first = mesh.triangles.len();
-        let kept = part.triangles.clone().filter(|t| {
-            layer == 0 || owners.get(*t).is_some_and(|o| usize::from(*o) == layer)
-        });
+        let kept = part.triangles.clone().filter(|t| keep(*t));
         mesh.triangles.extend(kept.map(|t| full.triangles[t]));
         mesh.parts.push(Part {
             triangles: first..mesh.triangles.len(),
             ..part.clone()
         });
     }
-    (mesh, source.look.clone())
+    mesh
 }
 
 /// Makes every pixel opaque that shows anything, and lets colours run into the empty.

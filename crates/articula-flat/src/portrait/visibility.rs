@@ -1,85 +1,91 @@
-//! Which triangles of the 2D mesh nothing covers in a view, and in which layer they are painted.
+//! In which layer of each view a triangle of the 2D mesh lies bare.
 //!
-//! A triangle that is covered in all views (teeth behind closed lips, an eye behind its lid)
-//! goes to a further layer, which is rendered without what covers it.
+//! What covers another triangle in a view is taken away with its whole layer, until everything
+//! that faces the viewer was seen: teeth behind closed lips, an eye behind its lid, the neck
+//! behind the jaw. So no triangle shows the colours of another one.
 
-use super::flat_mesh::{FlatMesh, corners_of};
+use super::flat_mesh::{FlatMesh, corners_of, front_area};
 use crate::error::PictureError;
 use crate::item_buffer::{Faces, ItemBuffer, Samples};
 use glam::{Vec2, Vec4};
 
 /// Share of a triangle's samples that others may cover.
 const COVERED_MOST: f32 = 0.04;
-/// Most layers; what is still covered in the last one is painted as it is.
-pub(crate) const MAX_LAYERS: usize = 4;
+/// Most layers of a view; what is still covered in the last one counts as not seen.
+const MAX_LAYERS: u8 = 4;
+/// The layer of a view in which a triangle does not lie.
+pub const NOT_SEEN: u8 = u8::MAX;
 
-/// The layer of each triangle, and the views in which it is uncovered there.
+/// The layers of all triangles in all views.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Uncovered {
-    /// Layer of each triangle; 0 is everything as it is seen.
-    pub layers: Vec<u8>,
-    /// For each view, for each triangle, whether nothing covers it.
-    pub seen: Vec<Vec<bool>>,
+pub struct Layers {
+    /// For each view, for each triangle, its layer or [`NOT_SEEN`]. Layer 0 is everything as it
+    /// is seen.
+    pub of_view: Vec<Vec<u8>>,
+    /// For each view, its last layer if that is one of triangles which face away in all views:
+    /// they are seen from behind there.
+    pub turned: Vec<Option<u8>>,
 }
 
-impl Uncovered {
-    /// Number of layers.
-    pub fn layer_count(&self) -> usize {
-        self.layers.iter().max().map_or(0, |l| usize::from(*l) + 1)
+impl Layers {
+    /// Number of layers of a view.
+    pub fn count(&self, view: usize) -> usize {
+        let seen = self.of_view[view].iter().filter(|l| **l != NOT_SEEN);
+        seen.max().map_or(0, |l| usize::from(*l) + 1)
     }
 
-    /// The views in which one triangle is uncovered.
-    pub fn views_of(&self, triangle: usize) -> Vec<bool> {
-        self.seen.iter().map(|view| view[triangle]).collect()
+    /// The views in which one triangle is seen.
+    pub fn seen(&self, triangle: usize) -> Vec<bool> {
+        let views = self.of_view.iter();
+        views.map(|view| view[triangle] != NOT_SEEN).collect()
     }
 }
 
 /// Sorts triangles into layers. `views` are the corners of all vertices in each view.
-pub(crate) fn uncovered(
+pub(crate) fn layers(
     flat: &FlatMesh,
     views: &[Vec<Vec4>],
     size: (u32, u32),
-) -> Result<Uncovered, PictureError> {
+) -> Result<Layers, PictureError> {
     let count = flat.triangles.len();
-    let mut layers = vec![u8::MAX; count];
-    let mut seen = vec![vec![false; count]; views.len()];
-    for layer in 0..MAX_LAYERS {
-        let left: Vec<usize> = (0..count).filter(|t| layers[*t] == u8::MAX).collect();
-        if left.is_empty() {
-            break;
-        }
-        let mut found = vec![false; count];
-        for (view, corners) in views.iter().enumerate() {
+    let mut of_view = Vec::with_capacity(views.len());
+    for corners in views {
+        let mut layers = vec![NOT_SEEN; count];
+        for layer in 0..MAX_LAYERS {
+            let left: Vec<usize> = (0..count).filter(|t| layers[*t] == NOT_SEEN).collect();
             let bare = bare_triangles(flat, corners, size, &left)?;
-            for &t in &left {
-                found[t] |= bare[t];
-                seen[view][t] = bare[t];
-            }
+            bare.iter().for_each(|t| layers[*t] = layer);
         }
-        let last = layer + 1 == MAX_LAYERS;
-        for &t in &left {
-            if found[t] || last {
-                layers[t] = layer as u8;
-            }
+        of_view.push(layers);
+    }
+    let mut layers = Layers {
+        turned: vec![None; views.len()],
+        of_view,
+    };
+    let unseen = (0..count).filter(|t| !layers.seen(*t).contains(&true));
+    let unseen: Vec<usize> = unseen.collect();
+    let places: Vec<Vec<Vec2>> = views.iter().map(|v| super::posing::places(v)).collect();
+    let next: Vec<u8> = (0..views.len()).map(|v| layers.count(v) as u8).collect();
+    for t in unseen {
+        let area = |v: usize| front_area(corners_of(&places[v], flat.triangles[t])).abs();
+        let best = (0..views.len()).max_by(|a, b| area(*a).total_cmp(&area(*b)).then(b.cmp(a)));
+        if let Some(view) = best {
+            layers.of_view[view][t] = next[view];
+            layers.turned[view] = Some(next[view]);
         }
     }
-    // Without a view that shows it in any layer, a triangle still lies in the last one there is.
-    let used: Vec<u8> = (0..MAX_LAYERS as u8).filter(|l| layers.contains(l)).collect();
-    for layer in &mut layers {
-        *layer = used.partition_point(|u| u < layer) as u8;
-    }
-    Ok(Uncovered { layers, seen })
+    Ok(layers)
 }
 
-/// Which of some triangles are covered by no other of them but those that touch them.
+/// The triangles that face the viewer and that no other of them covers but those that touch them.
 fn bare_triangles(
     flat: &FlatMesh,
     corners: &[Vec4],
     size: (u32, u32),
     among: &[usize],
-) -> Result<Vec<bool>, PictureError> {
+) -> Result<Vec<usize>, PictureError> {
     let mut buffer = ItemBuffer::new(size.0, size.1, Samples::Two)?;
-    let places: Vec<Vec2> = corners.iter().map(|c| Vec2::new(c.x, c.y) / c.w).collect();
+    let places = super::posing::places(corners);
     let shown = |t: &usize| flat.shows(*t, corners_of(&places, flat.triangles[*t]));
     let drawn: Vec<usize> = among.iter().copied().filter(shown).collect();
     let of = |t: usize| flat.triangles[t].map(|v| corners[v as usize]);
@@ -88,7 +94,7 @@ fn bare_triangles(
     }
     // A second buffer that keeps nothing tells which samples a triangle alone would take.
     let mut alone = ItemBuffer::new(size.0, size.1, Samples::Two)?;
-    let mut bare = vec![false; flat.triangles.len()];
+    let mut bare = Vec::new();
     for &t in &drawn {
         let (mut all, mut covered) = (0u32, 0u32);
         alone.draw_where(t as u32, of(t), Faces::Both, |at| {
@@ -98,7 +104,9 @@ fn bare_triangles(
             covered += u32::from(other);
             false
         });
-        bare[t] = all > 0 && covered as f32 <= COVERED_MOST * all as f32;
+        if covered as f32 <= COVERED_MOST * all as f32 {
+            bare.push(t);
+        }
     }
     Ok(bare)
 }
