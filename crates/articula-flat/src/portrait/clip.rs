@@ -114,7 +114,9 @@ impl PortraitClip {
             }
             if weights.len() != expressions {
                 let found = weights.len();
-                return Err(format!("frame {frame} has {found} weights of {expressions}"));
+                return Err(format!(
+                    "frame {frame} has {found} weights of {expressions}"
+                ));
             }
         }
         Ok(())

@@ -57,7 +57,10 @@ impl Portrait {
     /// # Errors
     /// As [`Self::to_json`], and [`PortraitError::Picture`] if a picture cannot be encoded.
     pub fn to_files(&self, format: PictureFormat) -> Result<Files, PortraitError> {
-        let mut files = vec![("portrait.json".to_owned(), self.to_json(format)?.into_bytes())];
+        let mut files = vec![(
+            "portrait.json".to_owned(),
+            self.to_json(format)?.into_bytes(),
+        )];
         let names = self.picture_names(format);
         for (name, view) in names.into_iter().zip(&self.views) {
             files.push((name, encoded(&view.picture, format)?));
@@ -79,14 +82,12 @@ impl Portrait {
         let mut out = String::from("{\n\"format\":\"articula-portrait\",\"version\":1,\n");
         let (width, height) = self.size;
         let (x, y) = (number(self.pivot.x)?, number(self.pivot.y)?);
-        let two_sided = self.mesh.two_sided.iter().map(|s| u8::from(*s));
         let _ = write!(
             out,
             "\"size\":[{width},{height}],\"pivot\":[{x},{y}],\n\"vertices\":{},\n\
-             \"triangles\":{},\n\"twoSided\":{},\"tilts\":{},\n",
+             \"triangles\":{},\n\"tilts\":{},\n",
             numbers(self.mesh.vertices.iter().map(|v| v.to_le_bytes())),
             shorts(self.mesh.triangles.iter().flatten()),
-            numbers(two_sided.map(|s| [s])),
             numbers(self.tilts.iter().map(|t| [*t])),
         );
         let views = self.views.iter().zip(&self.layers.of_view);
@@ -113,7 +114,10 @@ impl Portrait {
         }
         let rest = self.grid.rest.iter().map(|mode: &Quantised<i16>| {
             let steps = numbers(mode.steps.iter().map(|s| s.to_le_bytes()));
-            Ok(format!("{{\"scale\":{},\"steps\":{steps}}}", number(mode.scale)?))
+            Ok(format!(
+                "{{\"scale\":{},\"steps\":{steps}}}",
+                number(mode.scale)?
+            ))
         });
         Ok(format!(
             "{{\"yaw\":{},\"pitch\":{},\n\"coefficients\":{},\n\"rest\":{}}}",
@@ -126,7 +130,11 @@ impl Portrait {
 }
 
 fn view_json(view: &View, layers: &[u8], name: &str) -> Result<String, PortraitError> {
-    let shifts: Vec<String> = view.shifts.iter().map(|[x, y]| format!("[{x},{y}]")).collect();
+    let shifts: Vec<String> = view
+        .shifts
+        .iter()
+        .map(|[x, y]| format!("[{x},{y}]"))
+        .collect();
     Ok(format!(
         "{{\"yaw\":{},\"pitch\":{},\"picture\":{},\"width\":{},\"height\":{},\"shifts\":[{}],\"layers\":{}}}",
         number(view.pose.yaw_degrees)?,
@@ -157,7 +165,11 @@ fn clip_json(clip: &PortraitClip) -> Result<String, PortraitError> {
         [p.yaw_degrees, p.pitch_degrees, p.roll_degrees].map(|a| step(a, ANGLE_STEPS))
     });
     let count = clip.weights.first().map_or(0, Vec::len);
-    let moves = |e: &usize| clip.weights.iter().any(|frame| step(frame[*e], WEIGHT_STEPS) != 0);
+    let moves = |e: &usize| {
+        clip.weights
+            .iter()
+            .any(|frame| step(frame[*e], WEIGHT_STEPS) != 0)
+    };
     let driven: Vec<usize> = (0..count).filter(moves).collect();
     let weights = clip.weights.iter().flat_map(|frame| {
         let of = |e: &usize| step(frame[*e], WEIGHT_STEPS);
@@ -211,7 +223,10 @@ fn floats(values: &[f32]) -> Result<String, PortraitError> {
 fn list(
     items: impl Iterator<Item = Result<String, PortraitError>>,
 ) -> Result<String, PortraitError> {
-    Ok(format!("[{}]", items.collect::<Result<Vec<_>, _>>()?.join(",")))
+    Ok(format!(
+        "[{}]",
+        items.collect::<Result<Vec<_>, _>>()?.join(",")
+    ))
 }
 
 /// Bytes in base 64, in quotation marks.

@@ -1,6 +1,7 @@
 //! Why a portrait could not be made or drawn, sorted by blame.
 
 use crate::error::PictureError;
+use crate::planar::error::PlanarError;
 use articula_core::Mismatch;
 use thiserror::Error;
 
@@ -13,6 +14,9 @@ pub enum PortraitError {
     /// A picture could not be made.
     #[error(transparent)]
     Picture(#[from] PictureError),
+    /// No painting order could be found.
+    #[error(transparent)]
+    Planar(#[from] PlanarError),
     /// A vertex lies beside or behind the camera, or where it is no number.
     #[error("vertex {vertex} cannot be seen from the camera at yaw {yaw} degrees: {mend}")]
     NotInView {

@@ -1,10 +1,10 @@
 //! How far a portrait is from a render of the 3D figure in the same pose.
 
+use super::Portrait;
 use super::error::PortraitError;
 use super::posing::Poser;
 use super::source::{HeadPose, PortraitOptions, PortraitSource};
 use super::views::render_options;
-use super::Portrait;
 use crate::error::PictureError;
 use crate::picture::Picture;
 use crate::render::render;
@@ -22,14 +22,23 @@ pub fn truth(
     source.check(options)?;
     let most = source.expressions.len();
     if weights.len() > most || weights.iter().any(|w| !w.is_finite()) || !pose.is_finite() {
-        let what = format!("{} weights for {most} expressions, or no number", weights.len());
+        let what = format!(
+            "{} weights for {most} expressions, or no number",
+            weights.len()
+        );
         return Err(super::error::refuse("weights", what));
     }
     let poser = Poser::new(source.mesh, source.rig, &source.head, source.expressions);
     let driven: Vec<(usize, f32)> = weights.iter().copied().enumerate().collect();
     let skinned = poser.skin(*pose, &driven);
     let options = render_options(options, pose);
-    Ok(render(source.mesh, &skinned, source.look, &source.camera, &options)?)
+    Ok(render(
+        source.mesh,
+        &skinned,
+        source.look,
+        &source.camera,
+        &options,
+    )?)
 }
 
 /// Root mean square difference over the pixels where either picture shows the figure, in levels

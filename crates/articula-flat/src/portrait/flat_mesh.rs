@@ -15,10 +15,10 @@ const LEAST_AREA: f32 = 0.02;
 pub struct FlatMesh {
     /// Vertex of the 3D mesh that each vertex follows; rising.
     pub vertices: Vec<u32>,
-    /// Counter-clockwise where they show their front.
+    /// Counter-clockwise where they are seen; what shows both sides is there twice.
     pub triangles: Vec<[u32; 3]>,
-    /// Whether a triangle is drawn from behind too.
-    pub two_sided: Vec<bool>,
+    /// Material of each triangle.
+    pub materials: Vec<Option<usize>>,
 }
 
 impl FlatMesh {
@@ -32,18 +32,24 @@ impl FlatMesh {
                 of_edge.entry(key(a, b)).or_default().push(t as u32);
             }
         }
+        let corners = |t: u32| {
+            let mut corners = self.triangles[t as usize];
+            corners.sort_unstable();
+            corners
+        };
+        // A triangle's own back is no neighbour.
         let other = |t: usize, (a, b): (u32, u32)| {
-            let sharing = of_edge.get(&key(a, b))?;
-            sharing.iter().copied().find(|n| *n as usize != t)
+            let own = corners(t as u32);
+            let mut sharing = of_edge.get(&key(a, b))?.iter().copied();
+            sharing.find(|n| corners(*n) != own)
         };
         let of = |(t, triangle)| edges(triangle).map(|edge| other(t, edge));
         self.triangles.iter().enumerate().map(of).collect()
     }
 
-    /// Whether a triangle with these corners is drawn: its front is seen (or both sides count).
-    pub fn shows(&self, triangle: usize, corners: [Vec2; 3]) -> bool {
-        let area = front_area(corners);
-        area > LEAST_AREA || (self.two_sided[triangle] && area < -LEAST_AREA)
+    /// Whether a triangle with these corners is drawn: its front is seen.
+    pub fn shows(corners: [Vec2; 3]) -> bool {
+        front_area(corners) > LEAST_AREA
     }
 }
 
@@ -88,8 +94,19 @@ pub(crate) fn flat_mesh(
     let mesh = part_of(source.mesh, &used);
     let poser = Poser::new(&mesh, source.rig, &source.head, source.expressions);
     let local = |v: u32| used.partition_point(|u| *u < v) as u32;
-    let triangles: Vec<[u32; 3]> = source.triangles.iter().map(|t| t.map(local)).collect();
-    let sides = two_sided(source, source.triangles);
+    let (mut triangles, mut materials) = (Vec::new(), Vec::new());
+    for triangle in source.triangles {
+        let [a, b, c] = triangle.map(local);
+        let part = part_at(source.mesh, triangle[0]);
+        let material = part.and_then(|p| source.mesh.parts[p].material);
+        let look = material.and_then(|m| source.look.materials.get(m));
+        triangles.push([a, b, c]);
+        materials.push(material);
+        if look.is_some_and(|m| m.double_sided) {
+            triangles.push([a, c, b]);
+            materials.push(material);
+        }
+    }
     let viewport = source.camera.viewport;
     let size = Vec2::new(viewport.width_px, viewport.height_px);
     let mut tracks: Vec<Vec<u32>> = vec![Vec::new(); used.len()];
@@ -106,8 +123,7 @@ pub(crate) fn flat_mesh(
             let low = corners[0].min(corners[1]).min(corners[2]);
             let high = corners[0].max(corners[1]).max(corners[2]);
             let inside = high.cmpgt(Vec2::ZERO).all() && low.cmplt(size).all();
-            let area = front_area(corners);
-            seen[t] |= inside && (area > LEAST_AREA || (sides[t] && area < -LEAST_AREA));
+            seen[t] |= inside && FlatMesh::shows(corners);
         }
     }
     let welded = weld(tracks);
@@ -117,7 +133,7 @@ pub(crate) fn flat_mesh(
         let [a, b, c] = corners;
         if seen[t] && a != b && b != c && c != a {
             flat.triangles.push(corners);
-            flat.two_sided.push(sides[t]);
+            flat.materials.push(materials[t]);
         }
     }
     if flat.triangles.is_empty() {
@@ -144,18 +160,6 @@ fn compact(mut flat: FlatMesh, used: &[u32]) -> Result<FlatMesh, PortraitError> 
     }
     flat.vertices = kept.iter().map(|k| used[*k as usize]).collect();
     Ok(flat)
-}
-
-/// Whether the material of each triangle shows both sides, told by its first vertex.
-fn two_sided(source: &PortraitSource<'_>, triangles: &[[u32; 3]]) -> Vec<bool> {
-    let of = |t: &[u32; 3]| {
-        let part = part_at(source.mesh, t[0]);
-        let material = part.and_then(|p| source.mesh.parts[p].material);
-        material
-            .and_then(|m| source.look.materials.get(m))
-            .is_some_and(|m| m.double_sided)
-    };
-    triangles.iter().map(of).collect()
 }
 
 /// The part that a vertex belongs to.

@@ -95,7 +95,11 @@ mod tests {
     #[test]
     fn the_first_mode_is_the_strongest() {
         // Diagonal: singular values 5, 3 and 1 along the axes.
-        let rows = [vec![3.0, 0.0, 0.0], vec![0.0, 1.0, 0.0], vec![0.0, 0.0, 5.0]];
+        let rows = [
+            vec![3.0, 0.0, 0.0],
+            vec![0.0, 1.0, 0.0],
+            vec![0.0, 0.0, 5.0],
+        ];
         let found = modes(&rows, 2);
         assert!((found[0][2].abs() - 1.0).abs() < 1e-6, "{found:?}");
         assert!((found[1][0].abs() - 1.0).abs() < 1e-6, "{found:?}");

@@ -31,9 +31,6 @@ pub mod view_weights;
 pub mod views;
 pub mod visibility;
 
-#[cfg(test)]
-mod tests;
-
 pub use clip::PortraitClip;
 pub use error::PortraitError;
 pub use source::{
@@ -104,16 +101,26 @@ pub fn build(
     let sectors = sectors(source, options, &flat, &poser)?;
     let screen = Screen::new(&source.camera, Projection::Perspective);
     let pivot = screen.place(poser.pivot()).ok_or_else(|| {
-        refuse("head", "the point about which the head turns is behind the camera")
+        refuse(
+            "head",
+            "the point about which the head turns is behind the camera",
+        )
     })?;
     let viewport = source.camera.viewport;
     Ok(Portrait {
-        size: (viewport.width_px.round() as u32, viewport.height_px.round() as u32),
+        size: (
+            viewport.width_px.round() as u32,
+            viewport.height_px.round() as u32,
+        ),
         mesh: flat,
         views: views.views,
         layers: views.layers,
         grid,
-        tilts: poser.shares().iter().map(|s| (s * 255.0).round() as u8).collect(),
+        tilts: poser
+            .shares()
+            .iter()
+            .map(|s| (s * 255.0).round() as u8)
+            .collect(),
         pivot,
         sectors,
         clips: source.clips.to_vec(),
@@ -150,8 +157,12 @@ impl Portrait {
 
     /// The painting order for a turn.
     pub fn order(&self, yaw_degrees: f32) -> &[u32] {
-        let after = self.sectors.partition_point(|s| s.from_yaw_degrees <= yaw_degrees);
-        self.sectors.get(after.saturating_sub(1)).map_or(&[], |s| &s.order)
+        let after = self
+            .sectors
+            .partition_point(|s| s.from_yaw_degrees <= yaw_degrees);
+        self.sectors
+            .get(after.saturating_sub(1))
+            .map_or(&[], |s| &s.order)
     }
 }
 
@@ -184,7 +195,10 @@ fn samples(
         views.iter().map(|v| v.pitch_degrees),
     );
     let mut rest = Vec::new();
-    let named = source.expressions.iter().map(|e| (e.name.clone(), Vec::new()));
+    let named = source
+        .expressions
+        .iter()
+        .map(|e| (e.name.clone(), Vec::new()));
     let mut expressions: Vec<(String, Vec<Vec<Vec2>>)> = named.collect();
     for &pitch in &pitch_degrees {
         for &yaw in &yaw_degrees {
@@ -224,7 +238,13 @@ fn sectors(
     for i in -half..=half {
         let middle = i as f32 * SECTOR_DEGREES;
         let mut probes: Vec<Probe> = Vec::new();
-        for (yaw, pitch) in [(0.0, 0.0), (-0.45, 0.0), (0.45, 0.0), (0.0, -0.5), (0.0, 0.5)] {
+        for (yaw, pitch) in [
+            (0.0, 0.0),
+            (-0.45, 0.0),
+            (0.45, 0.0),
+            (0.0, -0.5),
+            (0.0, 0.5),
+        ] {
             let pose = HeadPose {
                 yaw_degrees: middle + yaw * SECTOR_DEGREES,
                 pitch_degrees: pitch * options.pitch_limit_degrees,

@@ -47,15 +47,26 @@ pub fn page(portrait: &Portrait, options: &PageOptions) -> Result<String, Portra
         attribute(&options.title),
     );
     if let Some(audio) = &options.audio {
-        let _ = writeln!(out, "<audio id=\"audio\" controls src={}></audio>", uri(audio));
+        let _ = writeln!(
+            out,
+            "<audio id=\"audio\" controls src={}></audio>",
+            uri(audio)
+        );
     }
     if options.controls {
         out.push_str("<div id=\"controls\"></div>\n");
     }
-    let _ = write!(out, "<script>\n{PLAYER}</script>\n<script>\n\"use strict\";\n");
+    let _ = write!(
+        out,
+        "<script>\n{PLAYER}</script>\n<script>\n\"use strict\";\n"
+    );
     let format = PictureFormat::default();
     // Names are the one text in the document, and they are escaped for scripts.
-    let _ = writeln!(out, "const json = {};", portrait.to_json(format)?.trim_end());
+    let _ = writeln!(
+        out,
+        "const json = {};",
+        portrait.to_json(format)?.trim_end()
+    );
     let mut pictures = Vec::new();
     for view in &portrait.views {
         pictures.push(uri(&Enclosed {
@@ -75,7 +86,10 @@ pub fn page(portrait: &Portrait, options: &PageOptions) -> Result<String, Portra
 fn uri(file: &Enclosed) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "/+-.;=".contains(c);
     let media_type: String = file.media_type.chars().filter(|c| plain(*c)).collect();
-    format!("\"data:{media_type};base64,{}\"", STANDARD.encode(&file.bytes))
+    format!(
+        "\"data:{media_type};base64,{}\"",
+        STANDARD.encode(&file.bytes)
+    )
 }
 
 fn escaped(text: &str) -> String {
@@ -114,7 +128,10 @@ mod tests {
     #[test]
     fn names_cannot_leave_their_place() {
         assert_eq!(escaped("a<b>&\"c\""), "a&lt;b&gt;&amp;&quot;c&quot;");
-        assert_eq!(quoted("</script>\"\\\n"), "\"\\u003c/script\\u003e\\\"\\\\\\u000a\"");
+        assert_eq!(
+            quoted("</script>\"\\\n"),
+            "\"\\u003c/script\\u003e\\\"\\\\\\u000a\""
+        );
         let file = Enclosed {
             media_type: "image/png\"><script>".to_owned(),
             bytes: vec![0, 1, 2],

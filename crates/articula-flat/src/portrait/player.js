@@ -18,7 +18,6 @@ class ArticulaPortrait {
     [canvas.width, canvas.height] = json.size;
     this.triangles = new Uint16Array(bytes(json.triangles));
     this.count = this.triangles.length / 3;
-    this.twoSided = new Uint8Array(bytes(json.twoSided));
     this.tilts = new Uint8Array(bytes(json.tilts));
     this.coefficients = new Float32Array(bytes(json.grid.coefficients));
     const scaled = (steps, scale) => Float32Array.from(steps, (s) => s * scale);
@@ -124,6 +123,8 @@ class ArticulaPortrait {
   /** The two triangles at each edge. */
   findNeighbours() {
     const edges = new Map();
+    // A triangle's own back is no neighbour.
+    const own = (t) => [...this.triangles.subarray(3 * t, 3 * t + 3)].sort((a, b) => a - b).join();
     const key = (t, i) => {
       const a = this.triangles[3 * t + i];
       const b = this.triangles[3 * t + ((i + 1) % 3)];
@@ -134,7 +135,7 @@ class ArticulaPortrait {
     }
     return Int32Array.from({ length: 3 * this.count }, (_, j) => {
       const t = Math.floor(j / 3);
-      return edges.get(key(t, j % 3)).find((n) => n !== t) ?? -1;
+      return edges.get(key(t, j % 3)).find((n) => own(n) !== own(t)) ?? -1;
     });
   }
 
@@ -289,7 +290,7 @@ class ArticulaPortrait {
     let { order } = this.sectors[0];
     for (const sector of this.sectors) if (sector.from <= pose.yaw) order = sector.order;
     const areas = Float32Array.from({ length: this.count }, (_, t) => this.area(places, t));
-    const shows = (t) => areas[t] > 0.02 || (this.twoSided[t] && areas[t] < -0.02);
+    const shows = (t) => areas[t] > 0.02;
     const painted = new Uint8Array(this.count);
     for (const t of order) {
       painted[t] = 1;

@@ -80,7 +80,9 @@ impl PoseGrid {
             coefficients.extend(all[..rank].iter().map(|mode| mode[row] as f32));
         }
         let slice = |k: usize, at: &std::ops::Range<usize>| &columns[k][at.clone()];
-        let rest = (0..rank).map(|k| quantise_wide(slice(k, &groups[0]))).collect();
+        let rest = (0..rank)
+            .map(|k| quantise_wide(slice(k, &groups[0])))
+            .collect();
         let named = samples.expressions.iter().zip(moved).zip(&groups[1..]);
         let expressions = named.map(|(((name, _), vertices), at)| ExpressionTable {
             name: name.clone(),
@@ -237,7 +239,10 @@ fn fewest(
     tolerance: f64,
 ) -> usize {
     let energy = |values: &[Vec<f64>], at: &std::ops::Range<usize>| -> f64 {
-        values.iter().map(|v| dot(&v[at.clone()], &v[at.clone()])).sum()
+        values
+            .iter()
+            .map(|v| dot(&v[at.clone()], &v[at.clone()]))
+            .sum()
     };
     let fits = |rank: usize| {
         groups.iter().filter(|g| !g.is_empty()).all(|group| {
@@ -246,7 +251,9 @@ fn fewest(
             left <= tolerance * tolerance * count
         })
     };
-    (1..columns.len()).find(|r| fits(*r)).unwrap_or(columns.len())
+    (1..columns.len())
+        .find(|r| fits(*r))
+        .unwrap_or(columns.len())
 }
 
 fn step(values: &[f64], most: f64) -> f64 {

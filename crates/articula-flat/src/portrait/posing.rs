@@ -102,7 +102,9 @@ impl<'a> Poser<'a> {
             return vec![1.0; self.mesh.len()];
         };
         let share = |joint: usize| {
-            let above = joints.iter().filter(|j| self.rig.is_at_or_below(joint, **j));
+            let above = joints
+                .iter()
+                .filter(|j| self.rig.is_at_or_below(joint, **j));
             above.count() as f32 / joints.len() as f32
         };
         let of: Vec<f32> = (0..self.rig.len()).map(share).collect();
@@ -154,7 +156,10 @@ pub(crate) fn part_of(mesh: &Mesh, vertices: &[u32]) -> Mesh {
     let mut out = Mesh {
         positions: pick(&mesh.positions),
         normals: pick(&mesh.normals),
-        texcoords: vertices.iter().map(|v| mesh.texcoords[*v as usize]).collect(),
+        texcoords: vertices
+            .iter()
+            .map(|v| mesh.texcoords[*v as usize])
+            .collect(),
         colors: vertices.iter().map(|v| mesh.colors[*v as usize]).collect(),
         influences: mesh.influences,
         bindings: mesh.bindings.clone(),
@@ -164,7 +169,8 @@ pub(crate) fn part_of(mesh: &Mesh, vertices: &[u32]) -> Mesh {
     };
     for v in vertices {
         let at = *v as usize * mesh.influences..(*v as usize + 1) * mesh.influences;
-        out.binding_indices.extend(&mesh.binding_indices[at.clone()]);
+        out.binding_indices
+            .extend(&mesh.binding_indices[at.clone()]);
         out.weights.extend(&mesh.weights[at]);
     }
     for morph in &mesh.morphs {

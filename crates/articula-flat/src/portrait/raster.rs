@@ -4,7 +4,7 @@
 //! blend in sRGB by their weights, as a canvas does. Each pixel takes 4 x 4 samples.
 
 use super::error::{PortraitError, refuse};
-use super::flat_mesh::{corners_of, front_area};
+use super::flat_mesh::{FlatMesh, corners_of, front_area};
 use super::sealing::sealed;
 use super::source::HeadPose;
 use super::view_weights::{nearness, view_weights};
@@ -42,7 +42,10 @@ impl Portrait {
     pub fn picture_at(&self, places: &[Vec2], pose: &HeadPose) -> Result<Picture, PortraitError> {
         let count = self.mesh.vertices.len();
         if places.len() != count || places.iter().any(|p| !p.is_finite()) || !pose.is_finite() {
-            let what = format!("{} places for {count} vertices, or one not finite", places.len());
+            let what = format!(
+                "{} places for {count} vertices, or one not finite",
+                places.len()
+            );
             return Err(refuse("places", what));
         }
         let (paints, buffer) = self.painted(places, pose)?;
@@ -70,7 +73,7 @@ impl Portrait {
         }
         let corners = |t: usize| corners_of(places, self.mesh.triangles[t]);
         let shown: Vec<bool> = (0..self.mesh.triangles.len())
-            .map(|t| self.mesh.shows(t, corners(t)))
+            .map(|t| FlatMesh::shows(corners(t)))
             .collect();
         let neighbours = self.mesh.neighbours();
         let sources = self.view_places()?;
@@ -82,9 +85,8 @@ impl Portrait {
             if !shown[t] {
                 continue;
             }
-            let over = |n: Option<u32>| {
-                n.is_some_and(|n| shown[n as usize] && rank[n as usize] > rank[t])
-            };
+            let over =
+                |n: Option<u32>| n.is_some_and(|n| shown[n as usize] && rank[n as usize] > rank[t]);
             paints[t] = self.paint(t, corners(t), &sources, &near);
             // Later triangles are nearer, whatever their depth.
             let grown = sealed(corners(t), neighbours[t].map(over));
@@ -96,7 +98,10 @@ impl Portrait {
 
     /// Places of all vertices on the screen in each view.
     pub(crate) fn view_places(&self) -> Result<Vec<Vec<Vec2>>, PortraitError> {
-        self.views.iter().map(|v| self.places(&v.pose, &[])).collect()
+        self.views
+            .iter()
+            .map(|v| self.places(&v.pose, &[]))
+            .collect()
     }
 
     fn paint(
@@ -111,7 +116,11 @@ impl Portrait {
         let seen = self.layers.seen(triangle);
         let weights = view_weights(&areas, &seen, near, front_area(corners));
         let mut taken = Vec::new();
-        for (view, weight) in weights.iter().enumerate().filter(|(_, w)| **w >= LEAST_WEIGHT) {
+        for (view, weight) in weights
+            .iter()
+            .enumerate()
+            .filter(|(_, w)| **w >= LEAST_WEIGHT)
+        {
             let layer = usize::from(self.layers.of_view[view][triangle]);
             let Some([x, y]) = self.views[view].shifts.get(layer) else {
                 continue;
@@ -201,9 +210,5 @@ fn texel(view: &View, at: Vec2) -> Vec4 {
             sum += color.extend(1.0) * (share * f32::from(a) / 255.0);
         }
     }
-    if sum.w > 0.0 {
-        sum / sum.w
-    } else {
-        Vec4::ZERO
-    }
+    if sum.w > 0.0 { sum / sum.w } else { Vec4::ZERO }
 }

@@ -61,7 +61,10 @@ mod tests {
         // The edge along x moves up; its ends slide along the two other edges.
         let one = sealed(corners, [true, false, false]);
         assert!((one[0] - Vec2::new(0.0, -d)).length() < 1e-6, "{one:?}");
-        assert!((one[1] - Vec2::new(10.0 + d, -d)).length() < 1e-5, "{one:?}");
+        assert!(
+            (one[1] - Vec2::new(10.0 + d, -d)).length() < 1e-5,
+            "{one:?}"
+        );
         assert_eq!(one[2], corners[2]);
     }
 

@@ -178,7 +178,13 @@ impl PortraitOptions {
     /// The head's pose in each view, the front first.
     pub(crate) fn view_poses(&self) -> Vec<HeadPose> {
         let (yaw, pitch) = (self.view_yaw_degrees, self.view_pitch_degrees);
-        let all = [(0.0, 0.0), (-yaw, 0.0), (yaw, 0.0), (0.0, -pitch), (0.0, pitch)];
+        let all = [
+            (0.0, 0.0),
+            (-yaw, 0.0),
+            (yaw, 0.0),
+            (0.0, -pitch),
+            (0.0, pitch),
+        ];
         let pose = |(yaw_degrees, pitch_degrees)| HeadPose {
             yaw_degrees,
             pitch_degrees,
@@ -226,7 +232,12 @@ impl PortraitSource<'_> {
             return Err(refuse(format!("triangles[{t}]"), what));
         }
         let joints = self.rig.len();
-        if let Some(b) = self.mesh.bindings.iter().find(|b| usize::from(b.joint) >= joints) {
+        if let Some(b) = self
+            .mesh
+            .bindings
+            .iter()
+            .find(|b| usize::from(b.joint) >= joints)
+        {
             let what = format!("joint {} of {joints}", b.joint);
             return Err(refuse("mesh.bindings", what));
         }

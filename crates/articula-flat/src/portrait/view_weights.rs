@@ -53,7 +53,9 @@ pub fn view_weights(view_areas: &[f32], seen: &[bool], nearness: &[f32], area: f
         return weights;
     }
     let areas = view_areas.iter().map(|a| a.abs());
-    let most = areas.enumerate().max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
+    let most = areas
+        .enumerate()
+        .max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0)));
     if let Some((i, _)) = most {
         weights[i] = 1.0;
     }
@@ -75,7 +77,10 @@ mod tests {
         }
         // Where it was covered it counts nothing.
         let found = view_weights(&[10.0, 5.0, 30.0], &[true, true, false], &near, 10.0);
-        assert!((found[0] - 0.8).abs() < 1e-6 && found[2] == 0.0, "{found:?}");
+        assert!(
+            (found[0] - 0.8).abs() < 1e-6 && found[2] == 0.0,
+            "{found:?}"
+        );
         let hidden = view_weights(&[1.0, 4.0, -3.0], &[false; 3], &near, 10.0);
         assert_eq!(hidden, [0.0, 1.0, 0.0]);
         assert!(view_weights(&[], &[], &[], 1.0).is_empty());

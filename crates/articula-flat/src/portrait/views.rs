@@ -73,14 +73,21 @@ pub(crate) fn views(
 ) -> Result<Views, PortraitError> {
     let poser = Poser::new(source.mesh, source.rig, &source.head, source.expressions);
     let viewport = source.camera.viewport;
-    let size = (viewport.width_px.round() as u32, viewport.height_px.round() as u32);
+    let size = (
+        viewport.width_px.round() as u32,
+        viewport.height_px.round() as u32,
+    );
     let poses = options.view_poses();
     let mut skinned = Vec::with_capacity(poses.len());
     let mut corners = Vec::with_capacity(poses.len());
     for pose in &poses {
         let whole = poser.skin(*pose, &[]);
         let few = SkinnedMesh {
-            positions: flat.vertices.iter().map(|v| whole.positions[*v as usize]).collect(),
+            positions: flat
+                .vertices
+                .iter()
+                .map(|v| whole.positions[*v as usize])
+                .collect(),
             normals: Vec::new(),
         };
         corners.push(project(&few, &source.camera, *pose)?);
@@ -101,7 +108,9 @@ pub(crate) fn views(
             let mesh = subset(source.mesh, is_here);
             let mut look = source.look.clone();
             if layers.turned[v] == Some(layer) {
-                look.materials.iter_mut().for_each(|m| m.double_sided = true);
+                look.materials
+                    .iter_mut()
+                    .for_each(|m| m.double_sided = true);
             }
             let options = render_options(options, pose);
             let picture = render(&mesh, &skinned[v], &look, &source.camera, &options)?;
@@ -158,7 +167,11 @@ fn bounds(
 ) -> Option<((u32, u32), (u32, u32))> {
     let places = places(corners);
     let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
-    let here = flat.triangles.iter().zip(layers).filter(|(_, l)| **l == layer);
+    let here = flat
+        .triangles
+        .iter()
+        .zip(layers)
+        .filter(|(_, l)| **l == layer);
     for corner in here.flat_map(|(t, _)| corners_of(&places, *t)) {
         low = low.min(corner);
         high = high.max(corner);
@@ -182,18 +195,13 @@ fn owners(source: &PortraitSource<'_>, flat: &FlatMesh, rest: &SkinnedMesh) -> V
     let normal = |[a, b, c]: &[Vec3; 3]| (*b - *a).cross(*c - *a).normalize_or_zero();
     let normals: Vec<Vec3> = coarse.iter().map(normal).collect();
     let material = |v: u32| part_at(source.mesh, v).and_then(|p| source.mesh.parts[p].material);
-    let materials: Vec<_> = flat
-        .triangles
-        .iter()
-        .map(|t| material(flat.vertices[t[0] as usize]))
-        .collect();
     let owner = |t: &[u32; 3]| {
         let triangle = corners(*t);
         let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
         let facing = normal(&triangle);
         let own = material(t[0]);
         let far = |c: usize| {
-            let turned = facing.dot(normals[c]) < 0.0 || materials[c] != own;
+            let turned = facing.dot(normals[c]) < 0.0 || flat.materials[c] != own;
             let far = distance_squared(&coarse[c], middle);
             // What faces away or is of other stuff counts as twice as far, and a centimetre.
             if turned { far * 4.0 + 1e-4 } else { far }
@@ -267,13 +275,24 @@ fn bleed(picture: &Picture) -> Picture {
 fn mean_around(picture: &Picture, x: u32, y: u32) -> Option<Rgba> {
     let mut sum = [0u32; 3];
     let mut count = 0;
-    for (dx, dy) in [(0, 1), (1, 0), (2, 1), (1, 2), (0, 0), (2, 0), (0, 2), (2, 2)] {
+    for (dx, dy) in [
+        (0, 1),
+        (1, 0),
+        (2, 1),
+        (1, 2),
+        (0, 0),
+        (2, 0),
+        (0, 2),
+        (2, 2),
+    ] {
         let at = ((x + dx).checked_sub(1), (y + dy).checked_sub(1));
         if let (Some(x), Some(y)) = at
             && let Some(pixel) = picture.get(x, y)
             && pixel[3] > 0
         {
-            sum.iter_mut().zip(pixel).for_each(|(s, p)| *s += u32::from(p));
+            sum.iter_mut()
+                .zip(pixel)
+                .for_each(|(s, p)| *s += u32::from(p));
             count += 1;
         }
     }

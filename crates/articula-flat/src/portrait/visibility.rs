@@ -86,7 +86,7 @@ fn bare_triangles(
 ) -> Result<Vec<usize>, PictureError> {
     let mut buffer = ItemBuffer::new(size.0, size.1, Samples::Two)?;
     let places = super::posing::places(corners);
-    let shown = |t: &usize| flat.shows(*t, corners_of(&places, flat.triangles[*t]));
+    let shown = |t: &usize| FlatMesh::shows(corners_of(&places, flat.triangles[*t]));
     let drawn: Vec<usize> = among.iter().copied().filter(shown).collect();
     let of = |t: usize| flat.triangles[t].map(|v| corners[v as usize]);
     for &t in &drawn {
