@@ -9,6 +9,8 @@
 //! - [`drawn`]: which triangles are seen in which frames
 //! - [`mod@reference`]: the supersampled Gouraud picture that every output is measured against
 //! - [`order`]: in which order triangles are painted, in epochs, and what stays wrong
+//! - [`underlap`]: edges that reach under what is painted later, so that no gap shows
+//! - [`shading`]: one gradient for each triangle
 //! - [`error`]: what can be wrong with a clip that is to be converted
 
 pub mod bake;
@@ -19,9 +21,13 @@ pub mod error;
 mod fixture;
 pub mod order;
 pub mod reference;
+pub mod shading;
 pub mod stage;
+pub mod underlap;
 
 pub use clip::{PlanarClip, PlanarFrame, Surface};
 pub use drawn::Drawn;
 pub use error::PlanarError;
 pub use order::{Epoch, Layer, OrderOptions, Overlaps, Painting, WrongPixels, wrong_pixels};
+pub use shading::{Colors, Shading};
+pub use underlap::{Sealed, UnderlapOptions};

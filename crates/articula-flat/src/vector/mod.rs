@@ -10,6 +10,7 @@
 //! - [`smil_sampler`]: what such a file shows at a moment, as still SVG
 //! - [`flipbook`]: animated SVG with a group for each frame
 //! - [`thesis`]: the files of the thesis, the baseline of all ratios
+//! - [`still`]: one frame as SVG
 
 pub mod flipbook;
 pub mod keyed_clip;
@@ -18,6 +19,7 @@ pub mod path;
 pub mod raster;
 pub mod smil;
 pub mod smil_sampler;
+pub mod still;
 mod svg_text;
 pub mod thesis;
 

@@ -4,6 +4,9 @@
 //! minus sign parts two numbers. Outlines are filled, never stroked, so none needs to be closed
 //! by `z`.
 
+use super::keyed_clip::GRID;
+use glam::Vec2;
+
 /// Appends whole numbers as a list, parted by a minus sign where there is one and by a space
 /// otherwise.
 ///
@@ -14,7 +17,7 @@
 /// ```
 pub fn push_numbers(text: &mut String, numbers: &[i32]) {
     for number in numbers {
-        push_number(text, *number);
+        push_number(text, i64::from(*number));
     }
 }
 
@@ -30,16 +33,24 @@ pub fn push_numbers(text: &mut String, numbers: &[i32]) {
 /// ```
 pub fn push_outlines(text: &mut String, points: &[i32], further_outlines: &[u32]) {
     let mut next = further_outlines.iter().peekable();
-    let (mut x, mut y) = (0, 0);
+    let (mut x, mut y) = (0i64, 0i64);
     for (i, point) in points.chunks_exact(2).enumerate() {
         let is_first = next.next_if(|first| **first as usize == i).is_some() || i == 0;
         if is_first {
             text.push('m');
         }
-        push_number(text, point[0] - x);
-        push_number(text, point[1] - y);
-        (x, y) = (point[0], point[1]);
+        let to = (i64::from(point[0]), i64::from(point[1]));
+        push_number(text, to.0 - x);
+        push_number(text, to.1 - y);
+        (x, y) = to;
     }
+}
+
+/// A place in pixels as steps of the grid, held within what every player can draw.
+pub fn on_grid(place: Vec2) -> [i32; 2] {
+    const FURTHEST: f32 = (1 << 26) as f32;
+    let step = |v: f32| (v * GRID as f32).round().clamp(-FURTHEST, FURTHEST) as i32;
+    [step(place.x), step(place.y)]
 }
 
 /// Appends a colour as `#rgb` or `#rrggbb`.
@@ -73,7 +84,7 @@ pub fn push_id(text: &mut String, index: usize) {
     }
 }
 
-fn push_number(text: &mut String, number: i32) {
+fn push_number(text: &mut String, number: i64) {
     let follows_number = text.bytes().last().is_some_and(|c| c.is_ascii_digit());
     if follows_number && number >= 0 {
         text.push(' ');
