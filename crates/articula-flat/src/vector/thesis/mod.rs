@@ -130,26 +130,40 @@ pub fn thesis(clip: &PlanarClip, options: &ThesisOptions) -> Result<ThesisFile, 
     })
 }
 
-/// What a file of flat faces shows in a frame, as still SVG: for readers that do not play, such as
-/// [`super::raster`].
+/// What a file of flat faces shows at a moment, given in frames, as still SVG: for readers that do
+/// not play, such as [`super::raster`]. Paths run straight from frame to frame, polygons jump.
 ///
 /// # Errors
 /// As [`thesis`].
 pub fn thesis_frame(
     clip: &PlanarClip,
     options: &ThesisOptions,
-    frame: usize,
+    moment: f64,
 ) -> Result<String, PlanarError> {
     clip.check()?;
-    has_frame(clip, "frame", frame)?;
-    let faces = Faces::of(clip, frame..frame + 1, options.neutral_frame)?;
-    let color_frame = match options.form {
-        ThesisForm::Path => options.neutral_frame,
-        _ => frame,
+    // What is negative or not finite becomes a frame that there is not.
+    let frame = if moment >= 0.0 { moment } else { f64::MAX } as usize;
+    has_frame(clip, "moment", frame)?;
+    let next = (frame + 1).min(clip.frames.len() - 1);
+    let faces = Faces::of(clip, frame..next + 1, options.neutral_frame)?;
+    let is_path = options.form == ThesisForm::Path;
+    let color_frame = if is_path {
+        options.neutral_frame
+    } else {
+        frame
     };
+    let share = if is_path { moment.fract() as f32 } else { 0.0 };
     let mut document = Document::new(clip.width, clip.height);
-    for face in &faces.order {
-        polygon::write_still(clip, (*face, frame), color_frame, document.text());
+    for face in faces.order.iter().filter(|t| faces.is_shown(frame, **t)) {
+        let (mut corners, to) = (
+            clip.places(frame, *face as usize),
+            clip.places(next, *face as usize),
+        );
+        if !options.optimise_hidden || faces.is_shown(next, *face) {
+            corners = [0, 1, 2].map(|k| corners[k].lerp(to[k], share));
+        }
+        let color = faces::mean_color(clip, color_frame, *face);
+        polygon::write_still(*face, corners, color, document.text());
     }
     Ok(document.end().0)
 }

@@ -8,6 +8,7 @@
 use super::document::{Clock, Points, put};
 use super::faces::{Faces, mean_color};
 use crate::planar::PlanarClip;
+use glam::Vec2;
 
 /// Appends all polygons, face by face in painting order.
 pub(super) fn write(clip: &PlanarClip, faces: &Faces, clock: Clock, text: &mut String) {
@@ -20,15 +21,14 @@ pub(super) fn write(clip: &PlanarClip, faces: &Faces, clock: Clock, text: &mut S
     }
 }
 
-/// Appends the polygon of a face in a frame that nothing switches, with its colour in another.
+/// Appends the polygon of a face that nothing switches.
 pub(super) fn write_still(
-    clip: &PlanarClip,
-    (face, frame): (u32, usize),
-    color_frame: usize,
+    face: u32,
+    corners: [Vec2; 3],
+    [red, green, blue]: [u8; 3],
     text: &mut String,
 ) {
-    let points = Points(clip.places(frame, face as usize), 3);
-    let [red, green, blue] = mean_color(clip, color_frame, face);
+    let points = Points(corners, 3);
     put(
         text,
         format_args!(

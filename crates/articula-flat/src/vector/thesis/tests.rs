@@ -173,9 +173,13 @@ fn who_does_not_play_sees_the_first_frame() {
             ..options(form)
         };
         let file = raster(&thesis(&clip, &options).unwrap().text, [255; 4]).unwrap();
-        let of = |f| raster(&thesis_frame(&clip, &options, f).unwrap(), [255; 4]).unwrap();
-        assert!(file == of(0) && file != of(1));
-        assert!(thesis_frame(&clip, &options, 9).is_err());
+        let of = |f: f64| raster(&thesis_frame(&clip, &options, f).unwrap(), [255; 4]).unwrap();
+        assert!(file == of(0.0) && file != of(1.0));
+        // Between two frames a path is under way, a polygon is not.
+        assert_eq!(of(0.5) == of(0.0), form == POLYGON);
+        for bad in [9.0, -0.1, f64::NAN, f64::INFINITY] {
+            assert!(thesis_frame(&clip, &options, bad).is_err());
+        }
     }
 }
 
