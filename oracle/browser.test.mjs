@@ -168,6 +168,10 @@ test("lottie-web and dotlottie-web move a path and draw a gradient", { skip }, (
     assert.deepEqual(moved.paths.map(redColumns), [...PLACES, PLACES[1]], kind);
     stood.paths.forEach(assertRamp);
   }
+  const late = { file: moving, times_secs: [1.975] };
+  const [shown, stopped] = judge(kinds.map((kind) => ({ kind, ...late })));
+  assert.deepEqual(shown.paths.map(redColumns), [[79, 99]]);
+  assert.match(stopped.error, /is shown, not 39.5/);
 });
 
 const PLAYER = `

@@ -149,7 +149,10 @@ const lottie = async (text, { width, height }) => ({
   play: (page) => page.evaluate(() => window.shown.play()),
 });
 
-/** dotlottie-web: ThorVG on the processor, as the package's wasm. */
+/**
+ * dotlottie-web: ThorVG on the processor, as the package's wasm. It shows no frame later than one
+ * before the clip's end.
+ */
 const dotlottie = async (text, { width, height }) => ({
   files: {
     "/": html(`<canvas width="${width}" height="${height}"></canvas>`),
@@ -171,7 +174,11 @@ const dotlottie = async (text, { width, height }) => ({
       window.shown = shown;
     }, text);
     const frame = frameOf(text);
-    return (page, time) => page.evaluate((frame) => window.shown.setFrame(frame), frame(time));
+    return async (page, time) => {
+      const set = (frame) => (window.shown.setFrame(frame), window.shown.currentFrame);
+      const shown = await page.evaluate(set, frame(time));
+      if (Math.abs(shown - frame(time)) > 1e-3) throw new Error(`frame ${shown} is shown, not ${frame(time)}`);
+    };
   },
   play: (page) => page.evaluate(() => window.shown.play()),
 });

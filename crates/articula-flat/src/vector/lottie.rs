@@ -29,7 +29,7 @@ pub struct Options<'a> {
 ///
 /// # Errors
 /// What [`KeyedClip::check`] finds.
-pub fn write(clip: &KeyedClip, options: &Options<'_>) -> Result<String, PlanarError> {
+pub fn lottie(clip: &KeyedClip, options: &Options<'_>) -> Result<String, PlanarError> {
     clip.check()?;
     let length = last_frame(clip).max(1);
     let mut text = String::new();
@@ -323,7 +323,7 @@ mod tests {
     }
 
     fn read(clip: &KeyedClip, options: &Options<'_>) -> Value {
-        serde_json::from_str(&write(clip, options).unwrap()).unwrap()
+        serde_json::from_str(&lottie(clip, options).unwrap()).unwrap()
     }
 
     /// Elements of the `i`th group.
@@ -472,7 +472,7 @@ mod tests {
             frames: 0,
             ..clip(vec![])
         };
-        assert_eq!(write(&none, &WITH_GRADIENTS), Err(PlanarError::NoFrames));
+        assert_eq!(lottie(&none, &WITH_GRADIENTS), Err(PlanarError::NoFrames));
         let one = KeyedClip {
             frames: 1,
             ..clip(vec![])

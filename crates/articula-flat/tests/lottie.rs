@@ -1,0 +1,289 @@
+//! Lottie documents as others see them: the specification's schema, lottie-web and dotlottie-web.
+//!
+//! A cube turns before a white ground. The truth is the reference raster of its projected clip;
+//! the document has a key a frame, so that in between the places run straight, as in the truth.
+#![allow(
+    clippy::unwrap_used,
+    reason = "a test may fail loudly, and so may its helpers"
+)]
+
+#[path = "../../articula/tests/judges/mod.rs"]
+mod judges;
+
+use articula_flat::Picture;
+use articula_flat::compare::{rmse, ssim};
+use articula_flat::item_buffer::Samples;
+use articula_flat::planar::reference::reference;
+use articula_flat::planar::{PlanarClip, PlanarFrame, Surface};
+use articula_flat::vector::keyed_clip::GRID;
+use articula_flat::vector::lottie::{Options, lottie};
+use articula_flat::vector::smil::smil;
+use articula_flat::vector::{KeyedClip, KeyedPaint, KeyedShape, KeyedTrack};
+use glam::{Mat3, Vec2, Vec3};
+use judges::browser::{self, Item, shots};
+
+const SIDE: u32 = 200;
+const FRAMES: usize = 9;
+const FPS: f32 = 12.5;
+const COLORS: [[u8; 3]; 2] = [[220, 120, 60], [40, 160, 250]];
+const WITH_GRADIENTS: Options<'_> = Options {
+    name: "<cube> & \"turn\"",
+    gradients: true,
+};
+
+/// Corners of the cube's twelve triangles, counter-clockwise from outside.
+fn triangles() -> Vec<[u32; 3]> {
+    let quads = [
+        [0, 2, 3, 1],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 6, 7, 3],
+        [0, 4, 6, 2],
+        [1, 3, 7, 5],
+    ];
+    let halves = |[a, b, c, d]: [u32; 4]| [[a, b, c], [a, c, d]];
+    quads.into_iter().flat_map(halves).collect()
+}
+
+/// The cube at a frame, its light on a vertex from above and the front.
+fn cube_at(frame: usize) -> PlanarFrame {
+    let turn = Mat3::from_rotation_x(0.5) * Mat3::from_rotation_y(0.3 + frame as f32 * 0.11);
+    let mut out = PlanarFrame::default();
+    for i in 0..8 {
+        let side = |bit: u32| if i >> bit & 1 == 0 { -0.5 } else { 0.5 };
+        let place = turn * Vec3::new(side(0), side(1), side(2));
+        let depth = 4.0 - place.z;
+        let scale = 360.0 / depth;
+        out.xy
+            .push(Vec2::new(100.0 + scale * place.x, 100.0 - scale * place.y));
+        out.nearness.push(1.0 / depth);
+        out.light.push(0.55 + 0.3 * place.z + 0.25 * place.y);
+    }
+    out
+}
+
+/// The clip with whole frames at even indices and, between them, their mean.
+fn cube() -> PlanarClip {
+    let whole: Vec<PlanarFrame> = (0..FRAMES).map(cube_at).collect();
+    let mean = |a: &[f32], b: &[f32]| a.iter().zip(b).map(|(a, b)| (a + b) / 2.0).collect();
+    let between = |pair: &[PlanarFrame]| PlanarFrame {
+        xy: (0..8)
+            .map(|v| (pair[0].xy[v] + pair[1].xy[v]) / 2.0)
+            .collect(),
+        nearness: mean(&pair[0].nearness, &pair[1].nearness),
+        light: mean(&pair[0].light, &pair[1].light),
+    };
+    let mut frames = vec![whole[0].clone()];
+    for pair in whole.windows(2) {
+        frames.extend([between(pair), pair[1].clone()]);
+    }
+    let triangles = triangles();
+    let surfaces = COLORS.map(|albedo| Surface {
+        name: String::new(),
+        albedo: Some(albedo),
+    });
+    // One side of each pair of opposite ones has the second colour; corners are shared, so the
+    // vertices are doubled.
+    let surface: Vec<u16> = (0..12).map(|t| (t / 2 % 2) as u16).collect();
+    let corner = |t: usize, v: u32| v + 8 * u32::from(surface[t]);
+    let doubled = |frame: PlanarFrame| PlanarFrame {
+        xy: frame.xy.repeat(2),
+        nearness: frame.nearness.repeat(2),
+        light: frame.light.repeat(2),
+    };
+    PlanarClip {
+        width: SIDE,
+        height: SIDE,
+        fps: 2.0 * FPS,
+        frames: frames.into_iter().map(doubled).collect(),
+        triangles: (0..12)
+            .map(|t| triangles[t].map(|v| corner(t, v)))
+            .collect(),
+        surface,
+        part: vec![0; 12],
+        surfaces: surfaces.to_vec(),
+        albedo: COLORS
+            .iter()
+            .flat_map(|c| vec![c.map(f32::from); 8])
+            .collect(),
+    }
+}
+
+fn on_grid(value: f32) -> i32 {
+    (value * GRID as f32).round() as i32
+}
+
+/// The line from where the light would be 0 to where it would be 1.
+fn line(places: [Vec2; 3], light: [f32; 3]) -> [i32; 4] {
+    let [a, b, c] = places;
+    let (ab, ac) = (b - a, c - a);
+    let (db, dc) = (light[1] - light[0], light[2] - light[0]);
+    let slope = Vec2::new(db * ac.y - dc * ab.y, dc * ab.x - db * ac.x) / ab.perp_dot(ac);
+    let way = slope / slope.length_squared();
+    let from = a - way * light[0];
+    [from.x, from.y, from.x + way.x, from.y + way.y].map(on_grid)
+}
+
+/// A key at each whole frame; faces turned away are not shown.
+fn keyed(clip: &PlanarClip) -> KeyedClip {
+    let whole = |i: usize| 2 * i;
+    let keys: Vec<u32> = (0..FRAMES as u32).collect();
+    let shape = |t: usize| {
+        let places = |i: usize| clip.places(whole(i), t);
+        let light = |i: usize| clip.triangles[t].map(|v| clip.frames[whole(i)].light[v as usize]);
+        // Down is positive, so what is counter-clockwise to the viewer has a negative area.
+        let is_front = |i: &usize| {
+            let [a, b, c] = places(*i);
+            (b - a).perp_dot(c - a) < 0.0
+        };
+        let fronts: Vec<usize> = (0..FRAMES).filter(is_front).collect();
+        let (first, last) = (*fronts.first()?, *fronts.last()?);
+        assert_eq!(fronts.len(), last + 1 - first, "a side comes and goes once");
+        let track = |values: Vec<i32>, width| KeyedTrack {
+            frames: keys.clone(),
+            values,
+            width,
+        };
+        let points = |i: usize| places(i).map(|p| [on_grid(p.x), on_grid(p.y)]);
+        let outline = (0..FRAMES).flat_map(|i| points(i).as_flattened().to_vec());
+        let lines = (0..FRAMES).flat_map(|i| line(places(i), light(i)));
+        let end = 2 * (FRAMES as u32 - 1) + 1;
+        let shown = (2 * first as u32).saturating_sub(1)..(2 * last as u32 + 1).min(end);
+        Some(KeyedShape {
+            outline: track(outline.collect(), 6),
+            further_outlines: vec![],
+            paint: KeyedPaint::Ramp {
+                ramp: clip.surface[t].into(),
+                line: track(lines.collect(), 4),
+            },
+            shown: vec![shown],
+        })
+    };
+    KeyedClip {
+        width: clip.width,
+        height: clip.height,
+        fps: FPS,
+        frames: FRAMES as u32,
+        ramps: COLORS.to_vec(),
+        shapes: (0..clip.triangles.len()).filter_map(shape).collect(),
+    }
+}
+
+/// A document to be shown at some frames.
+fn item(kind: &'static str, text: &str, frames: &[f64]) -> Item {
+    Item {
+        kind,
+        file: browser::write("cube", text.as_bytes()),
+        size: [SIDE; 2],
+        times_secs: frames.iter().map(|f| f / f64::from(FPS)).collect(),
+        plays: false,
+    }
+}
+
+#[test]
+fn what_is_written_keeps_to_the_schema() {
+    if !judges::judges_are_here() || !judges::data_is_here() {
+        return;
+    }
+    let clip = keyed(&cube());
+    let none = KeyedClip {
+        shapes: vec![],
+        frames: 1,
+        ..clip.clone()
+    };
+    let flat = Options {
+        gradients: false,
+        ..WITH_GRADIENTS
+    };
+    let schema = judges::data_folder().join("fixtures/lottie_spec/schema");
+    let mut words = vec![schema.to_string_lossy().into_owned()];
+    for (clip, options) in [(&clip, WITH_GRADIENTS), (&clip, flat), (&none, flat)] {
+        let text = lottie(clip, &options).unwrap();
+        let file = browser::write("schema.json", text.as_bytes());
+        words.push(file.to_string_lossy().into_owned());
+    }
+    let (verdict, good) = judges::ask("lottie_schema.mjs", &words);
+    assert!(good, "{verdict}");
+    // A member that is missing or of another form is found, so the schema is the right one.
+    let text = lottie(&clip, &WITH_GRADIENTS).unwrap();
+    for (good, bad) in [
+        (r#""t":1,"g""#, r#""g""#),
+        (r#""c":true,"i""#, r#""c":true,"j""#),
+    ] {
+        assert!(text.contains(good));
+        let file = browser::write("bad.json", text.replacen(good, bad, 1).as_bytes());
+        words.truncate(1);
+        words.push(file.to_string_lossy().into_owned());
+        assert!(!judges::ask("lottie_schema.mjs", &words).1, "{bad}");
+    }
+}
+
+/// How far apart two pixels are where they are furthest, for all but a share of the pixels.
+fn quantile_of_differences(a: &Picture, b: &Picture, share: f64) -> u8 {
+    let furthest = |(a, b): (&[u8; 4], &[u8; 4])| (0..3).map(|i| a[i].abs_diff(b[i])).max();
+    let pairs = a.pixels().iter().zip(b.pixels());
+    let mut all: Vec<u8> = pairs.filter_map(furthest).collect();
+    all.sort_unstable();
+    all[((1.0 - share) * (all.len() - 1) as f64) as usize]
+}
+
+/// Places and colours are right; what is apart are cracks between triangles, which this cube's
+/// outlines do not cover, and the smoothing of edges.
+#[test]
+fn players_show_the_cube_at_whole_frames_and_between_them() {
+    let cube = cube();
+    let text = lottie(&keyed(&cube), &WITH_GRADIENTS).unwrap();
+    let svg = smil(&keyed(&cube), "cube").unwrap();
+    // dotlottie-web shows nothing later than a frame before the end.
+    let frames = [0.0, 0.5, 3.0, 3.5, 6.5, 7.5];
+    let items = [
+        item("smil", &svg, &frames),
+        item("lottie", &text, &frames),
+        item("dotlottie", &text, &frames[..5]),
+    ];
+    let Some(seen) = shots(&items) else {
+        return;
+    };
+    let [drawn, players @ ..] = &seen[..] else {
+        panic!("no answers");
+    };
+    for (item, player) in items[1..].iter().zip(players) {
+        for (i, picture) in player.pictures.iter().enumerate() {
+            let at = format!("{} at frame {}", item.kind, frames[i]);
+            let moment = (frames[i] * 2.0) as usize;
+            let truth = reference(&cube, moment, Samples::Eight, [255; 4]).unwrap();
+            let apart = rmse(&truth, picture).unwrap();
+            assert!(apart <= 4.5, "{at}: {apart} levels");
+            let inside = quantile_of_differences(&truth, picture, 0.05);
+            assert!(inside <= 3, "{at}: {inside} levels");
+            // The same clip as SVG has the same cracks; only the smoothing of edges differs.
+            let other = &drawn.pictures[i];
+            let from_svg = rmse(other, picture).unwrap();
+            assert!(from_svg <= 2.5, "{at}: {from_svg} levels from the SVG");
+            let [mine, others] = [picture, other].map(|p| ssim(&truth, p).unwrap());
+            assert!(mine >= others - 0.002, "{at}: {mine}, {others}");
+        }
+    }
+}
+
+/// Without gradients a triangle has one colour, which leaves about 8 levels.
+#[test]
+fn players_show_the_flat_cube() {
+    let cube = cube();
+    let flat = Options {
+        gradients: false,
+        ..WITH_GRADIENTS
+    };
+    let text = lottie(&keyed(&cube), &flat).unwrap();
+    let items = ["lottie", "dotlottie"].map(|kind| item(kind, &text, &[2.5]));
+    let Some(seen) = shots(&items) else {
+        return;
+    };
+    let [a, b] = [0, 1].map(|i: usize| &seen[i].pictures[0]);
+    assert!(quantile_of_differences(a, b, 0.05) <= 1);
+    let truth = reference(&cube, 5, Samples::Eight, [255; 4]).unwrap();
+    for picture in [a, b] {
+        let apart = rmse(&truth, picture).unwrap();
+        assert!((4.5..10.0).contains(&apart), "{apart} levels");
+    }
+}
