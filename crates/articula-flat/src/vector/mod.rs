@@ -1,6 +1,6 @@
 //! Vector graphics, still and moving: what is written, and what reads it back.
 //!
-//! Source: thesis 4.2, `spec/vector.md` 7 to 11.
+//! Source: thesis 4.2, `spec/vector.md` 7 to 11; what the files hold: `docs/formats/svg.md`.
 //!
 //! - [`keyed_clip`]: shapes with keys, what the key-framed writers take
 //! - [`lottie`]: Lottie JSON
