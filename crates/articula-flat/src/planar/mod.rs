@@ -11,6 +11,7 @@
 //! - [`order`]: in which order triangles are painted, in epochs, and what stays wrong
 //! - [`underlap`]: edges that reach under what is painted later, so that no gap shows
 //! - [`shading`]: one gradient for each triangle
+//! - [`low_rank`]: a table of numbers as its mean row and a few components
 //! - [`error`]: what can be wrong with a clip that is to be converted
 
 pub mod bake;
@@ -19,6 +20,7 @@ pub mod drawn;
 pub mod error;
 #[cfg(test)]
 mod fixture;
+pub mod low_rank;
 pub mod order;
 pub mod reference;
 pub mod shading;

@@ -5,6 +5,7 @@
 //! - [`keyed_clip`]: shapes with keys, what the key-framed writers take
 //! - [`lottie`]: Lottie JSON
 //! - [`path`]: the shortest text for outlines, numbers, colours and ids
+//! - [`player`]: a clip as a small file with a small player
 //! - [`raster`]: still SVG to pixels
 //! - [`smil`]: animated SVG from key to key, without script
 //! - [`smil_sampler`]: what such a file shows at a moment, as still SVG
@@ -16,6 +17,7 @@ pub mod flipbook;
 pub mod keyed_clip;
 pub mod lottie;
 pub mod path;
+pub mod player;
 pub mod raster;
 pub mod smil;
 pub mod smil_sampler;

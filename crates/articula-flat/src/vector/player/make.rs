@@ -1,0 +1,222 @@
+//! From a planar clip to the file that plays it.
+//!
+//! Source: `spec/vector.md` 8.3.
+
+use super::clip::{PlayerClip, PlayerEpoch, Shading};
+use super::container::{PartSizes, encode};
+use super::fit::{Errors, Numbers, fit};
+use super::page::{Output, page, script};
+use super::topology::Topology;
+use crate::planar::low_rank::quantised::Quantised;
+use crate::planar::{Drawn, Epoch, Painting, PlanarClip, PlanarError};
+
+/// How a clip is written for the player.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlayerOptions {
+    /// Root of the mean square distance that points may be off, pixels.
+    pub pos_tol_px: f64,
+    /// Root of the mean square that light may be off, levels.
+    pub col_tol_levels: f64,
+    /// How triangles are filled.
+    pub shading: Shading,
+    /// What kind of file is written.
+    pub output: Output,
+}
+
+impl Default for PlayerOptions {
+    fn default() -> Self {
+        Self {
+            pos_tol_px: 0.1,
+            col_tol_levels: 1.0,
+            shading: Shading::Gouraud,
+            output: Output::Svg,
+        }
+    }
+}
+
+/// What is known of a written file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlayerStats {
+    /// Triangles that are drawn in some frame.
+    pub triangles: usize,
+    /// Components.
+    pub rank: usize,
+    /// Root of the mean square distance of points over all frames, pixels.
+    pub position_rmse_px: f64,
+    /// Root of the mean square error of light over all frames, levels; 0 with flat shading, whose
+    /// light does not move.
+    pub light_rmse_levels: f64,
+    /// Bytes of the container's parts, before compression.
+    pub parts: PartSizes,
+    /// Bytes of the script.
+    pub script: usize,
+}
+
+/// A file that plays a clip.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlayerFile {
+    /// The SVG or module.
+    pub text: String,
+    /// The container that is inside it.
+    pub container: Vec<u8>,
+    /// What is known of it.
+    pub stats: PlayerStats,
+}
+
+/// Writes a clip within the tolerances as a file that plays it.
+///
+/// O(frames x vertices x components), with a large factor: some hundred passes.
+///
+/// # Errors
+/// What is wrong with the clip, or [`PlanarError::Mismatch`]: `drawn` or `painting` of another
+/// clip, tolerances below a thousandth, or a clip of too many numbers.
+pub fn player(
+    clip: &PlanarClip,
+    drawn: &Drawn,
+    painting: &Painting,
+    options: &PlayerOptions,
+) -> Result<PlayerFile, PlanarError> {
+    let allowed = allowed(options)?;
+    let (mut made, topology) = still_parts(clip, drawn, painting, options.shading)?;
+    let numbers = Numbers::new(clip, &topology, options.shading, allowed.light_weight())?;
+    made.light_weight = numbers.light_weight;
+    made.motion = fit(&numbers, &allowed, |motion| {
+        let tried = PlayerClip {
+            motion: motion.clone(),
+            ..made.clone()
+        };
+        encode(&tried).0.len()
+    })?;
+    let errors = numbers.errors(&made.motion);
+    Ok(finish(&made, &errors, options.output))
+}
+
+/// The tolerances, checked.
+pub(super) fn allowed(options: &PlayerOptions) -> Result<Errors, PlanarError> {
+    for (at, value) in [
+        ("pos_tol_px", options.pos_tol_px),
+        ("col_tol_levels", options.col_tol_levels),
+    ] {
+        if !(value.is_finite() && value >= 1e-3) {
+            let what = format!("{value}, expected at least 0.001");
+            return Err(PlanarError::Mismatch { at, what });
+        }
+    }
+    Ok(Errors {
+        position_px: options.pos_tol_px,
+        light_levels: options.col_tol_levels,
+    })
+}
+
+/// Text and figures of a clip that is complete.
+pub(super) fn finish(made: &PlayerClip, errors: &Errors, output: Output) -> PlayerFile {
+    let (container, parts) = encode(made);
+    PlayerFile {
+        text: page(made, &container, output),
+        container,
+        stats: PlayerStats {
+            triangles: made.triangles.len(),
+            rank: made.motion.components.len(),
+            position_rmse_px: errors.position_px,
+            light_rmse_levels: errors.light_levels,
+            parts,
+            script: script(made.shading, !made.inputs.is_empty()).len(),
+        },
+    }
+}
+
+/// Everything but the motion.
+pub(super) fn still_parts(
+    clip: &PlanarClip,
+    drawn: &Drawn,
+    painting: &Painting,
+    shading: Shading,
+) -> Result<(PlayerClip, Topology), PlanarError> {
+    clip.check()?;
+    drawn.fits(clip)?;
+    let epochs = &painting.epochs;
+    let ends = std::iter::once(0).chain(epochs.iter().map(|e| e.frames.end));
+    let joined = epochs
+        .iter()
+        .zip(ends)
+        .all(|(e, end)| e.frames.start == end && !e.frames.is_empty());
+    let whole = epochs
+        .last()
+        .is_some_and(|e| e.frames.end == clip.frames.len());
+    let all: Vec<u32> = epochs
+        .iter()
+        .flat_map(|e| e.order.iter().copied())
+        .collect();
+    let within = all.iter().all(|t| (*t as usize) < clip.triangles.len());
+    if !(joined && whole && within) {
+        let (at, what) = (
+            "painting",
+            "not orders of all frames of the clip".to_owned(),
+        );
+        return Err(PlanarError::Mismatch { at, what });
+    }
+    let topology = Topology::new(clip, drawn, &all, shading);
+    if topology.triangles.is_empty() {
+        return Err(PlanarError::NothingSeen);
+    }
+    let mut numbers = vec![None; clip.triangles.len()];
+    for (number, source) in topology.sources.iter().enumerate() {
+        numbers[*source as usize] = Some(number as u32);
+    }
+    let epoch = |epoch: &Epoch| PlayerEpoch {
+        first_frame: epoch.frames.start as u32,
+        order: epoch
+            .order
+            .iter()
+            .filter_map(|t| numbers[*t as usize])
+            .collect(),
+    };
+    let spans = |t: &u32| {
+        let spans = drawn.spans(*t as usize).into_iter();
+        spans.map(|s| s.start as u32..s.end as u32).collect()
+    };
+    let made = PlayerClip {
+        width: clip.width,
+        height: clip.height,
+        fps: clip.fps,
+        frames: clip.frames.len() as u32,
+        shading,
+        light_weight: 1.0,
+        colors: colors(clip, drawn, &topology, shading),
+        shown: topology.sources.iter().map(spans).collect(),
+        epochs: epochs.iter().map(epoch).collect(),
+        triangles: topology.triangles.clone(),
+        wedge_points: topology.wedge_points.clone(),
+        motion: Quantised {
+            step: 1.0,
+            mean: Vec::new(),
+            components: Vec::new(),
+        },
+        inputs: Vec::new(),
+    };
+    Ok((made, topology))
+}
+
+/// Albedo of wedges, or mean colours of triangles over the frames in which they are drawn.
+fn colors(clip: &PlanarClip, drawn: &Drawn, topology: &Topology, shading: Shading) -> Vec<[u8; 3]> {
+    let levels = |color: [f32; 3]| color.map(|level| level.round().clamp(0.0, 255.0) as u8);
+    let mean = |t: &u32| {
+        let mut sum = [0.0f32; 3];
+        let mut count = 0.0f32;
+        for f in drawn.spans(*t as usize).into_iter().flatten() {
+            for v in clip.triangles[*t as usize] {
+                let color = clip.color(f, v);
+                sum = [0, 1, 2].map(|k| sum[k] + color[k]);
+                count += 1.0;
+            }
+        }
+        levels(sum.map(|s| s / count.max(1.0)))
+    };
+    match shading {
+        Shading::Gouraud => {
+            let vertices = topology.wedge_vertices.iter();
+            vertices.map(|v| levels(clip.albedo[*v as usize])).collect()
+        }
+        Shading::Flat => topology.sources.iter().map(mean).collect(),
+    }
+}

@@ -1,0 +1,95 @@
+//! The text of a file that plays: the script without what the file does not need, and the clip
+//! beside it.
+//!
+//! Source: `spec/vector.md` 8.3. An SVG carries its canvas in a `foreignObject`; inside a web page
+//! it may stand inline, in an `<object>` or in an `<iframe>`, not in an `<img>`, where no script
+//! runs.
+
+use super::clip::{PlayerClip, Shading};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+
+/// The readable script.
+const SCRIPT: &str = include_str!("player.js");
+
+/// What kind of file is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Output {
+    /// An SVG that plays where scripts run.
+    #[default]
+    Svg,
+    /// A JavaScript module: `data`, and `mount(canvas, data, element)`, which gives a promise.
+    Module,
+}
+
+/// The script for a clip, as small as it is written.
+pub fn script(shading: Shading, is_live: bool) -> String {
+    let mut script = String::new();
+    let mut is_wanted = true;
+    for line in SCRIPT.lines().map(str::trim) {
+        match line.strip_prefix("//") {
+            Some("+gouraud") => is_wanted = shading == Shading::Gouraud,
+            Some("+flat") => is_wanted = shading == Shading::Flat,
+            Some("+live") => is_wanted = is_live,
+            Some("+clip") => is_wanted = !is_live,
+            Some("-") => is_wanted = true,
+            Some(_) => {}
+            None if is_wanted => script.push_str(line),
+            None => {}
+        }
+    }
+    script
+}
+
+/// The file of a clip whose container is given.
+pub fn page(clip: &PlayerClip, container: &[u8], output: Output) -> String {
+    let script = script(clip.shading, !clip.inputs.is_empty());
+    let data = BASE64_STANDARD.encode(container);
+    let (w, h) = (clip.width, clip.height);
+    match output {
+        Output::Svg => format!(
+            r#"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}"><foreignObject width="{w}" height="{h}"><canvas xmlns="http://www.w3.org/1999/xhtml" style="width:100%;height:100%"></canvas></foreignObject><script><![CDATA[{{let e=document.currentScript.parentNode;({script})(e.querySelector("canvas"),"{data}",e)}}]]></script></svg>"#
+        ),
+        Output::Module => {
+            format!(r#"export const data="{data}",mount=(c,d=data,e=c)=>({script})(c,d,e)"#)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scripts_are_small_and_stand_on_one_line() {
+        for (shading, live) in [
+            (Shading::Gouraud, false),
+            (Shading::Gouraud, true),
+            (Shading::Flat, false),
+            (Shading::Flat, true),
+        ] {
+            let script = script(shading, live);
+            assert!(script.len() < 2500, "{} bytes", script.len());
+            // CDATA must not end early, a comment must not swallow the rest.
+            for bad in ["]]>", "//", "\n", "</"] {
+                assert!(!script.contains(bad), "{bad}");
+            }
+            assert_eq!(script.contains("articulaInputs"), live);
+            assert_eq!(script.contains("Gradient"), shading == Shading::Gouraud);
+        }
+    }
+
+    #[test]
+    fn lines_end_where_no_line_end_is_needed() {
+        let code = |l: &&str| !l.is_empty() && !l.starts_with("//");
+        for line in SCRIPT.lines().map(str::trim).filter(code) {
+            let last = line.chars().last().unwrap();
+            let ends = ";,({}=:".contains(last);
+            // Lists go on with a dot or a comma.
+            let goes_on = SCRIPT.contains(&format!("{line}\n."))
+                || line.ends_with(')')
+                || line.ends_with(']');
+            assert!(ends || goes_on, "{line}");
+        }
+    }
+}
