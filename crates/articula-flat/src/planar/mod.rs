@@ -12,6 +12,7 @@
 //! - [`underlap`]: edges that reach under what is painted later, so that no gap shows
 //! - [`shading`]: one gradient for each triangle
 //! - [`low_rank`]: a table of numbers as its mean row and a few components
+//! - [`split`]: cuts triangles that pass through each other
 //! - [`error`]: what can be wrong with a clip that is to be converted
 
 pub mod bake;
@@ -24,6 +25,7 @@ pub mod low_rank;
 pub mod order;
 pub mod reference;
 pub mod shading;
+pub mod split;
 pub mod stage;
 pub mod underlap;
 

@@ -113,7 +113,18 @@ impl Painting {
         options: &OrderOptions,
     ) -> Result<Self, PlanarError> {
         let overlaps = Overlaps::of(clip, drawn)?;
-        Ok(epochs::epochs(clip, drawn, &overlaps, options))
+        Ok(Self::from_overlaps(clip, drawn, &overlaps, options))
+    }
+
+    /// [`Self::constraints`] of overlaps that are at hand; they have to be those of `clip` and
+    /// `drawn`.
+    pub fn from_overlaps(
+        clip: &PlanarClip,
+        drawn: &Drawn,
+        overlaps: &Overlaps,
+        options: &OrderOptions,
+    ) -> Self {
+        epochs::epochs(clip, drawn, overlaps, options)
     }
 
     /// One order for the whole clip, whatever it costs.

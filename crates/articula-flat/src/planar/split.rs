@@ -1,0 +1,547 @@
+//! Cuts triangles that pass through each other, so that an order exists that shows them right.
+//!
+//! Source: `spec/vector.md` 4, `--split`. Where two triangles lie over each other both ways in
+//! one frame no order is right. One of them is cut where both are equally near, in the frame
+//! in which most samples are at stake. Differs: only one of the two is cut, which is enough;
+//! its neighbours are cut at the same points, so that edges still meet.
+//!
+//! Places, nearness and light of a new vertex run straight between the ends of its edge in
+//! every frame, so no pixel of the reference changes.
+
+use super::clip::PlanarClip;
+use super::drawn::Drawn;
+use super::error::PlanarError;
+use super::order::{OrderOptions, Overlaps, Painting};
+use glam::Vec2;
+use std::collections::BTreeMap;
+
+/// How far triangles are cut.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SplitOptions {
+    /// Cutting ends when no more than this share of the object's pixels is wrong.
+    pub wrong_share: f64,
+    /// Only pairs that cost at least this share of the object's pixels, over the whole clip,
+    /// are cut.
+    pub pair_share: f64,
+    /// Most rounds of cutting, each followed by a new order.
+    pub max_rounds: usize,
+    /// How the pieces are ordered.
+    pub order: OrderOptions,
+}
+
+impl Default for SplitOptions {
+    fn default() -> Self {
+        Self {
+            wrong_share: 0.003,
+            pair_share: 1e-5,
+            max_rounds: 6,
+            order: OrderOptions::default(),
+        }
+    }
+}
+
+/// A clip whose triangles were cut, and how it is painted.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Split {
+    /// The clip; triangles that were not cut keep their turn.
+    pub clip: PlanarClip,
+    /// What is drawn of it.
+    pub drawn: Drawn,
+    /// In which order.
+    pub painting: Painting,
+    /// Share of the object's samples that are wrong, over the whole clip.
+    pub wrong_share: f64,
+    /// Triangles that were cut because they pass through another one.
+    pub cuts: usize,
+}
+
+/// Cuts the pairs that cost most until few enough pixels are wrong; leaves a clip as it is
+/// where cutting does not help.
+///
+/// # Errors
+/// What is wrong with the clip, as [`Drawn::of`] and [`Overlaps::of`] tell it.
+pub fn split(clip: &PlanarClip, options: &SplitOptions) -> Result<Split, PlanarError> {
+    let mut overlaps = None;
+    let mut best = painted(clip.clone(), 0, options, &mut overlaps)?;
+    for _ in 0..options.max_rounds {
+        let Some(found) = overlaps.take() else {
+            break;
+        };
+        if best.wrong_share <= options.wrong_share {
+            break;
+        }
+        let marks = marks(&best, &found, options);
+        if marks.cuts == 0 {
+            break;
+        }
+        let next = marks.apply(&best.clip);
+        if next.check().is_err() {
+            break;
+        }
+        let next = painted(next, best.cuts + marks.cuts, options, &mut overlaps)?;
+        if next.wrong_share >= best.wrong_share {
+            break;
+        }
+        best = next;
+    }
+    Ok(best)
+}
+
+fn painted(
+    clip: PlanarClip,
+    cuts: usize,
+    options: &SplitOptions,
+    overlaps: &mut Option<Overlaps>,
+) -> Result<Split, PlanarError> {
+    let drawn = Drawn::of(&clip)?;
+    let found = overlaps.insert(Overlaps::of(&clip, &drawn)?);
+    let painting = Painting::from_overlaps(&clip, &drawn, found, &options.order);
+    let wrong = found.wrong(&painting).per_frame;
+    let sum = |of: fn(&(u32, u32)) -> u32| wrong.iter().map(|f| u64::from(of(f))).sum::<u64>();
+    let (wrong, object) = (sum(|f| f.0), sum(|f| f.1));
+    Ok(Split {
+        clip,
+        drawn,
+        painting,
+        wrong_share: wrong as f64 / object.max(1) as f64,
+        cuts,
+    })
+}
+
+/// Two triangles that lie over each other both ways.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Pair {
+    triangles: [u32; 2],
+    /// Samples that are wrong at least, over all frames.
+    samples: u64,
+    /// The frame with most of them, and how many.
+    peak: (usize, u64),
+}
+
+/// The pairs of a clip, those that cost most first.
+fn pairs(overlaps: &Overlaps) -> Vec<Pair> {
+    let mut known: BTreeMap<[u32; 2], Pair> = BTreeMap::new();
+    for f in 0..overlaps.frames() {
+        // Each pair with its samples one way and the other.
+        let mut over = Vec::new();
+        for (set, n) in overlaps.counts(f) {
+            let members = overlaps.members(*set as usize);
+            let owner = members[0];
+            for t in &members[1..] {
+                let ways = if owner < *t { (*n, 0) } else { (0, *n) };
+                over.push(([owner.min(*t), owner.max(*t)], ways));
+            }
+        }
+        over.sort_unstable();
+        for same in over.chunk_by(|p, q| p.0 == q.0) {
+            let one_way: u64 = same.iter().map(|p| u64::from(p.1.0)).sum();
+            let other_way: u64 = same.iter().map(|p| u64::from(p.1.1)).sum();
+            let samples = one_way.min(other_way);
+            if samples == 0 {
+                continue;
+            }
+            let triangles = same[0].0;
+            let pair = known.entry(triangles).or_insert(Pair {
+                triangles,
+                samples: 0,
+                peak: (f, 0),
+            });
+            pair.samples += samples;
+            if samples > pair.peak.1 {
+                pair.peak = (f, samples);
+            }
+        }
+    }
+    let mut pairs: Vec<Pair> = known.into_values().collect();
+    pairs.sort_by_key(|p| (std::cmp::Reverse(p.samples), p.triangles));
+    pairs
+}
+
+/// Points on edges at which triangles are cut.
+struct Marks {
+    /// Vertices that are never apart.
+    classes: Vec<u32>,
+    /// Edges by the classes of their ends, rising, with the way from the first to the second.
+    edges: BTreeMap<[u32; 2], f64>,
+    cuts: usize,
+}
+
+/// Nearer to a corner than this share of an edge, a cut goes through the corner.
+const CORNER: f64 = 0.01;
+/// Two cuts that meet an edge within this share of it share a point.
+const SAME: f64 = 0.02;
+
+/// Chooses what to cut in one round.
+fn marks(split: &Split, overlaps: &Overlaps, options: &SplitOptions) -> Marks {
+    let clip = &split.clip;
+    let pairs = pairs(overlaps);
+    let object = overlaps.object(&(0..overlaps.frames())) as f64;
+    let mut at_stake = vec![0; clip.triangles.len()];
+    for pair in &pairs {
+        for t in pair.triangles {
+            at_stake[t as usize] += pair.samples;
+        }
+    }
+    let mut marks = Marks {
+        classes: clip.position_classes(),
+        edges: BTreeMap::new(),
+        cuts: 0,
+    };
+    let mut left = split.wrong_share * object;
+    for pair in pairs {
+        let is_light = (pair.samples as f64) < options.pair_share * object;
+        if is_light || left <= options.wrong_share * object {
+            break;
+        }
+        // The one with less at stake, exactly where the other one's plane is, which often cuts
+        // its neighbours too; the other one if that cannot be.
+        let [a, b] = pair.triangles;
+        let is_first = at_stake[a as usize] < at_stake[b as usize];
+        let (first, second) = if is_first { (a, b) } else { (b, a) };
+        let frame = pair.peak.0;
+        if marks.cut(clip, frame, first, second) || marks.cut(clip, frame, second, first) {
+            left -= pair.samples as f64;
+        }
+    }
+    marks
+}
+
+impl Marks {
+    /// Marks where a triangle is as near as the plane of another one in a frame; whether it
+    /// could be done beside the cuts so far, or is done by them.
+    fn cut(&mut self, clip: &PlanarClip, frame: usize, triangle: u32, other: u32) -> bool {
+        let corners = clip.triangles[triangle as usize];
+        let Some(plane) = Plane::of(clip, frame, other) else {
+            return false;
+        };
+        let frame = &clip.frames[frame];
+        let ahead = corners.map(|v| {
+            let v = v as usize;
+            f64::from(frame.nearness[v]) - plane.at(frame.xy[v])
+        });
+        let mut points = Vec::new();
+        for i in 0..3 {
+            let j = (i + 1) % 3;
+            let (from, to) = (ahead[i], ahead[j]);
+            if (from < 0.0) == (to < 0.0) {
+                continue;
+            }
+            let way = from / (from - to);
+            if !(CORNER..=1.0 - CORNER).contains(&way) {
+                continue;
+            }
+            let Some((edge, way)) = self.edge(corners[i], corners[j], way) else {
+                return false;
+            };
+            let held = self.edges.get(&edge);
+            if held.is_some_and(|held| (held - way).abs() > SAME) {
+                return false;
+            }
+            points.push((edge, way));
+        }
+        if points.is_empty() {
+            return false;
+        }
+        let is_new = points
+            .iter()
+            .any(|(edge, _)| !self.edges.contains_key(edge));
+        for (edge, way) in points {
+            self.edges.entry(edge).or_insert(way);
+        }
+        self.cuts += usize::from(is_new);
+        true
+    }
+
+    /// An edge by its classes, and a way along it in their direction; `None` without length.
+    fn edge(&self, from: u32, to: u32, way: f64) -> Option<([u32; 2], f64)> {
+        let (a, b) = (self.classes[from as usize], self.classes[to as usize]);
+        match a.cmp(&b) {
+            std::cmp::Ordering::Less => Some(([a, b], way)),
+            std::cmp::Ordering::Equal => None,
+            std::cmp::Ordering::Greater => Some(([b, a], 1.0 - way)),
+        }
+    }
+
+    /// The clip with all marked edges cut.
+    fn apply(&self, clip: &PlanarClip) -> PlanarClip {
+        let mut out = PlanarClip {
+            triangles: Vec::new(),
+            surface: Vec::new(),
+            part: Vec::new(),
+            ..clip.clone()
+        };
+        let mut made = BTreeMap::new();
+        for (t, corners) in clip.triangles.iter().enumerate() {
+            let mut point = |i: usize| {
+                let (u, v) = (corners[i], corners[(i + 1) % 3]);
+                let (edge, _) = self.edge(u, v, 0.0)?;
+                let way = *self.edges.get(&edge)?;
+                let is_along = self.classes[u as usize] == edge[0];
+                let (from, to) = if is_along { (u, v) } else { (v, u) };
+                let vertex = made.entry((from, to));
+                Some(*vertex.or_insert_with(|| add_vertex(&mut out, from, to, way as f32)))
+            };
+            let points = [point(0), point(1), point(2)];
+            for piece in pieces(*corners, points, &|u, v| length(&out, u, v)) {
+                out.triangles.push(piece);
+                out.surface.push(clip.surface[t]);
+                out.part.push(clip.part[t]);
+            }
+        }
+        out
+    }
+}
+
+/// Adds a vertex between two others.
+fn add_vertex(clip: &mut PlanarClip, from: u32, to: u32, way: f32) -> u32 {
+    let (u, v) = (from as usize, to as usize);
+    let mix = |a: f32, b: f32| a + (b - a) * way;
+    let (a, b) = (clip.albedo[u], clip.albedo[v]);
+    clip.albedo.push([0, 1, 2].map(|k| mix(a[k], b[k])));
+    for frame in &mut clip.frames {
+        frame.xy.push(frame.xy[u].lerp(frame.xy[v], way));
+        frame
+            .nearness
+            .push(mix(frame.nearness[u], frame.nearness[v]));
+        frame.light.push(mix(frame.light[u], frame.light[v]));
+    }
+    clip.albedo.len() as u32 - 1
+}
+
+/// Sum of the squared distances of two vertices over all frames.
+fn length(clip: &PlanarClip, u: u32, v: u32) -> f32 {
+    let apart = |f: &super::clip::PlanarFrame| f.xy[u as usize].distance_squared(f.xy[v as usize]);
+    clip.frames.iter().map(apart).sum()
+}
+
+/// The pieces of a triangle whose edges (from each corner to the next) carry these points.
+fn pieces(
+    [a, b, c]: [u32; 3],
+    points: [Option<u32>; 3],
+    length: &dyn Fn(u32, u32) -> f32,
+) -> Vec<[u32; 3]> {
+    match points {
+        [None, None, None] => vec![[a, b, c]],
+        [Some(p), None, None] => vec![[a, p, c], [p, b, c]],
+        [Some(p), Some(q), None] => {
+            let mut pieces = vec![[p, b, q]];
+            // The rest has four corners; its shorter diagonal.
+            if length(a, q) <= length(p, c) {
+                pieces.extend([[a, p, q], [a, q, c]]);
+            } else {
+                pieces.extend([[a, p, c], [p, q, c]]);
+            }
+            pieces
+        }
+        [Some(p), Some(q), Some(r)] => vec![[a, p, r], [p, b, q], [q, c, r], [p, q, r]],
+        // One of the above, from another corner on.
+        [p, q, r] => pieces([b, c, a], [q, r, p], length),
+    }
+}
+
+/// Nearness of a triangle's plane over the picture.
+struct Plane {
+    origin: Vec2,
+    nearness: f64,
+    slope: [f64; 2],
+}
+
+impl Plane {
+    /// `None` if the triangle is seen from its edge.
+    fn of(clip: &PlanarClip, frame: usize, triangle: u32) -> Option<Self> {
+        let corners = clip.triangles[triangle as usize];
+        let frame = &clip.frames[frame];
+        let [a, b, c] = corners.map(|v| frame.xy[v as usize]);
+        let [na, nb, nc] = corners.map(|v| f64::from(frame.nearness[v as usize]));
+        let (ab, ac) = ((b - a).as_dvec2(), (c - a).as_dvec2());
+        let area = ab.perp_dot(ac);
+        let slope = [
+            ((nb - na) * ac.y - (nc - na) * ab.y) / area,
+            ((nc - na) * ab.x - (nb - na) * ac.x) / area,
+        ];
+        slope.iter().all(|s| s.is_finite()).then_some(Self {
+            origin: a,
+            nearness: na,
+            slope,
+        })
+    }
+
+    fn at(&self, xy: Vec2) -> f64 {
+        let from = (xy - self.origin).as_dvec2();
+        self.nearness + self.slope[0] * from.x + self.slope[1] * from.y
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::item_buffer::{ItemBuffer, Samples};
+    use crate::planar::clip::fixture;
+    use crate::planar::drawn::draw_frame;
+    use crate::planar::reference::reference;
+    use proptest::prelude::*;
+
+    /// Covers all of a picture of 40 x 40 pixels, its nearness rising to the right.
+    fn wall(nearness: f32, slope: f32, color: u8) -> ([[f32; 3]; 3], [u8; 3]) {
+        let far = nearness + 80.0 * slope;
+        let corners = [
+            [0.0, 0.0, nearness],
+            [0.0, 80.0, nearness],
+            [80.0, 0.0, far],
+        ];
+        (corners, [color; 3])
+    }
+
+    #[test]
+    fn two_that_cross_are_right_after_one_cut() {
+        // Equal at x = 24: 40 % are wrong before.
+        let clip = fixture::loose(&[wall(0.5, 0.0, 50), wall(0.2, 1.0 / 80.0, 250)], 3);
+        let none = SplitOptions {
+            wrong_share: 0.4,
+            ..SplitOptions::default()
+        };
+        let before = split(&clip, &none).unwrap();
+        assert_eq!((before.wrong_share, before.cuts), (0.4, 0));
+        assert_eq!(before.clip, clip);
+        let after = split(&clip, &SplitOptions::default()).unwrap();
+        assert_eq!((after.wrong_share, after.cuts), (0.0, 1));
+        assert_eq!(after.clip.triangles.len(), 4);
+        assert!(
+            after.clip.frames[2].xy[6..]
+                .iter()
+                .all(|p| (p.x - 24.0).abs() < 1e-4)
+        );
+        let picture = |clip| reference(clip, 1, Samples::Two, [0; 4]).unwrap();
+        assert_eq!(picture(&after.clip), picture(&clip));
+    }
+
+    #[test]
+    fn neighbours_are_cut_at_the_same_points() {
+        // A square of two triangles through which a wall passes at x = 24; the wall is cut where
+        // it should be, or the square is: its common edge then at a common point.
+        let [a, b, c, d] = [
+            [4.0, 4.0, 0.3],
+            [4.0, 36.0, 0.3],
+            [36.0, 36.0, 0.7],
+            [36.0, 4.0, 0.7],
+        ];
+        let clip = fixture::loose(
+            &[
+                ([a, b, c], [9; 3]),
+                ([a, c, d], [9; 3]),
+                wall(0.55, 0.0, 200),
+                wall(0.1, 0.0, 100),
+            ],
+            1,
+        );
+        let marks = {
+            let mut marks = Marks {
+                classes: clip.position_classes(),
+                edges: BTreeMap::new(),
+                cuts: 0,
+            };
+            assert!(marks.cut(&clip, 0, 0, 2));
+            assert_eq!(marks.edges.len(), 2);
+            assert!(marks.cut(&clip, 0, 1, 2));
+            assert_eq!((marks.edges.len(), marks.cuts), (3, 2));
+            // The square is not cut where its plane is never as near.
+            assert!(!marks.cut(&clip, 0, 0, 3));
+            marks
+        };
+        let cut = marks.apply(&clip);
+        cut.check().unwrap();
+        assert_eq!(cut.triangles.len(), 3 + 3 + 2);
+        let on_line = |v: &&u32| (cut.frames[0].xy[**v as usize].x - 24.0).abs() < 1e-3;
+        // Each half has one piece with one corner and two with two corners on the line, or
+        // the other way round; every triangle lies on one side of it.
+        for triangle in &cut.triangles[..6] {
+            let xs = triangle.map(|v| cut.frames[0].xy[v as usize].x - 24.0);
+            let (low, high) = (xs.iter().any(|x| *x < -1e-3), xs.iter().any(|x| *x > 1e-3));
+            assert!(low != high, "{xs:?}");
+            assert!(triangle.iter().filter(on_line).count() >= 1);
+        }
+        let drawn = Drawn::of(&cut).unwrap();
+        let overlaps = Overlaps::of(&cut, &drawn).unwrap();
+        let painting = Painting::single(&cut, &drawn).unwrap();
+        assert_eq!(overlaps.wrong(&painting).percent_mean(), 0.0);
+    }
+
+    #[test]
+    fn a_new_vertex_lies_between_by_hand() {
+        let clip = fixture::turning_cube(3);
+        let mut cut = clip.clone();
+        cut.albedo[1] = [20.0, 0.0, 10.0];
+        let v = add_vertex(&mut cut, 0, 1, 0.25) as usize;
+        assert_eq!(v, 8);
+        assert_eq!(cut.albedo[v], [95.0, 150.0, 70.0]);
+        for (frame, was) in cut.frames.iter().zip(&clip.frames) {
+            let expected = was.xy[0] * 0.75 + was.xy[1] * 0.25;
+            assert!((frame.xy[v] - expected).length() < 1e-4);
+            let light = was.light[0] * 0.75 + was.light[1] * 0.25;
+            assert!((frame.light[v] - light).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn pieces_fill_the_triangle_and_keep_its_side() {
+        // Corners 0, 1, 2 and the middles of the edges from each: 3, 4, 5.
+        let place = [[0, 0], [0, 8], [8, 0], [0, 4], [4, 4], [4, 0]];
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| place[v as usize]);
+            (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        };
+        for bits in 0..8u32 {
+            let points = [0, 1, 2].map(|i| (bits >> i & 1 == 1).then_some(3 + i));
+            let pieces = pieces([0, 1, 2], points, &|u, v| (u + v) as f32);
+            assert_eq!(pieces.len() as u32, 1 + bits.count_ones());
+            assert!(pieces.iter().all(|t| area(t) < 0));
+            assert_eq!(pieces.iter().map(area).sum::<i32>(), -64);
+            let used = |v: &u32| pieces.iter().flatten().any(|u| u == v);
+            assert!(points.iter().flatten().all(used));
+        }
+    }
+
+    #[test]
+    fn what_is_painted_right_is_left_alone() {
+        let cube = fixture::turning_cube(12);
+        let split = split(&cube, &SplitOptions::default()).unwrap();
+        assert_eq!((split.clip, split.cuts), (cube, 0));
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        /// Nothing gets worse, and what is seen stays as near as it was.
+        #[test]
+        fn cutting_improves_and_changes_no_picture(
+            corners in prop::collection::vec((0.0f32..40.0, 0.0f32..40.0, 0.1f32..0.9), 6..24),
+        ) {
+            let triangles: Vec<_> = corners
+                .chunks_exact(3)
+                .map(|c| ([0, 1, 2].map(|i| [c[i].0, c[i].1, c[i].2]), [9; 3]))
+                .collect();
+            let clip = fixture::loose(&triangles, 2);
+            if let Ok(drawn) = Drawn::of(&clip) {
+                let options = SplitOptions { wrong_share: 0.0, ..SplitOptions::default() };
+                let split = split(&clip, &options).unwrap();
+                let painting = Painting::constraints(&clip, &drawn, &options.order).unwrap();
+                let before = Overlaps::of(&clip, &drawn).unwrap().wrong(&painting);
+                prop_assert!(100.0 * split.wrong_share <= before.percent_mean() + 1e-9);
+                let buffer = |clip: &PlanarClip| {
+                    let mut buffer = ItemBuffer::new(40, 40, Samples::Two).unwrap();
+                    draw_frame(clip, 1, &mut buffer);
+                    buffer
+                };
+                let (was, is) = (buffer(&clip), buffer(&split.clip));
+                let all = (0..80).flat_map(|y| (0..80).map(move |x| (x, y)));
+                let differs = |at: &(u32, u32)| {
+                    let (was, is) = (was.nearness(at.0, at.1), is.nearness(at.0, at.1));
+                    // Steep slivers change much within a step of the snapping grid.
+                    was != is && (was - is).abs() > 0.02
+                };
+                let count = all.filter(differs).count();
+                prop_assert!(count <= 12, "{count} samples differ after {} cuts", split.cuts);
+            }
+        }
+    }
+}
