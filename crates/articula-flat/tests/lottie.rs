@@ -14,9 +14,10 @@ use articula_flat::Picture;
 use articula_flat::compare::{rmse, ssim};
 use articula_flat::item_buffer::Samples;
 use articula_flat::planar::reference::reference;
+use articula_flat::planar::shading::{Shading, flat_color};
 use articula_flat::planar::{PlanarClip, PlanarFrame, Surface};
 use articula_flat::vector::keyed_clip::GRID;
-use articula_flat::vector::lottie::{Options, lottie};
+use articula_flat::vector::lottie::lottie;
 use articula_flat::vector::smil::smil;
 use articula_flat::vector::{KeyedClip, KeyedPaint, KeyedShape, KeyedTrack};
 use glam::{Mat3, Vec2, Vec3};
@@ -26,10 +27,7 @@ const SIDE: u32 = 200;
 const FRAMES: usize = 9;
 const FPS: f32 = 12.5;
 const COLORS: [[u8; 3]; 2] = [[220, 120, 60], [40, 160, 250]];
-const WITH_GRADIENTS: Options<'_> = Options {
-    name: "<cube> & \"turn\"",
-    gradients: true,
-};
+const NAME: &str = "<cube> & \"turn\"";
 
 /// Corners of the cube's twelve triangles, counter-clockwise from outside.
 fn triangles() -> Vec<[u32; 3]> {
@@ -125,7 +123,7 @@ fn line(places: [Vec2; 3], light: [f32; 3]) -> [i32; 4] {
 }
 
 /// A key at each whole frame; faces turned away are not shown.
-fn keyed(clip: &PlanarClip) -> KeyedClip {
+fn keyed(clip: &PlanarClip, shading: Shading) -> KeyedClip {
     let whole = |i: usize| 2 * i;
     let keys: Vec<u32> = (0..FRAMES as u32).collect();
     let shape = |t: usize| {
@@ -152,9 +150,14 @@ fn keyed(clip: &PlanarClip) -> KeyedClip {
         Some(KeyedShape {
             outline: track(outline.collect(), 6),
             further_outlines: vec![],
-            paint: KeyedPaint::Ramp {
-                ramp: clip.surface[t].into(),
-                line: track(lines.collect(), 4),
+            paint: match shading {
+                Shading::Flat => {
+                    KeyedPaint::Flat(flat_color(clip, t, fronts.into_iter().map(whole)))
+                }
+                Shading::Gouraud => KeyedPaint::Ramp {
+                    ramp: clip.surface[t].into(),
+                    line: track(lines.collect(), 4),
+                },
             },
             shown: vec![shown],
         })
@@ -185,27 +188,23 @@ fn what_is_written_keeps_to_the_schema() {
     if !judges::judges_are_here() || !judges::data_is_here() {
         return;
     }
-    let clip = keyed(&cube());
+    let [clip, flat] = [Shading::Gouraud, Shading::Flat].map(|s| keyed(&cube(), s));
     let none = KeyedClip {
         shapes: vec![],
         frames: 1,
         ..clip.clone()
     };
-    let flat = Options {
-        gradients: false,
-        ..WITH_GRADIENTS
-    };
     let schema = judges::data_folder().join("fixtures/lottie_spec/schema");
     let mut words = vec![schema.to_string_lossy().into_owned()];
-    for (clip, options) in [(&clip, WITH_GRADIENTS), (&clip, flat), (&none, flat)] {
-        let text = lottie(clip, &options).unwrap();
+    for clip in [&clip, &flat, &none] {
+        let text = lottie(clip, NAME).unwrap();
         let file = browser::write("schema.json", text.as_bytes());
         words.push(file.to_string_lossy().into_owned());
     }
     let (verdict, good) = judges::ask("lottie_schema.mjs", &words);
     assert!(good, "{verdict}");
     // A member that is missing or of another form is found, so the schema is the right one.
-    let text = lottie(&clip, &WITH_GRADIENTS).unwrap();
+    let text = lottie(&clip, NAME).unwrap();
     for (good, bad) in [
         (r#""t":1,"g""#, r#""g""#),
         (r#""c":true,"i""#, r#""c":true,"j""#),
@@ -232,8 +231,9 @@ fn quantile_of_differences(a: &Picture, b: &Picture, share: f64) -> u8 {
 #[test]
 fn players_show_the_cube_at_whole_frames_and_between_them() {
     let cube = cube();
-    let text = lottie(&keyed(&cube), &WITH_GRADIENTS).unwrap();
-    let svg = smil(&keyed(&cube), "cube").unwrap();
+    let keyed = keyed(&cube, Shading::Gouraud);
+    let text = lottie(&keyed, NAME).unwrap();
+    let svg = smil(&keyed, NAME).unwrap();
     // dotlottie-web shows nothing later than a frame before the end.
     let frames = [0.0, 0.5, 3.0, 3.5, 6.5, 7.5];
     let items = [
@@ -270,11 +270,7 @@ fn players_show_the_cube_at_whole_frames_and_between_them() {
 #[test]
 fn players_show_the_flat_cube() {
     let cube = cube();
-    let flat = Options {
-        gradients: false,
-        ..WITH_GRADIENTS
-    };
-    let text = lottie(&keyed(&cube), &flat).unwrap();
+    let text = lottie(&keyed(&cube, Shading::Flat), NAME).unwrap();
     let items = ["lottie", "dotlottie"].map(|kind| item(kind, &text, &[2.5]));
     let Some(seen) = shots(&items) else {
         return;

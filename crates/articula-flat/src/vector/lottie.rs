@@ -12,24 +12,14 @@ use crate::planar::PlanarError;
 use std::fmt::Write;
 use std::ops::Range;
 
-/// What to write besides the shapes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Options<'a> {
-    /// Name of the animation, as editors show it.
-    pub name: &'a str,
-    /// Whether gradients are written. If not, a shape has one colour at a time, the gradient's at
-    /// its middle, which changes from key to key; for players that draw no gradients.
-    pub gradients: bool,
-}
-
-/// Writes a clip as a Lottie document.
+/// Writes a clip as a Lottie document; editors show its name.
 ///
 /// The clip lasts `frames - 1` frames and then begins anew; one frame alone lasts one. A shape
 /// that is never shown is left out.
 ///
 /// # Errors
 /// What [`KeyedClip::check`] finds.
-pub fn lottie(clip: &KeyedClip, options: &Options<'_>) -> Result<String, PlanarError> {
+pub fn lottie(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
     clip.check()?;
     let length = last_frame(clip).max(1);
     let mut text = String::new();
@@ -38,7 +28,7 @@ pub fn lottie(clip: &KeyedClip, options: &Options<'_>) -> Result<String, PlanarE
         r#"{{"v":"5.7.0","ver":10001,"fr":{},"ip":0,"op":{length},"w":{},"h":{},"nm":"#,
         clip.fps, clip.width, clip.height,
     );
-    push_string(&mut text, options.name);
+    push_string(&mut text, name);
     let _ = write!(
         text,
         r#","ddd":0,"assets":[],"layers":[{{"ty":4,"ind":1,"ip":0,"op":{length},"st":0,"ks":{{"#,
@@ -48,7 +38,7 @@ pub fn lottie(clip: &KeyedClip, options: &Options<'_>) -> Result<String, PlanarE
     // The first group lies on top.
     let shown = clip.shapes.iter().rev().filter(|s| !s.shown.is_empty());
     push_list(&mut text, shown, |text, shape| {
-        push_shape(text, clip, shape, options);
+        push_shape(text, clip, shape);
     });
     text.push_str("]}]}");
     Ok(text)
@@ -59,7 +49,7 @@ fn last_frame(clip: &KeyedClip) -> u32 {
     clip.frames.saturating_sub(1)
 }
 
-fn push_shape(text: &mut String, clip: &KeyedClip, shape: &KeyedShape, options: &Options<'_>) {
+fn push_shape(text: &mut String, clip: &KeyedClip, shape: &KeyedShape) {
     text.push_str(r#"{"ty":"gr","it":["#);
     let points = (shape.outline.width / 2) as u32;
     let further = shape.further_outlines.iter().copied();
@@ -72,77 +62,33 @@ fn push_shape(text: &mut String, clip: &KeyedClip, shape: &KeyedShape, options: 
         push_track(text, &shape.outline, part, Form::Outline);
         text.push_str("},");
     }
-    match gradient(clip, &shape.paint) {
-        Some((stops, line)) if options.gradients => push_gradient(text, stops, line),
-        Some((stops, line)) => push_fill(text, &middle_color(&shape.outline, stops, line)),
-        None => {
-            let KeyedPaint::Flat(color) = shape.paint else {
-                return;
-            };
-            push_fill(text, &KeyedTrack::still(color.map(i32::from).to_vec()));
+    match &shape.paint {
+        KeyedPaint::Flat(color) => {
+            let [r, g, b] = color.map(share);
+            let _ = write!(
+                text,
+                r#"{{"ty":"fl","o":{{"a":0,"k":100}},"r":1,"c":{{"a":0,"k":[{r},{g},{b}]}}}}"#,
+            );
         }
+        KeyedPaint::Ramp { ramp, line } => {
+            push_gradient(text, [[0; 3], clip.ramps[*ramp as usize]], line);
+        }
+        KeyedPaint::Own { stops, line } => push_gradient(text, *stops, line),
     }
     text.push_str(r#",{"ty":"tr","#);
     push_transform(text, 100.0, &opacity(&shape.shown, last_frame(clip)));
     text.push_str("}]}");
 }
 
-/// Stops and line of a paint that has them.
-fn gradient<'a>(clip: &KeyedClip, paint: &'a KeyedPaint) -> Option<([[u8; 3]; 2], &'a KeyedTrack)> {
-    match paint {
-        KeyedPaint::Flat(_) => None,
-        KeyedPaint::Ramp { ramp, line } => Some(([[0; 3], clip.ramps[*ramp as usize]], line)),
-        KeyedPaint::Own { stops, line } => Some((*stops, line)),
-    }
-}
-
 /// A linear gradient between two colours.
 fn push_gradient(text: &mut String, stops: [[u8; 3]; 2], line: &KeyedTrack) {
     text.push_str(r#"{"ty":"gf","o":{"a":0,"k":100},"r":1,"t":1,"g":{"p":2,"k":{"a":0,"k":["#);
-    let levels = stops.map(|stop| stop.map(|level| share(level.into())));
-    let [from, to] = levels.map(|stop| stop.join(","));
+    let [from, to] = stops.map(|stop| stop.map(share).join(","));
     let _ = write!(text, r#"0,{from},1,{to}]}}}},"s":"#);
     push_track(text, line, 0..2, Form::Point);
     text.push_str(r#","e":"#);
     push_track(text, line, 2..4, Form::Point);
     text.push('}');
-}
-
-/// A fill of one colour at a time.
-fn push_fill(text: &mut String, color: &KeyedTrack) {
-    text.push_str(r#"{"ty":"fl","o":{"a":0,"k":100},"r":1,"c":"#);
-    push_track(text, color, 0..3, Form::Color);
-    text.push('}');
-}
-
-/// The colour that a gradient has in the middle of an outline, at each of the line's keys.
-fn middle_color(outline: &KeyedTrack, stops: [[u8; 3]; 2], line: &KeyedTrack) -> KeyedTrack {
-    let of_key = |key: usize| {
-        let points = outline.at(line.frames[key].into());
-        let mean = |axis| {
-            let values = points.iter().skip(axis).step_by(2);
-            values.sum::<f64>() / (points.len() / 2) as f64
-        };
-        let [x1, y1, x2, y2] = [0, 1, 2, 3].map(|i| f64::from(line.key(key)[i]));
-        let (dx, dy) = (x2 - x1, y2 - y1);
-        let along = (mean(0) - x1) * dx + (mean(1) - y1) * dy;
-        let length = dx * dx + dy * dy;
-        // A line without a length has the last colour everywhere, as in SVG.
-        let share = if length > 0.0 {
-            (along / length).clamp(0.0, 1.0)
-        } else {
-            1.0
-        };
-        [0, 1, 2].map(|i| {
-            let [from, to] = stops.map(|stop| f64::from(stop[i]));
-            (from + (to - from) * share).round() as i32
-        })
-    };
-    KeyedTrack {
-        frames: line.frames.clone(),
-        values: (0..line.len()).flat_map(of_key).collect(),
-        width: 3,
-    }
 }
 
 /// The opacity of a group that is shown in these spans of half frames: held from key to key.
@@ -188,8 +134,6 @@ enum Form {
     Outline,
     /// x, y.
     Point,
-    /// Red, green and blue levels.
-    Color,
 }
 
 /// A property: some numbers of each key of a track.
@@ -211,7 +155,7 @@ fn push_track(text: &mut String, track: &KeyedTrack, part: Range<usize>, form: F
                 push_value(text, of(key), form);
                 text.push(']');
             }
-            Form::Point | Form::Color => push_value(text, of(key), form),
+            Form::Point => push_value(text, of(key), form),
         }
         if key + 1 < track.len() {
             text.push_str(r#","i":{"x":1,"y":1},"o":{"x":0,"y":0}"#);
@@ -225,10 +169,6 @@ fn push_value(text: &mut String, numbers: &[i32], form: Form) {
     match form {
         Form::Point => {
             let _ = write!(text, "[{},{}]", numbers[0], numbers[1]);
-        }
-        Form::Color => {
-            let shares: Vec<String> = numbers.iter().map(|level| share(*level)).collect();
-            let _ = write!(text, "[{}]", shares.join(","));
         }
         Form::Outline => {
             let points = numbers.chunks_exact(2);
@@ -247,10 +187,8 @@ fn push_value(text: &mut String, numbers: &[i32], form: Form) {
 
 /// A level as a share of 255, just large enough that cutting off gives the level back as well as
 /// rounding does: lottie-web cuts the colours of fills.
-fn share(level: i32) -> String {
-    let thousandths = (level.clamp(0, 255) * 1000).div_euclid(255);
-    let exact = thousandths * 255 == level.clamp(0, 255) * 1000;
-    let thousandths = if exact { thousandths } else { thousandths + 1 };
+fn share(level: u8) -> String {
+    let thousandths = (u32::from(level) * 1000).div_ceil(255);
     (f64::from(thousandths) / 1000.0).to_string()
 }
 
@@ -289,11 +227,6 @@ mod tests {
     use serde_json::{Value, json};
     use std::iter::once;
 
-    const WITH_GRADIENTS: Options<'_> = Options {
-        name: "a",
-        gradients: true,
-    };
-
     fn track(frames: &[u32], values: &[i32]) -> KeyedTrack {
         KeyedTrack {
             frames: frames.to_vec(),
@@ -322,8 +255,8 @@ mod tests {
         }
     }
 
-    fn read(clip: &KeyedClip, options: &Options<'_>) -> Value {
-        serde_json::from_str(&lottie(clip, options).unwrap()).unwrap()
+    fn read(clip: &KeyedClip) -> Value {
+        serde_json::from_str(&lottie(clip, "a").unwrap()).unwrap()
     }
 
     /// Elements of the `i`th group.
@@ -339,7 +272,7 @@ mod tests {
         );
         let moving = track(&[0, 4], &[0, 0, 4, 0, 0, 4, -2, 0, 4, 0, 0, 4]);
         let front = shape(moving, KeyedPaint::Flat([51; 3]));
-        let document = read(&clip(vec![back, front]), &WITH_GRADIENTS);
+        let document = read(&clip(vec![back, front]));
         assert_eq!(
             [
                 &document["fr"],
@@ -387,7 +320,7 @@ mod tests {
         never.shown.clear();
         let mut early = blinking.clone();
         early.shown = once(0..3).collect();
-        let document = read(&clip(vec![never, early, blinking]), &WITH_GRADIENTS);
+        let document = read(&clip(vec![never, early, blinking]));
         assert_eq!(document["layers"][0]["shapes"].as_array().unwrap().len(), 2);
         let key = |t: f64, s: i32| {
             let whole = json!(t as i32);
@@ -413,7 +346,7 @@ mod tests {
         let stops = [[10, 20, 30], [110, 120, 130]];
         let own = shape(outline, KeyedPaint::Own { stops, line });
         let clip = clip(vec![ramp, own]);
-        let document = read(&clip, &WITH_GRADIENTS);
+        let document = read(&clip);
         let ramp = &group(&document, 1)[1];
         assert_eq!([&ramp["ty"], &ramp["t"]], [&json!("gf"), &json!(1)]);
         assert_eq!(
@@ -429,16 +362,8 @@ mod tests {
             .map(|k| &k["s"])
             .collect();
         assert_eq!(ends, [&json!([8, 0]), &json!([8, 4]), &json!([8, 0])]);
-        // Its middle (4, 4) is halfway at first; then (4 * 8 + 4 * 4) / (8 * 8 + 4 * 4) = 0.6.
-        let flat = Options {
-            gradients: false,
-            ..WITH_GRADIENTS
-        };
-        let document = read(&clip, &flat);
-        let fill = &group(&document, 0)[1];
-        assert_eq!(fill["ty"], "fl");
-        let level = |key: usize| (fill["c"]["k"][key]["s"][0].as_f64().unwrap() * 255.0) as i32;
-        assert_eq!([level(0), level(1), level(2)], [60, 70, 60]);
+        let own = &group(&document, 0)[1]["g"]["k"]["k"];
+        assert_eq!(*own, json!([0, 0.04, 0.079, 0.118, 1, 0.432, 0.471, 0.51]));
     }
 
     #[test]
@@ -448,7 +373,7 @@ mod tests {
             KeyedPaint::Flat([0; 3]),
         );
         ring.further_outlines = vec![3];
-        let document = read(&clip(vec![ring]), &WITH_GRADIENTS);
+        let document = read(&clip(vec![ring]));
         let [outer, hole, _, _] = &group(&document, 0)[..] else {
             panic!("{document}");
         };
@@ -459,41 +384,36 @@ mod tests {
     #[test]
     fn names_are_escaped_and_faults_are_told() {
         let name = "a \"b\" \\ \n </script> é";
-        let document = read(
-            &clip(vec![]),
-            &Options {
-                name,
-                gradients: true,
-            },
-        );
+        let text = lottie(&clip(vec![]), name).unwrap();
+        let document: Value = serde_json::from_str(&text).unwrap();
         assert_eq!(document["nm"], name);
         assert_eq!(document["layers"][0]["shapes"], json!([]));
         let none = KeyedClip {
             frames: 0,
             ..clip(vec![])
         };
-        assert_eq!(lottie(&none, &WITH_GRADIENTS), Err(PlanarError::NoFrames));
+        assert_eq!(lottie(&none, ""), Err(PlanarError::NoFrames));
         let one = KeyedClip {
             frames: 1,
             ..clip(vec![])
         };
-        assert_eq!(read(&one, &WITH_GRADIENTS)["op"], 1);
+        assert_eq!(read(&one)["op"], 1);
     }
 
     proptest! {
         #[test]
-        fn every_level_comes_back_whether_cut_or_rounded(level in 0i32..256) {
+        fn every_level_comes_back_whether_cut_or_rounded(level in any::<u8>()) {
             let share: f64 = share(level).parse().unwrap();
             prop_assert!((0.0..=1.0).contains(&share));
-            prop_assert_eq!((share * 255.0) as i32, level);
-            prop_assert_eq!((share * 255.0).round() as i32, level);
-            prop_assert_eq!((share as f32 * 255.0) as i32, level);
+            prop_assert_eq!((share * 255.0) as u8, level);
+            prop_assert_eq!((share * 255.0).round() as u8, level);
+            prop_assert_eq!((share as f32 * 255.0) as u8, level);
         }
 
         #[test]
         fn every_number_of_a_track_is_written(values in prop::collection::vec(-9000i32..9000, 24)) {
             let outline = track(&[0, 1, 3, 4], &values);
-            let document = read(&clip(vec![shape(outline.clone(), KeyedPaint::Flat([1; 3]))]), &WITH_GRADIENTS);
+            let document = read(&clip(vec![shape(outline.clone(), KeyedPaint::Flat([1; 3]))]));
             let keys = group(&document, 0)[0]["ks"]["k"].as_array().unwrap();
             for (i, key) in keys.iter().enumerate() {
                 prop_assert_eq!(&key["t"], &json!(outline.frames[i]));
