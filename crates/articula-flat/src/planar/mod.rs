@@ -13,6 +13,7 @@
 //! - [`shading`]: one gradient for each triangle
 //! - [`low_rank`]: a table of numbers as its mean row and a few components
 //! - [`split`]: cuts triangles that pass through each other
+//! - [`merge`]: regions of triangles of nearly one colour
 //! - [`error`]: what can be wrong with a clip that is to be converted
 
 pub mod bake;
@@ -22,6 +23,7 @@ pub mod error;
 #[cfg(test)]
 mod fixture;
 pub mod low_rank;
+pub mod merge;
 pub mod order;
 pub mod reference;
 pub mod shading;
@@ -32,6 +34,7 @@ pub mod underlap;
 pub use clip::{PlanarClip, PlanarFrame, Surface};
 pub use drawn::Drawn;
 pub use error::PlanarError;
+pub use merge::Region;
 pub use order::{Epoch, Layer, OrderOptions, Overlaps, Painting, WrongPixels, wrong_pixels};
 pub use shading::{Colors, Shading};
 pub use underlap::{Sealed, UnderlapOptions};

@@ -12,6 +12,7 @@
 
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
+use super::merge::OutlineEdge;
 use super::order::Painting;
 use glam::Vec2;
 
@@ -86,7 +87,7 @@ pub(crate) fn ranks(clip: &PlanarClip, order: &[u32]) -> Vec<Option<u32>> {
 #[derive(Debug, Clone)]
 pub struct Sealer<'a> {
     clip: &'a PlanarClip,
-    neighbours: Neighbours,
+    pub(crate) neighbours: Neighbours,
     distance: f32,
 }
 
@@ -122,6 +123,31 @@ impl<'a> Sealer<'a> {
             moved(&places, &sides, self.distance)
         };
         (0..self.clip.triangles.len()).map(of).collect()
+    }
+
+    /// The points of an outline in one frame, each where one of its edges begins; an edge is a
+    /// triangle and the corner at which it starts. `rank` as for [`Self::frame`]: it is the
+    /// same for all triangles within the outline.
+    pub(crate) fn outline(
+        &self,
+        frame: usize,
+        edges: &[OutlineEdge],
+        rank: impl Fn(u32) -> Option<u32>,
+    ) -> Vec<Vec2> {
+        let line = |(t, e): &(u32, u8)| {
+            let (triangle, edge) = (*t as usize, usize::from(*e));
+            let places = self.clip.places(frame, triangle);
+            let own = rank(*t).filter(|_| faces_viewer(&places));
+            let is_later = |n: u32| own.is_some_and(|own| rank(n).is_some_and(|r| r > own));
+            let side = self.side(frame, (triangle, edge), &rank, &is_later);
+            (places[edge], (outward(&places, edge), side))
+        };
+        let lines: Vec<(Vec2, (Vec2, Side))> = edges.iter().map(line).collect();
+        let before = lines.iter().cycle().skip(lines.len().saturating_sub(1));
+        let corner = |((_, before), (place, after)): (&(Vec2, (Vec2, Side)), &(Vec2, _))| {
+            *place + way(before, after, self.distance)
+        };
+        before.zip(&lines).map(corner).collect()
     }
 
     /// What lies across an edge, of triangles that are painted later.
@@ -204,6 +230,8 @@ pub(crate) struct Neighbour {
 /// next. Vertices are joined by where they are, and the two triangles must wind alike.
 #[derive(Debug, Clone)]
 pub(crate) struct Neighbours {
+    /// Vertices that are never apart have the same number.
+    pub(crate) class: Vec<u32>,
     /// First entry of each edge `3 t + e`, and the end.
     first: Vec<u32>,
     entries: Vec<Neighbour>,
@@ -228,20 +256,21 @@ impl Neighbours {
             })
             .collect();
         edges.sort_by_key(|(ends, n)| (*ends, n.triangle));
-        let mut out = Self {
-            first: vec![0],
-            entries: Vec::new(),
-        };
+        let (mut first, mut entries) = (vec![0], Vec::new());
         for (t, e) in all() {
             let (a, b) = ends(t, e);
             let from = edges.partition_point(|(ends, _)| *ends < (b, a));
             let to = edges.partition_point(|(ends, _)| *ends <= (b, a));
             if a != b && to - from <= MOST_NEIGHBOURS {
-                out.entries.extend(edges[from..to].iter().map(|(_, n)| *n));
+                entries.extend(edges[from..to].iter().map(|(_, n)| *n));
             }
-            out.first.push(out.entries.len() as u32);
+            first.push(entries.len() as u32);
         }
-        out
+        Self {
+            class,
+            first,
+            entries,
+        }
     }
 
     pub(crate) fn across(&self, triangle: usize, edge: usize) -> &[Neighbour] {
@@ -263,25 +292,30 @@ fn outward(corners: &[Vec2; 3], edge: usize) -> Vec2 {
 
 /// Moves each edge out by its reach, at most by the distance.
 fn moved(corners: &[Vec2; 3], sides: &[Side; 3], distance: f32) -> [Vec2; 3] {
-    if distance <= 0.0 || sides.iter().all(|side| side.reach <= 0.0) {
+    if sides.iter().all(|side| side.reach <= 0.0) {
         return *corners;
     }
-    let wanted = sides.map(|side| side.reach.min(distance));
-    let normals = [0, 1, 2].map(|e| outward(corners, e));
-    [0, 1, 2].map(|i| {
-        let (before, after) = ((i + 2) % 3, i);
-        let mut pull = Pull::default();
-        for e in [before, after] {
-            let stiffness = 1.0 / (wanted[e] / distance + 1.0 / STIFFNESS);
-            pull.towards(normals[e], wanted[e], stiffness);
+    let lines = [0, 1, 2].map(|e| (outward(corners, e), sides[e]));
+    [0, 1, 2].map(|i| corners[i] + way(&lines[(i + 2) % 3], &lines[i], distance))
+}
+
+/// How far a corner moves between the edge that ends there and the one that begins there, each
+/// with its outward normal.
+fn way(before: &(Vec2, Side), after: &(Vec2, Side), distance: f32) -> Vec2 {
+    if distance <= 0.0 {
+        return Vec2::ZERO;
+    }
+    let mut pull = Pull::default();
+    for (normal, side) in [before, after] {
+        let wanted = side.reach.min(distance);
+        pull.towards(*normal, wanted, 1.0 / (wanted / distance + 1.0 / STIFFNESS));
+    }
+    for wall in [before.1.walls[1], after.1.walls[0]] {
+        if wall.normal.dot(pull.solved()) > wall.reach {
+            pull.towards(wall.normal, wall.reach, WALL);
         }
-        for wall in [sides[before].walls[1], sides[after].walls[0]] {
-            if wall.normal.dot(pull.solved()) > wall.reach {
-                pull.towards(wall.normal, wall.reach, WALL);
-            }
-        }
-        corners[i] + pull.solved().clamp_length_max(FURTHEST * distance)
-    })
+    }
+    pull.solved().clamp_length_max(FURTHEST * distance)
 }
 
 /// Damped least squares of a corner's way: weighted wishes, each along a direction.
@@ -442,8 +476,8 @@ mod tests {
             }
             let options = UnderlapOptions { distance_px: distance };
             let sealed = Sealer::new(&cube, options).frame(0, |_| true, |t| Some((t + turn) % 12));
-            for t in 0..12 {
-                for (to, from) in sealed[t].iter().zip(cube.places(0, t)) {
+            for (t, corners) in sealed.iter().enumerate() {
+                for (to, from) in corners.iter().zip(cube.places(0, t)) {
                     prop_assert!(to.distance(from) <= 2.5 * distance + 1e-3);
                 }
             }
