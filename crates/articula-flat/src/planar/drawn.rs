@@ -38,11 +38,17 @@ impl Drawn {
     /// # Errors
     /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
     pub fn of(clip: &PlanarClip) -> Result<Self, PlanarError> {
-        let mut drawn = Self::seen(clip)?;
+        Ok(Self::seen(clip)?.with_short_gaps())
+    }
+
+    /// The same with gaps shorter than six frames filled.
+    #[must_use]
+    pub fn with_short_gaps(&self) -> Self {
+        let mut drawn = self.clone();
         for t in 0..drawn.triangles {
             drawn.fill_gaps(t);
         }
-        Ok(drawn)
+        drawn
     }
 
     /// What is seen of a clip, frame by frame.

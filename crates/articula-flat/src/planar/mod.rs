@@ -35,6 +35,9 @@ pub use clip::{PlanarClip, PlanarFrame, Surface};
 pub use drawn::Drawn;
 pub use error::PlanarError;
 pub use merge::Region;
-pub use order::{Epoch, Layer, OrderOptions, Overlaps, Painting, WrongPixels, wrong_pixels};
+pub use order::{
+    Epoch, Layer, OrderOptions, Overlaps, Painted, Painting, WrongPixels, wrong_pixels,
+};
 pub use shading::{Colors, Shading};
+pub use split::{Split, SplitOptions, split};
 pub use underlap::{Sealed, UnderlapOptions};

@@ -11,7 +11,7 @@
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
 use super::error::PlanarError;
-use super::order::{OrderOptions, Overlaps, Painting};
+use super::order::{OrderOptions, Overlaps, Painted, Painting};
 use glam::Vec2;
 use std::collections::BTreeMap;
 
@@ -61,16 +61,12 @@ pub struct Split {
 /// # Errors
 /// What is wrong with the clip, as [`Drawn::of`] and [`Overlaps::of`] tell it.
 pub fn split(clip: &PlanarClip, options: &SplitOptions) -> Result<Split, PlanarError> {
-    let mut overlaps = None;
-    let mut best = painted(clip.clone(), 0, options, &mut overlaps)?;
+    let (mut best, mut overlaps) = painted(clip.clone(), 0, options)?;
     for _ in 0..options.max_rounds {
-        let Some(found) = overlaps.take() else {
-            break;
-        };
         if best.wrong_share <= options.wrong_share {
             break;
         }
-        let marks = marks(&best, &found, options);
+        let marks = marks(&best, &overlaps, options);
         if marks.cuts == 0 {
             break;
         }
@@ -78,11 +74,11 @@ pub fn split(clip: &PlanarClip, options: &SplitOptions) -> Result<Split, PlanarE
         if next.check().is_err() {
             break;
         }
-        let next = painted(next, best.cuts + marks.cuts, options, &mut overlaps)?;
+        let (next, found) = painted(next, best.cuts + marks.cuts, options)?;
         if next.wrong_share >= best.wrong_share {
             break;
         }
-        best = next;
+        (best, overlaps) = (next, found);
     }
     Ok(best)
 }
@@ -91,21 +87,22 @@ fn painted(
     clip: PlanarClip,
     cuts: usize,
     options: &SplitOptions,
-    overlaps: &mut Option<Overlaps>,
-) -> Result<Split, PlanarError> {
-    let drawn = Drawn::of(&clip)?;
-    let found = overlaps.insert(Overlaps::of(&clip, &drawn)?);
-    let painting = Painting::from_overlaps(&clip, &drawn, found, &options.order);
-    let wrong = found.wrong(&painting).per_frame;
-    let sum = |of: fn(&(u32, u32)) -> u32| wrong.iter().map(|f| u64::from(of(f))).sum::<u64>();
-    let (wrong, object) = (sum(|f| f.0), sum(|f| f.1));
-    Ok(Split {
+) -> Result<(Split, Overlaps), PlanarError> {
+    let painted = Painted::of(&clip, &options.order)?;
+    let wrong_share = painted.wrong().share();
+    let Painted {
+        drawn,
+        painting,
+        overlaps,
+    } = painted;
+    let split = Split {
         clip,
         drawn,
         painting,
-        wrong_share: wrong as f64 / object.max(1) as f64,
+        wrong_share,
         cuts,
-    })
+    };
+    Ok((split, overlaps))
 }
 
 /// Two triangles that lie over each other both ways.
@@ -521,12 +518,11 @@ mod tests {
                 .map(|c| ([0, 1, 2].map(|i| [c[i].0, c[i].1, c[i].2]), [9; 3]))
                 .collect();
             let clip = fixture::loose(&triangles, 2);
-            if let Ok(drawn) = Drawn::of(&clip) {
+            if Drawn::of(&clip).is_ok() {
                 let options = SplitOptions { wrong_share: 0.0, ..SplitOptions::default() };
                 let split = split(&clip, &options).unwrap();
-                let painting = Painting::constraints(&clip, &drawn, &options.order).unwrap();
-                let before = Overlaps::of(&clip, &drawn).unwrap().wrong(&painting);
-                prop_assert!(100.0 * split.wrong_share <= before.percent_mean() + 1e-9);
+                let before = Painted::of(&clip, &options.order).unwrap();
+                prop_assert!(split.wrong_share <= before.wrong().share());
                 let buffer = |clip: &PlanarClip| {
                     let mut buffer = ItemBuffer::new(40, 40, Samples::Two).unwrap();
                     draw_frame(clip, 1, &mut buffer);

@@ -20,6 +20,21 @@ pub(super) fn single(clip: &PlanarClip, drawn: &Drawn, overlaps: &Overlaps) -> P
     }
 }
 
+/// One order again after less is drawn: the old one without what is gone, improved.
+pub(super) fn again(painting: &Painting, drawn: &Drawn, overlaps: &Overlaps) -> Painting {
+    let again = |epoch: &Epoch| {
+        let frames = epoch.frames.clone();
+        let is_drawn = drawn.mask(&frames);
+        let kept = epoch.order.iter().copied();
+        let mut order: Vec<u32> = kept.filter(|t| is_drawn[*t as usize]).collect();
+        sift(overlaps, &overlaps.sum(&frames), &mut order);
+        Epoch { frames, order }
+    };
+    Painting {
+        epochs: painting.epochs.iter().map(again).collect(),
+    }
+}
+
 /// An order for each frame.
 pub(super) fn per_frame(clip: &PlanarClip, drawn: &Drawn, overlaps: &Overlaps) -> Painting {
     let epoch = |f: usize| {
@@ -53,11 +68,11 @@ fn fresh_order(
     order
 }
 
-/// One order if it is good enough, else as few epochs as a greedy search finds.
+/// One order, given, if it is good enough, else as few epochs as a greedy search finds.
 pub(super) fn epochs(
     clip: &PlanarClip,
-    drawn: &Drawn,
-    overlaps: &Overlaps,
+    (drawn, overlaps): (&Drawn, &Overlaps),
+    one: Painting,
     options: &OrderOptions,
 ) -> Painting {
     let best = per_frame(clip, drawn, overlaps);
@@ -67,7 +82,6 @@ pub(super) fn epochs(
         overlaps.wrong_within(&epoch.frames, &epoch.order) as f64 + tolerance
     };
     let allowed: Vec<f64> = best.epochs.iter().map(allowed).collect();
-    let one = single(clip, drawn, overlaps);
     let search = Search {
         drawn,
         overlaps,

@@ -9,15 +9,19 @@
 //! - `graph`: a first order, by strongly connected components and least incoming weight
 //! - `sift`: moves single triangles to where they leave fewest samples wrong
 //! - `epochs`: spans of frames that share one order
+//! - `gaps`: hidden triangles that are better not painted
+//! - `painted`: all of this for a clip: what is drawn, in which order, what stays wrong
 //! - [`layers`]: one list with copies that shows every epoch's order
 //!
 //! Differs: constraints also bind what is painted but hidden (short gaps are drawn), and an
 //! order is improved by sifting after the greedy choice.
 
 mod epochs;
+mod gaps;
 mod graph;
 pub mod layers;
 pub mod overlap;
+mod painted;
 mod sift;
 
 use super::clip::PlanarClip;
@@ -25,6 +29,7 @@ use super::drawn::Drawn;
 use super::error::PlanarError;
 pub use layers::Layer;
 pub use overlap::{Overlaps, WrongPixels, wrong_pixels};
+pub use painted::Painted;
 use std::ops::Range;
 
 /// When which triangles are painted, and in which order.
@@ -124,7 +129,8 @@ impl Painting {
         overlaps: &Overlaps,
         options: &OrderOptions,
     ) -> Self {
-        epochs::epochs(clip, drawn, overlaps, options)
+        let one = epochs::single(clip, drawn, overlaps);
+        epochs::epochs(clip, (drawn, overlaps), one, options)
     }
 
     /// One order for the whole clip, whatever it costs.

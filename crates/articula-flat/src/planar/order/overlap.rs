@@ -54,6 +54,14 @@ impl WrongPixels {
         let sum: f64 = self.per_frame.iter().map(share).sum();
         100.0 * sum / self.per_frame.len().max(1) as f64
     }
+
+    /// Share of the object's samples of all frames together that is wrong.
+    pub fn share(&self) -> f64 {
+        let sum = |of: fn(&(u32, u32)) -> u32| -> u64 {
+            self.per_frame.iter().map(|f| u64::from(of(f))).sum()
+        };
+        sum(|f| f.0) as f64 / sum(|f| f.1).max(1) as f64
+    }
 }
 
 /// Samples that a painting shows wrong, frame by frame.
@@ -163,10 +171,10 @@ impl Overlaps {
 }
 
 /// Place of each triangle in an order.
-struct Places(Vec<u32>);
+pub(super) struct Places(Vec<u32>);
 
 impl Places {
-    fn of(order: &[u32]) -> Self {
+    pub(super) fn of(order: &[u32]) -> Self {
         let count = order.iter().max().map_or(0, |t| *t as usize + 1);
         let mut places = vec![0; count];
         for (place, t) in order.iter().enumerate() {
@@ -176,7 +184,7 @@ impl Places {
     }
 
     /// 0 if it is not in the order.
-    fn get(&self, triangle: u32) -> u32 {
+    pub(super) fn get(&self, triangle: u32) -> u32 {
         self.0.get(triangle as usize).copied().unwrap_or(0)
     }
 }

@@ -136,6 +136,34 @@ fn two_that_change_places_need_two_epochs_and_one_copy() {
 }
 
 #[test]
+fn a_short_gap_is_left_empty_where_its_triangle_would_cover_others() {
+    let mut clip = swapping(4, 10);
+    for frame in &mut clip.frames[7..] {
+        frame.nearness[..3].fill(0.2);
+    }
+    let painted = Painted::of(&clip, &OrderOptions::default()).unwrap();
+    assert_eq!(painted.painting.epochs.len(), 1);
+    assert_eq!(painted.painting.order_at(5), [0, 1]);
+    assert_eq!(painted.drawn.spans(1), [0..4, 7..10]);
+    assert_eq!(painted.wrong().share(), 0.0);
+    // The same order with the gap painted shows it wrong.
+    let filled = Drawn::of(&clip).unwrap();
+    let wrong = wrong_pixels(&clip, &filled, &painted.painting).unwrap();
+    assert_eq!(wrong.per_frame[5], (35 * 40 * 4, 6400));
+    assert!((wrong.share() - 3.0 * 35.0 / 400.0).abs() < 1e-9);
+    // A farther one that is hidden for as long does no harm below the others.
+    let farthest = [[1.0, 9.0, 0.1], [1.0, 20.0, 0.1], [4.0, 20.0, 0.1]];
+    let mut calm = fixture::loose(&[(farthest, [1; 3]), wall(0.2, 0.0)], 10);
+    for f in [0, 1, 2, 8, 9] {
+        (3..6).for_each(|v| calm.frames[f].xy[v].x += 5.0);
+    }
+    let painted = Painted::of(&calm, &OrderOptions::default()).unwrap();
+    assert_eq!(Drawn::seen(&calm).unwrap().spans(0), [0..3, 8..10]);
+    assert_eq!(painted.drawn.spans(0), vec![0..10]);
+    assert_eq!(painted.wrong().share(), 0.0);
+}
+
+#[test]
 fn a_turning_cube_is_painted_right() {
     let cube = fixture::turning_cube(24);
     let drawn = Drawn::seen(&cube).unwrap();

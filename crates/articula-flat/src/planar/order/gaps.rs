@@ -1,0 +1,65 @@
+//! Short gaps that are better left empty.
+//!
+//! Source: none. [`Drawn::of`] paints hidden triangles in short gaps, which is free as long as
+//! something lies over them. Where no order hides such a triangle, it is left out after all: a
+//! switch costs a few bytes, wrong pixels are seen.
+
+use super::Painting;
+use super::overlap::{Overlaps, Places};
+use crate::planar::drawn::Drawn;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// Samples over a whole gap that painting it may show wrong: a pixel.
+const HARMLESS: u64 = 4;
+
+/// What is drawn, without the gaps of `filled` in which a triangle that is not `seen` would
+/// cover what is. `overlaps` are those of `filled`.
+pub(super) fn without_harm(
+    overlaps: &Overlaps,
+    painting: &Painting,
+    seen: &Drawn,
+    filled: &Drawn,
+) -> Drawn {
+    let mut harm: BTreeMap<(u32, usize), u64> = BTreeMap::new();
+    for epoch in &painting.epochs {
+        let places = Places::of(&epoch.order);
+        for f in epoch.frames.clone() {
+            for (set, n) in overlaps.counts(f) {
+                let members = overlaps.members(*set as usize);
+                let owner = places.get(members[0]);
+                let above = || members[1..].iter().filter(|t| places.get(**t) > owner);
+                // What is wrong anyhow is not the gaps' fault.
+                if above().any(|t| seen.get(f, *t as usize)) {
+                    continue;
+                }
+                for t in above() {
+                    *harm.entry((*t, f)).or_default() += u64::from(*n);
+                }
+            }
+        }
+    }
+    let mut drawn = filled.clone();
+    for t in 0..filled.triangles() {
+        for gap in gaps(seen, filled, t) {
+            let of = |f: usize| harm.get(&(t as u32, f)).copied().unwrap_or(0);
+            if gap.clone().map(of).sum::<u64>() > HARMLESS {
+                gap.for_each(|f| drawn.set(f, t, false));
+            }
+        }
+    }
+    drawn
+}
+
+/// Spans in which a triangle is drawn without being seen.
+fn gaps(seen: &Drawn, filled: &Drawn, triangle: usize) -> Vec<Range<usize>> {
+    let mut gaps: Vec<Range<usize>> = Vec::new();
+    let is_gap = |f: &usize| filled.get(*f, triangle) && !seen.get(*f, triangle);
+    for f in (0..filled.frames()).filter(is_gap) {
+        match gaps.last_mut() {
+            Some(last) if last.end == f => last.end = f + 1,
+            _ => gaps.push(f..f + 1),
+        }
+    }
+    gaps
+}
