@@ -283,3 +283,37 @@ fn players_show_the_flat_cube() {
         assert!((4.5..10.0).contains(&apart), "{apart} levels");
     }
 }
+
+/// An outline that runs the other way round inside another is a hole.
+#[test]
+fn players_leave_holes_open() {
+    let ring = KeyedShape {
+        outline: KeyedTrack::still(vec![
+            0, 0, 800, 0, 800, 800, 0, 800, 200, 200, 200, 600, 600, 600, 600, 200,
+        ]),
+        further_outlines: vec![4],
+        paint: KeyedPaint::Flat([51, 102, 204]),
+        shown: std::iter::once(0..3).collect(),
+    };
+    let clip = KeyedClip {
+        frames: 2,
+        shapes: vec![ring],
+        ..keyed(&cube(), Shading::Flat)
+    };
+    let text = lottie(&clip, NAME).unwrap();
+    let items = ["lottie", "dotlottie"].map(|kind| item(kind, &text, &[0.0]));
+    let Some(seen) = shots(&items) else {
+        return;
+    };
+    for (item, seen) in items.iter().zip(&seen) {
+        let pixel = |x, y| seen.pictures[0].get(x, y);
+        let found = [pixel(25, 100), pixel(100, 100), pixel(100, 175)];
+        let (blue, white) = ([51, 102, 204, 255], [255; 4]);
+        assert_eq!(
+            found,
+            [Some(blue), Some(white), Some(blue)],
+            "{}",
+            item.kind
+        );
+    }
+}
