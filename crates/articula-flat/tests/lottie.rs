@@ -19,7 +19,7 @@ use articula_flat::planar::{PlanarClip, PlanarFrame, Surface};
 use articula_flat::vector::keyed_clip::GRID;
 use articula_flat::vector::lottie::lottie;
 use articula_flat::vector::smil::smil;
-use articula_flat::vector::{KeyedClip, KeyedPaint, KeyedShape, KeyedTrack};
+use articula_flat::vector::{KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
 use glam::{Mat3, Vec2, Vec3};
 use judges::browser::{self, Item, shots};
 
@@ -168,6 +168,7 @@ fn keyed(clip: &PlanarClip, shading: Shading) -> KeyedClip {
         fps: FPS,
         frames: FRAMES as u32,
         ramps: COLORS.to_vec(),
+        lines: LineUnits::Grid,
         shapes: (0..clip.triangles.len()).filter_map(shape).collect(),
     }
 }

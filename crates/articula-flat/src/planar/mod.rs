@@ -12,8 +12,9 @@
 //! - [`underlap`]: edges that reach under what is painted later, so that no gap shows
 //! - [`shading`]: one gradient for each triangle
 //! - [`low_rank`]: a table of numbers as its mean row and a few components
-//! - [`split`]: cuts triangles that pass through each other
-//! - [`merge`]: regions of triangles of nearly one colour
+//! - [`mod@split`]: cuts triangles that pass through each other
+//! - [`mod@merge`]: regions of triangles of nearly one colour
+//! - [`key_frames`]: few keys instead of every frame
 //! - [`error`]: what can be wrong with a clip that is to be converted
 
 pub mod bake;
@@ -22,18 +23,22 @@ pub mod drawn;
 pub mod error;
 #[cfg(test)]
 mod fixture;
+pub mod key_frames;
 pub mod low_rank;
 pub mod merge;
+mod moving_gradient;
 pub mod order;
 pub mod reference;
 pub mod shading;
 pub mod split;
 pub mod stage;
+mod tunnel;
 pub mod underlap;
 
 pub use clip::{PlanarClip, PlanarFrame, Surface};
 pub use drawn::Drawn;
 pub use error::PlanarError;
+pub use key_frames::{KeyOptions, KeyStats, keyed};
 pub use merge::Region;
 pub use order::{
     Epoch, Layer, OrderOptions, Overlaps, Painted, Painting, WrongPixels, wrong_pixels,

@@ -22,7 +22,11 @@ pub fn flipbook(pages: &[KeyedClip], name: &str) -> Result<String, PlanarError> 
     let head = |page: &KeyedClip| (page.width, page.height, page.fps);
     for (f, page) in pages.iter().enumerate() {
         page.check()?;
-        if page.frames != 1 || head(page) != head(first) || page.ramps != first.ramps {
+        if page.frames != 1
+            || head(page) != head(first)
+            || page.ramps != first.ramps
+            || page.lines != first.lines
+        {
             return Err(PlanarError::Mismatch {
                 at: "flip-book",
                 what: format!("page {f} is not one frame with the first page's size and ramps"),
@@ -55,7 +59,7 @@ pub fn flipbook(pages: &[KeyedClip], name: &str) -> Result<String, PlanarError> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::keyed_clip::{KeyedPaint, KeyedTrack};
+    use super::super::keyed_clip::{KeyedPaint, KeyedTrack, LineUnits};
     use super::super::smil_sampler::MovingSvg;
     use super::*;
 
@@ -65,6 +69,7 @@ mod tests {
             height: 10,
             fps: 10.0,
             frames: 1,
+            lines: LineUnits::Grid,
             ramps: vec![],
             shapes: vec![KeyedShape {
                 outline: KeyedTrack::still(vec![x, 0, x + 8, 0, x, 8]),

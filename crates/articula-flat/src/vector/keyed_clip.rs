@@ -12,6 +12,21 @@ pub const GRID: i32 = 4;
 /// Farthest that a number may be from the origin, grid steps; players count in `f32`.
 pub const MAX_GRID: u32 = 1 << 20;
 
+/// Steps of a gradient's line over the width and over the height of its shape's bounding box.
+pub const BOX: i32 = 1000;
+
+/// What the lines of gradients are counted in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LineUnits {
+    /// Grid steps on the picture.
+    #[default]
+    Grid,
+    /// Thousandths ([`BOX`]) of the width and height of the shape's bounding box, from its top left: the
+    /// line goes along with the shape, and bands of equal colour lean as the box is stretched
+    /// (`objectBoundingBox` of SVG).
+    Box,
+}
+
 /// A moving vector graphic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct KeyedClip {
@@ -25,6 +40,8 @@ pub struct KeyedClip {
     pub frames: u32,
     /// The colours of the shared ramps, each from black to this; sRGB levels.
     pub ramps: Vec<[u8; 3]>,
+    /// What the lines of all gradients are counted in.
+    pub lines: LineUnits,
     /// The shapes, back to front.
     pub shapes: Vec<KeyedShape>,
 }
@@ -54,14 +71,14 @@ pub enum KeyedPaint {
     Ramp {
         /// Index into [`KeyedClip::ramps`].
         ramp: u32,
-        /// The line x1, y1, x2, y2 in grid steps.
+        /// The line x1, y1, x2, y2 in [`KeyedClip::lines`].
         line: KeyedTrack,
     },
     /// Two colours of its own along a line.
     Own {
         /// sRGB levels at the line's start and end.
         stops: [[u8; 3]; 2],
-        /// The line x1, y1, x2, y2 in grid steps.
+        /// The line x1, y1, x2, y2 in [`KeyedClip::lines`].
         line: KeyedTrack,
     },
 }

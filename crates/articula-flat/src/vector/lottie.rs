@@ -7,7 +7,7 @@
 //! One shape layer holds a group for each shape. The layer's scale takes the grid to pixels, so
 //! that coordinates stay whole numbers.
 
-use super::keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack};
+use super::keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
 use crate::planar::PlanarError;
 use std::fmt::Write;
 use std::ops::Range;
@@ -18,9 +18,16 @@ use std::ops::Range;
 /// that is never shown is left out.
 ///
 /// # Errors
-/// What [`KeyedClip::check`] finds.
+/// What [`KeyedClip::check`] finds, or lines counted in bounding boxes, which Lottie cannot say.
 pub fn lottie(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
     clip.check()?;
+    if clip.lines != LineUnits::Grid {
+        return Err(PlanarError::Mismatch {
+            at: "keyed clip",
+            what: "gradients are counted in bounding boxes; reduce it with lines on the grid"
+                .into(),
+        });
+    }
     let length = last_frame(clip).max(1);
     let mut text = String::new();
     let _ = write!(
@@ -241,6 +248,7 @@ mod tests {
             height: 30,
             fps: 12.5,
             frames: 5,
+            lines: LineUnits::Grid,
             ramps: vec![[255, 51, 1]],
             shapes,
         }

@@ -25,4 +25,4 @@ pub mod still;
 mod svg_text;
 pub mod thesis;
 
-pub use keyed_clip::{KeyedClip, KeyedPaint, KeyedShape, KeyedTrack};
+pub use keyed_clip::{KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};

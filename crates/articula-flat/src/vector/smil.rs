@@ -13,7 +13,7 @@
 //! Players that do not animate show the first frame: attributes hold its state, and what is
 //! hidden then has no outline there.
 
-use super::keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack};
+use super::keyed_clip::{BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
 use super::path::{push_color, push_id, push_outlines};
 use super::svg_text::{Clock, push_title};
 use crate::planar::PlanarError;
@@ -46,6 +46,7 @@ pub(super) struct SvgWriter<'a> {
     /// Gradients that are there already, by ramp and line, or stops and line.
     known: BTreeMap<GradientKey<'a>, u32>,
     next_id: u32,
+    lines: LineUnits,
 }
 
 /// What makes two gradients the same; a shape that is hidden at first leaves its gradient's
@@ -73,11 +74,12 @@ impl<'a> SvgWriter<'a> {
             height * grid
         );
         push_title(&mut out, name);
+        let units = units_of(clip.lines);
         for (ramp, color) in (0..).zip(&clip.ramps) {
             let id = id_of(ramp);
             let _ = write!(
                 out,
-                r#"<linearGradient id="{id}" gradientUnits="userSpaceOnUse"><stop/><stop offset="1" stop-color=""#
+                r#"<linearGradient id="{id}"{units}><stop/><stop offset="1" stop-color=""#
             );
             push_color(&mut out, *color);
             out.push_str(r#""/></linearGradient>"#);
@@ -86,6 +88,7 @@ impl<'a> SvgWriter<'a> {
             out,
             clock: Clock::new(clip.frames, clip.fps),
             known: BTreeMap::new(),
+            lines: clip.lines,
             next_id: clip.ramps.len() as u32,
         }
     }
@@ -301,7 +304,7 @@ impl<'a> SvgWriter<'a> {
                 String::new()
             }
             Colors::Own([from, to]) => {
-                self.out.push_str(r#" gradientUnits="userSpaceOnUse""#);
+                self.out.push_str(units_of(self.lines));
                 let mut stops = String::from(r#"<stop stop-color=""#);
                 push_color(&mut stops, from);
                 stops.push_str(r#""/><stop offset="1" stop-color=""#);
@@ -319,6 +322,19 @@ impl<'a> SvgWriter<'a> {
         Some(id)
     }
 
+    /// A number of a line in its units.
+    fn number(&self, number: i32) -> String {
+        match self.lines {
+            LineUnits::Grid => number.to_string(),
+            LineUnits::Box => decimal(number),
+        }
+    }
+
+    /// What 100 % of the width is, if that is a number here.
+    fn whole(&self) -> Option<i32> {
+        (self.lines == LineUnits::Box).then_some(BOX)
+    }
+
     /// Writes a gradient's line as attributes; gives its animations.
     fn line(&mut self, line: &KeyedTrack, is_shown_first: bool) -> String {
         let mut animates = String::new();
@@ -326,12 +342,13 @@ impl<'a> SvgWriter<'a> {
             let keys = needed_keys(line, i);
             // Without a word x1, y1 and y2 are 0; x2 is the whole width.
             let first = line.values[i];
-            let is_told = (first != 0 || i == 2) && (is_shown_first || keys.len() == 1);
+            let usual = if i == 2 { self.whole() } else { Some(0) };
+            let is_told = Some(first) != usual && (is_shown_first || keys.len() == 1);
             if is_told {
-                let _ = write!(self.out, r#" {name}="{first}""#);
+                let _ = write!(self.out, r#" {name}="{}""#, self.number(first));
             }
             if keys.len() > 1 {
-                let text = |k: &usize| (2 * line.frames[*k], line.key(*k)[i].to_string());
+                let text = |k: &usize| (2 * line.frames[*k], self.number(line.key(*k)[i]));
                 let keys: Vec<(u32, String)> = keys.iter().map(text).collect();
                 animates += &self.animate(name, &keys);
             }
@@ -366,6 +383,25 @@ fn needed_keys(track: &KeyedTrack, number: usize) -> Vec<usize> {
 fn rounded(track: &KeyedTrack, half: u32) -> Vec<i32> {
     let values = track.at(f64::from(half) / 2.0);
     values.into_iter().map(|v| v.round() as i32).collect()
+}
+
+/// The attribute that says what a gradient's line is counted in, unless it is as usual.
+fn units_of(lines: LineUnits) -> &'static str {
+    match lines {
+        LineUnits::Grid => r#" gradientUnits="userSpaceOnUse""#,
+        LineUnits::Box => "",
+    }
+}
+
+/// Thousandths as the shortest decimal number.
+fn decimal(thousandths: i32) -> String {
+    let text = format!("{:.3}", f64::from(thousandths.abs()) / f64::from(BOX));
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    let text = text
+        .strip_prefix("0.")
+        .map_or(text.to_owned(), |rest| format!(".{rest}"));
+    let sign = if thousandths < 0 { "-" } else { "" };
+    format!("{sign}{text}")
 }
 
 /// Path data of outlines.
@@ -428,6 +464,7 @@ mod tests {
             height: 50,
             fps: 25.0,
             frames,
+            lines: LineUnits::Grid,
             ramps: vec![[255, 0, 0]],
             shapes,
         }

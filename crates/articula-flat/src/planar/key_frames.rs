@@ -1,0 +1,563 @@
+//! Key-frame reduction: from places and light in every frame to few keys.
+//!
+//! Source: `spec/vector.md` 7. Differs: keys need not lie on the data (`tunnel`,
+//! `moving_gradient`), and a gradient's line is kept in shares of its shape's bounding
+//! box where the writer can say so, since it then goes along with the shape and most lines need
+//! not move at all.
+
+use super::clip::PlanarClip;
+use super::drawn::Drawn;
+use super::error::PlanarError;
+use super::moving_gradient::{self, Corners, Wanted};
+use super::order::Layer;
+use super::shading::{Colors, Shading, flat_color};
+use super::tunnel::{Windows, fewest_keys};
+use super::underlap::Sealed;
+use crate::vector::keyed_clip::{
+    BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits,
+};
+use glam::Vec2;
+use std::collections::BTreeMap;
+
+/// Triangles of fewer square pixels than this may be off by more levels: twice for a quarter of
+/// the area, so that what they add to the error of the picture stays the same.
+const SMALL_PX2: f64 = 16.0;
+/// So may slivers thinner than this, pixels.
+const THIN_PX: f64 = 3.0;
+
+/// What may be lost.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KeyOptions {
+    /// Greatest distance of a corner's x or y from its place in a frame, pixels; less than an
+    /// eighth is not kept, since corners lie on a grid.
+    pub pos_tol_px: f32,
+    /// Greatest difference at a corner, levels.
+    pub col_tol_levels: f32,
+    /// Colours.
+    pub shading: Shading,
+    /// What the lines of gradients are counted in.
+    pub lines: LineUnits,
+}
+
+impl Default for KeyOptions {
+    fn default() -> Self {
+        Self {
+            pos_tol_px: 0.5,
+            col_tol_levels: 8.0,
+            shading: Shading::Gouraud,
+            lines: LineUnits::Box,
+        }
+    }
+}
+
+/// What was lost, and what is left.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct KeyStats {
+    /// Root mean square distance of x or y from its place, over drawn corners and frames, pixels.
+    pub position_rmse_px: f64,
+    /// Greatest such distance, pixels.
+    pub position_max_px: f64,
+    /// Shapes.
+    pub shapes: usize,
+    /// Keys of outlines.
+    pub outline_keys: usize,
+    /// Shapes with a gradient.
+    pub gradients: usize,
+    /// Gradients whose line moves.
+    pub moving_gradients: usize,
+    /// Keys of gradients that move.
+    pub line_keys: usize,
+    /// Root mean square error of gradients at corners in drawn frames, weighted by area, levels.
+    pub color_rmse_levels: f64,
+}
+
+/// A clip as shapes with keys. `layers` are back to front.
+///
+/// O(layers x frames x longest segment).
+///
+/// # Errors
+/// What is wrong with the clip, or [`PlanarError::Mismatch`] if the arguments are not of one
+/// clip.
+pub fn keyed(
+    clip: &PlanarClip,
+    drawn: &Drawn,
+    layers: &[Layer],
+    sealed: &Sealed,
+    options: &KeyOptions,
+) -> Result<(KeyedClip, KeyStats), PlanarError> {
+    clip.check()?;
+    check_shapes(clip, drawn, layers, sealed)?;
+    let mut reducer = Reducer {
+        clip,
+        sealed,
+        options,
+        ramps: BTreeMap::new(),
+        stats: KeyStats::default(),
+        positions: Mean::default(),
+        levels: Mean::default(),
+    };
+    let mut colors: BTreeMap<u32, Colors> = BTreeMap::new();
+    let mut shapes = Vec::new();
+    for layer in layers.iter().filter(|l| !l.frames.is_empty()) {
+        let t = layer.triangle as usize;
+        // Every copy has the colours of the whole clip.
+        let frames = (0..drawn.frames()).filter(|f| drawn.get(*f, t));
+        let colors = *colors
+            .entry(layer.triangle)
+            .or_insert_with(|| match options.shading {
+                Shading::Flat => Colors::Flat(flat_color(clip, t, frames)),
+                Shading::Gouraud => Colors::of(clip, t, frames),
+            });
+        shapes.push(reducer.shape(layer, colors));
+    }
+    let mut ramps = vec![[0; 3]; reducer.ramps.len()];
+    for (color, index) in &reducer.ramps {
+        ramps[*index as usize] = *color;
+    }
+    let mut stats = reducer.stats;
+    stats.position_rmse_px = reducer.positions.root();
+    stats.color_rmse_levels = reducer.levels.root();
+    let keyed = KeyedClip {
+        width: clip.width,
+        height: clip.height,
+        fps: clip.fps,
+        frames: clip.frames.len() as u32,
+        ramps,
+        lines: options.lines,
+        shapes,
+    };
+    Ok((keyed, stats))
+}
+
+fn check_shapes(
+    clip: &PlanarClip,
+    drawn: &Drawn,
+    layers: &[Layer],
+    sealed: &Sealed,
+) -> Result<(), PlanarError> {
+    let mismatch = |at: &'static str, what: &str| {
+        let what = what.to_owned();
+        Err(PlanarError::Mismatch { at, what })
+    };
+    let (frames, triangles) = (clip.frames.len(), clip.triangles.len());
+    if drawn.frames() != frames {
+        return mismatch("drawn", "not of the clip's frames");
+    }
+    let rows = sealed.corners.iter().map(Vec::len);
+    if sealed.corners.len() != frames || rows.into_iter().any(|r| r != triangles) {
+        return mismatch("sealed", "not of the clip's frames and triangles");
+    }
+    for layer in layers {
+        let mut end = 0;
+        let mut rises = (layer.triangle as usize) < triangles;
+        for (i, span) in layer.frames.iter().enumerate() {
+            rises &= span.start < span.end && span.end <= frames && (i == 0 || span.start > end);
+            end = span.end;
+        }
+        if !rises {
+            return mismatch("layers", "a triangle or a span beyond the clip");
+        }
+    }
+    Ok(())
+}
+
+/// Where a layer's corners are to be, and how exactly.
+struct Wish {
+    /// Grid steps, six for each frame.
+    targets: Vec<f64>,
+    /// Grid steps; infinite where it does not matter.
+    reach: Vec<f64>,
+    is_shown: Vec<bool>,
+}
+
+struct Reducer<'a> {
+    clip: &'a PlanarClip,
+    sealed: &'a Sealed,
+    options: &'a KeyOptions,
+    ramps: BTreeMap<[u8; 3], u32>,
+    stats: KeyStats,
+    positions: Mean,
+    levels: Mean,
+}
+
+/// A mean of squares.
+#[derive(Debug, Default)]
+struct Mean {
+    sum: f64,
+    weight: f64,
+}
+
+impl Mean {
+    fn add(&mut self, value: f64, weight: f64) {
+        self.sum += value * value * weight;
+        self.weight += weight;
+    }
+
+    fn root(&self) -> f64 {
+        (self.sum / self.weight.max(1e-9)).sqrt()
+    }
+}
+
+impl Reducer<'_> {
+    fn shape(&mut self, layer: &Layer, colors: Colors) -> KeyedShape {
+        let wish = self.wish(layer);
+        let outline = fewest_keys(&Windows {
+            targets: &wish.targets,
+            width: 6,
+            reach: &wish.reach,
+        });
+        self.count(&wish, &outline);
+        let frames = self.clip.frames.len() as u32;
+        let paint = match colors {
+            Colors::Flat(color) => KeyedPaint::Flat(color),
+            Colors::Ramp(color) => {
+                let line = self.line(layer, colors, &wish, &outline);
+                let next = self.ramps.len() as u32;
+                let ramp = *self.ramps.entry(color).or_insert(next);
+                KeyedPaint::Ramp { ramp, line }
+            }
+            Colors::Own(stops) => {
+                let line = self.line(layer, colors, &wish, &outline);
+                KeyedPaint::Own { stops, line }
+            }
+        };
+        KeyedShape {
+            outline,
+            further_outlines: Vec::new(),
+            paint,
+            shown: KeyedShape::shown_in(&layer.frames, frames),
+        }
+    }
+
+    /// Hidden frames do not matter; those beside shown ones matter a little, since a shape is
+    /// shown half a frame longer.
+    fn wish(&self, layer: &Layer) -> Wish {
+        let t = layer.triangle as usize;
+        let frames = self.clip.frames.len();
+        let tol = f64::from(self.options.pos_tol_px) * f64::from(GRID);
+        let mut is_shown = vec![false; frames];
+        for span in &layer.frames {
+            is_shown[span.clone()].fill(true);
+        }
+        let mut wish = Wish {
+            targets: Vec::with_capacity(6 * frames),
+            reach: Vec::with_capacity(frames),
+            is_shown,
+        };
+        for f in 0..frames {
+            let beside = |g: usize| wish.is_shown.get(g).copied().unwrap_or(false);
+            let neighbour = [f.wrapping_sub(1), f + 1].into_iter().find(|g| beside(*g));
+            let mut corners = self.sealed.corners[f][t];
+            let reach = match (wish.is_shown[f], neighbour) {
+                (true, _) => tol,
+                (false, Some(g)) => {
+                    // It is sealed where it is shown, and moves on as the clip does.
+                    let (here, there) = (self.clip.places(f, t), self.clip.places(g, t));
+                    let sealed = self.sealed.corners[g][t];
+                    corners = std::array::from_fn(|i| sealed[i] + here[i] - there[i]);
+                    2.0 * tol
+                }
+                (false, None) => f64::INFINITY,
+            };
+            wish.reach.push(reach);
+            let grid = |p: Vec2| [f64::from(p.x), f64::from(p.y)].map(|v| v * f64::from(GRID));
+            wish.targets.extend(corners.into_iter().flat_map(grid));
+        }
+        wish
+    }
+
+    fn count(&mut self, wish: &Wish, outline: &KeyedTrack) {
+        self.stats.shapes += 1;
+        self.stats.outline_keys += outline.len();
+        for f in (0..wish.is_shown.len()).filter(|f| wish.is_shown[*f]) {
+            let wanted = &wish.targets[6 * f..6 * f + 6];
+            for (a, b) in outline.at(f as f64).iter().zip(wanted) {
+                let off = (a - b).abs() / f64::from(GRID);
+                self.positions.add(off, 1.0);
+                self.stats.position_max_px = self.stats.position_max_px.max(off);
+            }
+        }
+    }
+
+    /// The line of a gradient that goes with an outline.
+    fn line(
+        &mut self,
+        layer: &Layer,
+        colors: Colors,
+        wish: &Wish,
+        outline: &KeyedTrack,
+    ) -> KeyedTrack {
+        let t = layer.triangle as usize;
+        let level = 1.0 / f64::from(colors.span_levels().max(1.0));
+        let tol = f64::from(self.options.col_tol_levels.max(0.5)) * level;
+        let frame = |f: usize| {
+            let reach = wish.reach[f];
+            if !reach.is_finite() {
+                return None;
+            }
+            let corners = self.painted(f, (t, colors), wish, outline);
+            let slack = slack_of_small(&self.clip.places(f, t));
+            let tol = if wish.is_shown[f] { tol } else { 2.0 * tol };
+            Some((corners, tol * slack))
+        };
+        let wanted = Wanted {
+            frames: (0..wish.is_shown.len()).map(frame).collect(),
+            level,
+            steps: match self.options.lines {
+                LineUnits::Grid => &[1],
+                LineUnits::Box => &[BOX / 10, BOX / 100, 1],
+            },
+        };
+        let line = moving_gradient::few_keys(&wanted);
+        self.stats.gradients += 1;
+        for f in (0..wish.is_shown.len()).filter(|f| wish.is_shown[*f]) {
+            let area = area(&self.clip.places(f, t));
+            for apart in wanted.off(f, &line).into_iter().flatten() {
+                self.levels.add(apart / level, area);
+            }
+        }
+        if !line.is_still() {
+            self.stats.moving_gradients += 1;
+            self.stats.line_keys += line.len();
+        }
+        line
+    }
+
+    /// Where the light of the corners is to be painted: at the corners before sealing, moved
+    /// as far as the keyed outline is off, in the units of lines.
+    fn painted(
+        &self,
+        f: usize,
+        (t, colors): (usize, Colors),
+        wish: &Wish,
+        outline: &KeyedTrack,
+    ) -> Corners {
+        let shares = colors.shares(self.clip, f, t);
+        let places = self.clip.places(f, t);
+        let keyed = outline.at(f as f64);
+        let sealed = &wish.targets[6 * f..6 * f + 6];
+        let place = |i: usize| {
+            let place = [places[i].x, places[i].y].map(|v| f64::from(v) * f64::from(GRID));
+            let off = |n: usize| place[n] + keyed[2 * i + n] - sealed[2 * i + n];
+            [off(0), off(1)]
+        };
+        let units = |point: [f64; 2]| match self.options.lines {
+            LineUnits::Grid => point,
+            LineUnits::Box => in_box(&keyed, point),
+        };
+        std::array::from_fn(|i| (units(place(i)), f64::from(shares[i])))
+    }
+}
+
+/// A place in shares of an outline's bounding box.
+fn in_box(outline: &[f64], place: [f64; 2]) -> [f64; 2] {
+    let of = |n: usize| {
+        let numbers = outline.iter().skip(n).step_by(2);
+        let (low, high) = numbers.fold((f64::MAX, f64::MIN), |(low, high), v| {
+            (low.min(*v), high.max(*v))
+        });
+        (place[n] - low) / (high - low).max(1e-3) * f64::from(BOX)
+    };
+    [of(0), of(1)]
+}
+
+/// Square pixels.
+fn area([a, b, c]: &[Vec2; 3]) -> f64 {
+    f64::from((*b - *a).perp_dot(*c - *a).abs()) / 2.0
+}
+
+/// How much more a small triangle or a sliver may be off.
+fn slack_of_small(places: &[Vec2; 3]) -> f64 {
+    let [a, b, c] = *places;
+    let area = area(places);
+    let longest = f64::from(a.distance(b).max(b.distance(c)).max(c.distance(a)));
+    let thickness = 2.0 * area / longest.max(1e-3);
+    let small = (SMALL_PX2 / area.max(1e-3)).sqrt();
+    small.max(THIN_PX / thickness.max(1e-3)).clamp(1.0, 8.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::clip::fixture;
+    use super::*;
+    use crate::planar::Painting;
+    use crate::vector::smil::smil;
+    use crate::vector::smil_sampler::MovingSvg;
+
+    fn unsealed(clip: &PlanarClip) -> Sealed {
+        let of = |f| {
+            (0..clip.triangles.len())
+                .map(|t| clip.places(f, t))
+                .collect()
+        };
+        Sealed {
+            corners: (0..clip.frames.len()).map(of).collect(),
+        }
+    }
+
+    fn reduced(clip: &PlanarClip, options: &KeyOptions) -> (KeyedClip, KeyStats, Vec<Layer>) {
+        let drawn = Drawn::of(clip).unwrap();
+        let layers = Painting::single(clip, &drawn).unwrap().layers(&drawn);
+        let (keyed, stats) = keyed(clip, &drawn, &layers, &unsealed(clip), options).unwrap();
+        keyed.check().unwrap();
+        (keyed, stats, layers)
+    }
+
+    #[test]
+    fn every_drawn_corner_is_within_the_tolerance() {
+        let clip = fixture::turning_cube(60);
+        for (pos_tol_px, lines) in [
+            (0.25, LineUnits::Grid),
+            (0.5, LineUnits::Box),
+            (2.0, LineUnits::Box),
+        ] {
+            let options = KeyOptions {
+                pos_tol_px,
+                lines,
+                ..KeyOptions::default()
+            };
+            let (keyed, stats, layers) = reduced(&clip, &options);
+            assert!(
+                stats.position_max_px <= f64::from(pos_tol_px) + 1e-6,
+                "{stats:?}"
+            );
+            assert!(stats.color_rmse_levels <= 8.0, "{stats:?}");
+            assert!(stats.outline_keys < 12 * 30, "{stats:?}");
+            for (shape, layer) in keyed.shapes.iter().zip(&layers) {
+                for f in layer.frames.iter().cloned().flatten() {
+                    assert!(shape.is_shown_at(f as f64));
+                    let at = shape.outline.at(f as f64);
+                    let places = clip.places(f, layer.triangle as usize);
+                    for (i, place) in places.into_iter().enumerate() {
+                        let keyed = Vec2::new(at[2 * i] as f32, at[2 * i + 1] as f32) / GRID as f32;
+                        let off = (keyed - place).abs().max_element();
+                        assert!(off <= pos_tol_px + 1e-4, "frame {f}: {off}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn more_tolerance_never_needs_more_bytes_on_a_cube() {
+        let clip = fixture::turning_cube(60);
+        let length = |pos_tol_px: f32| {
+            let options = KeyOptions {
+                pos_tol_px,
+                shading: Shading::Flat,
+                ..KeyOptions::default()
+            };
+            smil(&reduced(&clip, &options).0, "").unwrap().len()
+        };
+        let lengths = [0.25, 0.5, 1.0, 2.0].map(length);
+        assert!(lengths.is_sorted_by(|a, b| a >= b), "{lengths:?}");
+    }
+
+    #[test]
+    fn a_triangle_that_slides_needs_two_keys_and_its_light_none() {
+        let corners = [[-6.0, 2.0, 0.5], [-6.0, 12.0, 0.5], [4.0, 2.0, 0.5]];
+        let mut clip = fixture::loose(&[(corners, [200, 100, 0])], 20);
+        for (f, frame) in clip.frames.iter_mut().enumerate() {
+            for p in &mut frame.xy {
+                p.x += f as f32;
+            }
+            frame.light = vec![0.4, 0.4, 0.9];
+        }
+        let (keyed, stats, _) = reduced(&clip, &KeyOptions::default());
+        assert_eq!((stats.outline_keys, stats.moving_gradients), (2, 0));
+        assert_eq!(keyed.ramps, [[200, 100, 0]]);
+        // Light runs over the whole width of the box: black at -0.8, full at 1.2.
+        let KeyedPaint::Ramp { line, .. } = &keyed.shapes[0].paint else {
+            panic!("{keyed:?}");
+        };
+        let share = |x: f64| {
+            let [x1, x2] = [line.values[0], line.values[2]].map(f64::from);
+            (x * f64::from(BOX) - x1) / (x2 - x1)
+        };
+        assert!((share(0.0) - 0.4).abs() < 0.035 && (share(1.0) - 0.9).abs() < 0.035);
+    }
+
+    #[test]
+    fn edge_cases_are_written_and_read_back() {
+        let sound = [[2.0, 2.0, 0.5], [2.0, 30.0, 0.5], [30.0, 2.0, 0.5]];
+        let line = [[2.0, 2.0, 0.4], [12.0, 12.0, 0.4], [30.0, 30.0, 0.4]];
+        let outside = [[-90.0, -90.0, 0.3], [-90.0, 70.0, 0.3], [70.0, -90.0, 0.3]];
+        let of = |frames: usize| {
+            let colored = [(outside, [9; 3]), (line, [50; 3]), (sound, [80; 3])];
+            fixture::loose(&colored, frames)
+        };
+        for frames in [1, 2, 13] {
+            let mut clip = of(frames);
+            for (f, frame) in clip.frames.iter_mut().enumerate() {
+                // Nearly even light, and a triangle that appears late.
+                frame.light[0] = 0.999;
+                if 2 * f < frames - 1 {
+                    frame.xy.swap(6, 7);
+                }
+            }
+            let mut drawn = Drawn::of(&clip).unwrap();
+            drawn.set(frames - 1, 1, true);
+            // Two epochs share the first triangle.
+            let split = frames / 2;
+            let spans = |t: usize| drawn.spans(t);
+            let first: Vec<_> = std::iter::once(0..split)
+                .filter(|s| !s.is_empty())
+                .collect();
+            let layers = [
+                Layer {
+                    triangle: 0,
+                    frames: first,
+                },
+                Layer {
+                    triangle: 1,
+                    frames: spans(1),
+                },
+                Layer {
+                    triangle: 2,
+                    frames: spans(2),
+                },
+                Layer {
+                    triangle: 0,
+                    frames: std::iter::once(split..frames).collect(),
+                },
+            ];
+            let (keyed, stats) = keyed(
+                &clip,
+                &drawn,
+                &layers,
+                &unsealed(&clip),
+                &KeyOptions::default(),
+            )
+            .unwrap();
+            assert!(stats.position_max_px <= 0.5 + 1e-6);
+            let text = smil(&keyed, "<&>\u{0}").unwrap();
+            let moving = MovingSvg::read(&text).unwrap();
+            for f in 0..frames {
+                let still = moving.at(f as f64 / 25.0).unwrap();
+                crate::vector::raster::raster(&still, [255; 4]).unwrap();
+            }
+        }
+    }
+
+    #[test]
+    fn what_does_not_fit_is_refused() {
+        let clip = fixture::turning_cube(4);
+        let drawn = Drawn::of(&clip).unwrap();
+        let sealed = unsealed(&clip);
+        let options = KeyOptions::default();
+        let layer = |triangle, from, to| Layer {
+            triangle,
+            frames: std::iter::once(from..to).collect(),
+        };
+        for bad in [layer(12, 0, 4), layer(0, 0, 5), layer(0, 2, 2)] {
+            assert!(keyed(&clip, &drawn, &[bad], &sealed, &options).is_err());
+        }
+        let good = [layer(0, 0, 4)];
+        assert!(keyed(&clip, &Drawn::none(3, 12), &good, &sealed, &options).is_err());
+        let short = Sealed { corners: vec![] };
+        assert!(keyed(&clip, &drawn, &good, &short, &options).is_err());
+        let mut broken = clip.clone();
+        broken.frames[0].xy[0].x = f32::INFINITY;
+        assert!(keyed(&broken, &drawn, &good, &sealed, &options).is_err());
+    }
+}
