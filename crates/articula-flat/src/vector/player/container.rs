@@ -81,12 +81,36 @@ pub fn encode(clip: &PlayerClip) -> (Vec<u8>, PartSizes) {
     (packed(&to.0), sizes)
 }
 
+/// Bytes after which a new block of the Deflate stream may pay, with a code of its own for what
+/// the numbers are like by then.
+const BLOCK_BYTES: usize = 8192;
+
+/// The smaller of one block after another as the encoder likes and of blocks of one size.
 fn packed(body: &[u8]) -> Vec<u8> {
+    let whole = packed_in(body, usize::MAX);
+    let parts = packed_in(body, BLOCK_BYTES);
+    if parts.len() < whole.len() {
+        parts
+    } else {
+        whole
+    }
+}
+
+fn packed_in(body: &[u8], block: usize) -> Vec<u8> {
     let mut out = MAGIC.to_vec();
     out.push(VERSION);
     let mut encoder = ZlibEncoder::new(out, Compression::best());
+    let mut write = || -> std::io::Result<()> {
+        for (i, part) in body.chunks(block).enumerate() {
+            if i > 0 {
+                encoder.flush()?;
+            }
+            encoder.write_all(part)?;
+        }
+        Ok(())
+    };
     // Writing into a vector does not fail.
-    let done = encoder.write_all(body).and_then(|()| encoder.finish());
+    let done = write().and_then(|()| encoder.finish());
     done.unwrap_or_default()
 }
 
