@@ -31,6 +31,9 @@ pub mod view_weights;
 pub mod views;
 pub mod visibility;
 
+#[cfg(test)]
+mod tests;
+
 pub use clip::PortraitClip;
 pub use error::PortraitError;
 pub use source::{

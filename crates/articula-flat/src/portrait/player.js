@@ -230,9 +230,9 @@ class ArticulaPortrait {
     return this.views.map((v) => fall(v.yaw, yaw, this.spans[0]) * fall(v.pitch, pitch, this.spans[1]));
   }
 
-  /** Corners moved outward under neighbours that come later, so that no gap shows. */
+  /** Corners moved outward under neighbours that come later, and a little over earlier ones. */
   sealed(c, edges) {
-    const [d, parallel, farthest] = [0.8, 0.15, 2.5];
+    const [parallel, farthest] = [0.15, 2];
     if (!edges[0] && !edges[1] && !edges[2]) return c;
     const turned = Math.sign((c[2] - c[0]) * (c[5] - c[1]) - (c[3] - c[1]) * (c[4] - c[0]));
     const normals = [0, 1, 2].map((i) => {
@@ -244,7 +244,7 @@ class ArticulaPortrait {
     const out = [];
     for (let i = 0; i < 3; i++) {
       const before = (i + 2) % 3;
-      const [d0, d1] = [edges[before] ? d : 0, edges[i] ? d : 0];
+      const [d0, d1] = [edges[before], edges[i]];
       const [n0, n1] = [normals[before], normals[i]];
       const det = n0[0] * n1[1] - n0[1] * n1[0];
       let [x, y] = [0, 0];
@@ -258,7 +258,7 @@ class ArticulaPortrait {
         y = (d1 * n0[0] - d0 * n1[0]) / det;
       }
       const length = Math.hypot(x, y);
-      const held = length > farthest * d ? (farthest * d) / length : 1;
+      const held = length > farthest ? farthest / length : 1;
       out.push(c[2 * i] + x * held, c[2 * i + 1] + y * held);
     }
     return out;
@@ -296,11 +296,12 @@ class ArticulaPortrait {
       painted[t] = 1;
       if (!shows(t)) continue;
       const corners = this.corners(places, t);
-      const later = [0, 1, 2].map((i) => {
+      const reach = [0, 1, 2].map((i) => {
         const n = this.neighbours[3 * t + i];
-        return n >= 0 && !painted[n] && shows(n);
+        if (n < 0 || !shows(n)) return 0;
+        return painted[n] ? 0.35 : 0.8;
       });
-      this.fill(t, corners, this.sealed(corners, later), this.weights(t, areas[t], near));
+      this.fill(t, corners, this.sealed(corners, reach), this.weights(t, areas[t], near));
     }
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.globalAlpha = 1;

@@ -5,7 +5,7 @@
 
 use super::error::{PortraitError, refuse};
 use super::flat_mesh::{FlatMesh, corners_of, front_area};
-use super::sealing::sealed;
+use super::sealing::{OVERLAP_PX, UNDERLAP_PX, sealed};
 use super::source::HeadPose;
 use super::view_weights::{nearness, view_weights};
 use super::{Portrait, views::View};
@@ -85,11 +85,14 @@ impl Portrait {
             if !shown[t] {
                 continue;
             }
-            let over =
-                |n: Option<u32>| n.is_some_and(|n| shown[n as usize] && rank[n as usize] > rank[t]);
+            let reach = |n: Option<u32>| match n.map(|n| n as usize).filter(|n| shown[*n]) {
+                Some(n) if rank[n] > rank[t] => UNDERLAP_PX,
+                Some(_) => OVERLAP_PX,
+                None => 0.0,
+            };
             paints[t] = self.paint(t, corners(t), &sources, &near);
             // Later triangles are nearer, whatever their depth.
-            let grown = sealed(corners(t), neighbours[t].map(over));
+            let grown = sealed(corners(t), neighbours[t].map(reach));
             let flat = grown.map(|p| Vec4::new(p.x, p.y, i as f32, 1.0));
             buffer.draw(t as u32, flat, Faces::Both);
         }

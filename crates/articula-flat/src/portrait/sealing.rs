@@ -1,19 +1,23 @@
 //! Corners moved outward a little under neighbours that are painted later, so that no background
 //! shows between anti-aliased triangles.
 //!
-//! Source: `spec/vector.md` part 5 (underlap). Silhouette edges stay where they are.
+//! Source: `spec/vector.md` part 5 (underlap). Silhouette edges stay where they are. What differs:
+//! edges move a little over earlier neighbours too, since a canvas draws slivers thinner than a
+//! pixel with holes.
 
 use glam::Vec2;
 
 /// How far an edge moves under its neighbour, pixels.
 pub const UNDERLAP_PX: f32 = 0.8;
+/// How far an edge moves over a neighbour that was painted before, pixels.
+pub const OVERLAP_PX: f32 = 0.35;
 /// Below this sine of the angle between two edges their crossing runs away.
 const PARALLEL: f32 = 0.15;
 /// How far a corner moves at most, in underlaps.
 const FARTHEST: f32 = 2.5;
 
-/// The corners with the marked edges (corner to next corner) moved outward.
-pub fn sealed(corners: [Vec2; 3], edges: [bool; 3]) -> [Vec2; 3] {
+/// The corners with the edges (corner to next corner) moved outward by so many pixels.
+pub fn sealed(corners: [Vec2; 3], edges_px: [f32; 3]) -> [Vec2; 3] {
     let [a, b, c] = corners;
     let turned = (b - a).perp_dot(c - a).signum();
     let outward = |i: usize| {
@@ -24,8 +28,7 @@ pub fn sealed(corners: [Vec2; 3], edges: [bool; 3]) -> [Vec2; 3] {
     let middle = (a + b + c) / 3.0;
     std::array::from_fn(|i| {
         let before = (i + 2) % 3;
-        let move_by = |edge: usize| if edges[edge] { UNDERLAP_PX } else { 0.0 };
-        let (d0, d1) = (move_by(before), move_by(i));
+        let (d0, d1) = (edges_px[before], edges_px[i]);
         if d0 == 0.0 && d1 == 0.0 {
             return corners[i];
         }
@@ -54,12 +57,12 @@ mod tests {
             } else {
                 corners
             };
-            let all = sealed(corners, [true; 3]);
+            let all = sealed(corners, [UNDERLAP_PX; 3]);
             assert!((all[0] - Vec2::splat(-d)).length() < 1e-6, "{all:?}");
-            assert_eq!(sealed(corners, [false; 3]), corners);
+            assert_eq!(sealed(corners, [0.0; 3]), corners);
         }
         // The edge along x moves up; its ends slide along the two other edges.
-        let one = sealed(corners, [true, false, false]);
+        let one = sealed(corners, [UNDERLAP_PX, 0.0, 0.0]);
         assert!((one[0] - Vec2::new(0.0, -d)).length() < 1e-6, "{one:?}");
         assert!(
             (one[1] - Vec2::new(10.0 + d, -d)).length() < 1e-5,
@@ -71,7 +74,7 @@ mod tests {
     #[test]
     fn slivers_stay_near() {
         let corners = [Vec2::ZERO, Vec2::new(50.0, 0.1), Vec2::new(100.0, 0.0)];
-        for (from, to) in corners.iter().zip(sealed(corners, [true; 3])) {
+        for (from, to) in corners.iter().zip(sealed(corners, [UNDERLAP_PX; 3])) {
             assert!((*from - to).length() <= FARTHEST * UNDERLAP_PX + 1e-5);
         }
     }

@@ -133,11 +133,11 @@ pub struct PortraitSource<'a> {
 /// Whether light stays with the viewer or with the head.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum LightFollows {
-    /// Light stays where it is while the head turns, as in a scene.
+    /// The key light turns with the head, so that all views show the same shading.
     #[default]
-    Viewer,
-    /// The key light turns with the head.
     Head,
+    /// Light stays where it is while the head turns, as in a scene; views blend their shading.
+    Viewer,
 }
 
 /// How a portrait is made.
@@ -169,7 +169,7 @@ impl Default for PortraitOptions {
             yaw_limit_degrees: 60.0,
             pitch_limit_degrees: 30.0,
             tolerance_px: 0.1,
-            light: LightFollows::Viewer,
+            light: LightFollows::Head,
         }
     }
 }

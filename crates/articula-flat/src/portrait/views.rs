@@ -47,8 +47,12 @@ pub(crate) fn light(options: &PortraitOptions, pose: &HeadPose) -> Light {
     let still = Light::default();
     match options.light {
         LightFollows::Viewer => still,
+        // The fill light mirrors the key about the viewer, so it cannot turn with the head: what
+        // it gives on the mean comes from everywhere instead.
         LightFollows::Head => Light {
             key_direction: pose.rotation() * still.key_direction,
+            fill: 0.0,
+            ambient: still.ambient + 0.5 * still.fill,
             ..still
         },
     }

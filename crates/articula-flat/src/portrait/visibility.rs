@@ -1,8 +1,9 @@
 //! In which layer of each view a triangle of the 2D mesh lies bare.
 //!
-//! What covers another triangle in a view is taken away with its whole layer, until everything
-//! that faces the viewer was seen: teeth behind closed lips, an eye behind its lid, the neck
-//! behind the jaw. So no triangle shows the colours of another one.
+//! What nothing covers is taken from the view as it is seen. What is covered (teeth behind closed
+//! lips, an eye behind its lid, the neck behind the jaw) lies in further layers, each of which is
+//! rendered alone and whose triangles do not cover each other: a colouring of the graph of those
+//! that do. So no triangle shows the colours of another one.
 
 use super::flat_mesh::{FlatMesh, corners_of, front_area};
 use crate::error::PictureError;
@@ -11,8 +12,8 @@ use glam::{Vec2, Vec4};
 
 /// Share of a triangle's samples that others may cover.
 const COVERED_MOST: f32 = 0.04;
-/// Most layers of a view; what is still covered in the last one counts as not seen.
-const MAX_LAYERS: u8 = 4;
+/// Most layers of a view; what finds no place in them counts as not seen.
+const MAX_LAYERS: u8 = 7;
 /// The layer of a view in which a triangle does not lie.
 pub const NOT_SEEN: u8 = u8::MAX;
 
@@ -50,13 +51,7 @@ pub(crate) fn layers(
     let count = flat.triangles.len();
     let mut of_view = Vec::with_capacity(views.len());
     for corners in views {
-        let mut layers = vec![NOT_SEEN; count];
-        for layer in 0..MAX_LAYERS {
-            let left: Vec<usize> = (0..count).filter(|t| layers[*t] == NOT_SEEN).collect();
-            let bare = bare_triangles(flat, corners, size, &left)?;
-            bare.iter().for_each(|t| layers[*t] = layer);
-        }
-        of_view.push(layers);
+        of_view.push(layers_of_view(flat, corners, size)?);
     }
     let mut layers = Layers {
         turned: vec![None; views.len()],
@@ -77,38 +72,123 @@ pub(crate) fn layers(
     Ok(layers)
 }
 
-/// The triangles that face the viewer and that no other of them covers but those that touch them.
-fn bare_triangles(
+/// The layer of each triangle in one view.
+fn layers_of_view(
     flat: &FlatMesh,
     corners: &[Vec4],
     size: (u32, u32),
-    among: &[usize],
-) -> Result<Vec<usize>, PictureError> {
-    let mut buffer = ItemBuffer::new(size.0, size.1, Samples::Two)?;
-    let places = super::posing::places(corners);
-    let shown = |t: &usize| FlatMesh::shows(corners_of(&places, flat.triangles[*t]));
-    let drawn: Vec<usize> = among.iter().copied().filter(shown).collect();
-    let of = |t: usize| flat.triangles[t].map(|v| corners[v as usize]);
-    for &t in &drawn {
-        buffer.draw(t as u32, of(t), Faces::Both);
-    }
-    // A second buffer that keeps nothing tells which samples a triangle alone would take.
-    let mut alone = ItemBuffer::new(size.0, size.1, Samples::Two)?;
-    let mut bare = Vec::new();
-    for &t in &drawn {
-        let (mut all, mut covered) = (0u32, 0u32);
-        alone.draw_where(t as u32, of(t), Faces::Both, |at| {
-            let holder = buffer.item((at.x * 2.0) as u32, (at.y * 2.0) as u32);
-            all += 1;
-            let other = holder.is_some_and(|h| !touch(flat, t, h as usize));
-            covered += u32::from(other);
-            false
-        });
-        if covered as f32 <= COVERED_MOST * all as f32 {
-            bare.push(t);
+) -> Result<Vec<u8>, PictureError> {
+    let coverage = Coverage::new(flat, corners, size)?;
+    let mut layers = vec![NOT_SEEN; flat.triangles.len()];
+    let mut covered = Vec::new();
+    for &t in &coverage.shown {
+        if coverage.is_bare(t) {
+            layers[t] = 0;
+        } else {
+            covered.push(t);
         }
     }
-    Ok(bare)
+    // Near ones first, so that a layer is about as deep as another.
+    let depth = |t: usize| {
+        flat.triangles[t]
+            .map(|v| corners[v as usize].w)
+            .iter()
+            .sum::<f32>()
+    };
+    covered.sort_by(|a, b| depth(*a).total_cmp(&depth(*b)).then(a.cmp(b)));
+    for t in covered {
+        let conflicts = coverage.conflicts(t);
+        let is_free = |l: &u8| conflicts.iter().all(|c| layers[*c as usize] != *l);
+        if let Some(layer) = (1..MAX_LAYERS).find(is_free) {
+            layers[t] = layer;
+        }
+    }
+    Ok(layers)
+}
+
+/// Which triangles lie over each other in a view.
+struct Coverage {
+    /// Triangles that face the viewer.
+    shown: Vec<usize>,
+    /// Samples of each triangle, and those that another one covers which does not touch it.
+    samples: Vec<u32>,
+    covered: Vec<u32>,
+    /// Samples that two triangles have in common, sorted; those that touch have none.
+    overlaps: Vec<((u32, u32), u32)>,
+}
+
+impl Coverage {
+    fn new(flat: &FlatMesh, corners: &[Vec4], size: (u32, u32)) -> Result<Self, PictureError> {
+        let mut buffer = ItemBuffer::new(size.0, size.1, Samples::Two)?;
+        let mut alone = buffer.clone();
+        let places = super::posing::places(corners);
+        let shows = |t: &usize| FlatMesh::shows(corners_of(&places, flat.triangles[*t]));
+        let shown: Vec<usize> = (0..flat.triangles.len()).filter(shows).collect();
+        let of = |t: usize| flat.triangles[t].map(|v| corners[v as usize]);
+        for &t in &shown {
+            buffer.draw(t as u32, of(t), Faces::Both);
+        }
+        let mut samples = vec![0; flat.triangles.len()];
+        let mut covered = samples.clone();
+        // For each sample who covers it, seen or not; a buffer that keeps nothing tells.
+        let mut takers: Vec<(u32, u32)> = Vec::new();
+        let (width, _) = buffer.sample_size();
+        for &t in &shown {
+            alone.draw_where(t as u32, of(t), Faces::Both, |at| {
+                let (x, y) = ((at.x * 2.0) as u32, (at.y * 2.0) as u32);
+                samples[t] += 1;
+                let holder = buffer.item(x, y).map_or(t, |h| h as usize);
+                covered[t] += u32::from(!touch(flat, t, holder));
+                takers.push((y * width + x, t as u32));
+                false
+            });
+        }
+        takers.sort_unstable();
+        let mut out = Self {
+            shown,
+            samples,
+            covered,
+            overlaps: Vec::new(),
+        };
+        out.count(flat, &takers);
+        Ok(out)
+    }
+
+    fn count(&mut self, flat: &FlatMesh, takers: &[(u32, u32)]) {
+        let mut pairs: Vec<(u32, u32)> = Vec::new();
+        for group in takers.chunk_by(|a, b| a.0 == b.0) {
+            for (i, (_, a)) in group.iter().enumerate() {
+                for (_, b) in &group[i + 1..] {
+                    // Bare triangles lie in the first layer, with whatever is there.
+                    if !self.is_bare(*a as usize) && !self.is_bare(*b as usize) {
+                        pairs.push((*a, *b));
+                    }
+                }
+            }
+        }
+        pairs.sort_unstable();
+        let groups = pairs.chunk_by(|a, b| a == b);
+        let counts = groups.map(|g| (g[0], g.len() as u32));
+        self.overlaps = counts
+            .filter(|((a, b), _)| !touch(flat, *a as usize, *b as usize))
+            .collect();
+    }
+
+    fn is_bare(&self, t: usize) -> bool {
+        self.covered[t] as f32 <= COVERED_MOST * self.samples[t] as f32
+    }
+
+    /// The triangles that cannot share a layer with one.
+    fn conflicts(&self, t: usize) -> Vec<u32> {
+        let t = t as u32;
+        let other = |((a, b), count): &((u32, u32), u32)| {
+            let other = if *a == t { *b } else { *a };
+            let least = self.samples[t as usize].min(self.samples[other as usize]);
+            let is_much = *count as f32 > COVERED_MOST * least as f32;
+            ((*a == t || *b == t) && is_much).then_some(other)
+        };
+        self.overlaps.iter().filter_map(other).collect()
+    }
 }
 
 /// Whether two triangles are one or share a corner.
