@@ -175,7 +175,11 @@ fn side_views_show_the_cheek_that_the_front_does_not() {
             .unwrap()
     };
     let (worse, better) = (error(&one, 1), error(&three, 3));
-    assert!(better < 8.0 && better < worse, "{better} and {worse}");
+    // What is left are edges of strong colours, in a small picture.
+    assert!(
+        better < 15.0 && 5.0 * better < worse,
+        "{better} and {worse}"
+    );
 }
 
 #[test]
@@ -467,8 +471,9 @@ fn a_whole_human_turns_its_head_by_the_neck() {
             .map(|((a, b), _)| a.distance(*b));
         of.fold(0.0, f32::max)
     };
+    // A face 0.09 m before the axis moves 0.045 m across, at 60 pixels a metre.
     assert!(
-        moved(0) < 1.0 && moved(255) > 5.0,
+        moved(0) < 1.0 && moved(255) > 2.5,
         "{} {}",
         moved(0),
         moved(255)
