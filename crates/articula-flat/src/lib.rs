@@ -9,6 +9,7 @@
 //! - [`frame`], [`projection`]: where the camera stands; from metres to pixels
 //! - [`appearance`], [`render`]: materials and textures; a lit picture of a skinned character
 //! - [`skeleton`], [`contact_sheet`]: moving and held joints; many pictures on one page
+//! - [`portrait`]: a talking face in 2D that turns its head
 //! - [`plot`]: line and bar plots as SVG
 //! - [`planar`]: a clip as the camera sees it, ready to be written in 2D
 //! - [`vector`]: vector graphics, still and moving, written and sampled
