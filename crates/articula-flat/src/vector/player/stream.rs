@@ -34,11 +34,12 @@ impl Writer {
         self.unsigned((value << 1 ^ value >> 31) as u32);
     }
 
-    /// Writes a positive number of at most 24 bits exactly, others to the nearest.
+    /// Writes a positive number of at most 31 bits exactly, so every `f32` in reach and whatever
+    /// was read; others to the nearest.
     pub(super) fn real(&mut self, value: f64) {
         let mut shift = 0;
         let mut whole = value;
-        while whole.fract() != 0.0 && whole < f64::from(1 << 23) && shift < 60 {
+        while whole.fract() != 0.0 && whole < f64::from(1 << 30) && shift < 60 {
             whole *= 2.0;
             shift += 1;
         }
@@ -163,6 +164,22 @@ mod tests {
         }
         for value in reals {
             assert_eq!(reader.real(), Ok(f64::from(value)));
+        }
+    }
+
+    #[test]
+    fn a_real_number_that_was_read_is_written_exactly() {
+        let most = f64::from((1u32 << 31) - 1);
+        for value in [
+            most,
+            most / 2.0,
+            most / 60f64.exp2(),
+            1.0 / 60f64.exp2(),
+            0.0,
+        ] {
+            let mut writer = Writer::default();
+            writer.real(value);
+            assert_eq!(Reader::new(&writer.0).real(), Ok(value));
         }
     }
 
