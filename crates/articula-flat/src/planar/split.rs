@@ -32,7 +32,7 @@ pub struct SplitOptions {
 impl Default for SplitOptions {
     fn default() -> Self {
         Self {
-            wrong_share: 0.003,
+            wrong_share: 0.0045,
             pair_share: 1e-5,
             max_rounds: 6,
             order: OrderOptions::default(),

@@ -15,7 +15,7 @@ use std::ops::Range;
 /// How finely pixels are looked at; the same as for [`Drawn`], so that every owner is painted.
 const SAMPLES: Samples = Samples::Two;
 /// Most different sets of a clip.
-const MAX_SETS: usize = 1 << 24;
+const MAX_SETS: usize = 1 << 22;
 
 /// The sets of painted triangles that overlap in a clip, with their samples in each frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
