@@ -8,8 +8,9 @@
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
 use super::error::PlanarError;
+use super::merge::Region;
 use super::moving_gradient::{self, Corners, Wanted};
-use super::order::Layer;
+use super::order::{Layer, Painting};
 use super::shading::{Colors, Shading, flat_color};
 use super::tunnel::{Windows, fewest_keys};
 use super::underlap::Sealed;
@@ -18,6 +19,7 @@ use crate::vector::keyed_clip::{
 };
 use glam::Vec2;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Triangles of fewer square pixels than this may be off by more levels: twice for a quarter of
 /// the area, so that what they add to the error of the picture stays the same.
@@ -87,15 +89,7 @@ pub fn keyed(
 ) -> Result<(KeyedClip, KeyStats), PlanarError> {
     clip.check()?;
     check_shapes(clip, drawn, layers, sealed)?;
-    let mut reducer = Reducer {
-        clip,
-        sealed,
-        options,
-        ramps: BTreeMap::new(),
-        stats: KeyStats::default(),
-        positions: Mean::default(),
-        levels: Mean::default(),
-    };
+    let mut reducer = Reducer::new(clip, &sealed.corners, options);
     let mut colors: BTreeMap<u32, Colors> = BTreeMap::new();
     let mut shapes = Vec::new();
     for layer in layers.iter().filter(|l| !l.frames.is_empty()) {
@@ -110,23 +104,117 @@ pub fn keyed(
             });
         shapes.push(reducer.shape(layer, colors));
     }
-    let mut ramps = vec![[0; 3]; reducer.ramps.len()];
-    for (color, index) in &reducer.ramps {
-        ramps[*index as usize] = *color;
-    }
-    let mut stats = reducer.stats;
-    stats.position_rmse_px = reducer.positions.root();
-    stats.color_rmse_levels = reducer.levels.root();
-    let keyed = KeyedClip {
-        width: clip.width,
-        height: clip.height,
-        fps: clip.fps,
-        frames: clip.frames.len() as u32,
-        ramps,
-        lines: options.lines,
-        shapes,
+    Ok(reducer.finish(shapes))
+}
+
+/// Every frame as a clip of one frame, for a flip-book: each with its own order, corners and
+/// paint, off by the grid alone.
+///
+/// O(frames x triangles).
+///
+/// # Errors
+/// As [`keyed`].
+pub fn pages(
+    clip: &PlanarClip,
+    drawn: &Drawn,
+    painting: &Painting,
+    sealed: &Sealed,
+    options: &KeyOptions,
+) -> Result<Vec<KeyedClip>, PlanarError> {
+    clip.check()?;
+    check_shapes(clip, drawn, &[], sealed)?;
+    // All but the frames.
+    let empty = PlanarClip {
+        frames: Vec::new(),
+        ..clip.clone()
     };
+    let mut ramps = BTreeMap::new();
+    let mut pages = Vec::new();
+    for f in 0..clip.frames.len() {
+        let still = PlanarClip {
+            frames: vec![clip.frames[f].clone()],
+            ..empty.clone()
+        };
+        let corners = std::slice::from_ref(&sealed.corners[f]);
+        let mut reducer = Reducer::new(&still, corners, options);
+        reducer.ramps = ramps;
+        let order = painting
+            .order_at(f)
+            .iter()
+            .filter(|t| drawn.get(f, **t as usize));
+        let shape = |t: &u32| {
+            let colors = match options.shading {
+                Shading::Flat => Colors::Flat(flat_color(&still, *t as usize, 0..1)),
+                Shading::Gouraud => Colors::of(&still, *t as usize, 0..1),
+            };
+            let frames = std::iter::once(0..1).collect();
+            let triangle = *t;
+            reducer.shape(&Layer { triangle, frames }, colors)
+        };
+        let shapes = order.map(shape).collect();
+        ramps = reducer.ramps.clone();
+        pages.push(reducer.finish(shapes).0);
+    }
+    // All pages share the ramps of the last, which has them all.
+    let all = pages
+        .last()
+        .map(|page| page.ramps.clone())
+        .unwrap_or_default();
+    for page in &mut pages {
+        page.ramps.clone_from(&all);
+    }
+    Ok(pages)
+}
+
+/// Regions of one colour as shapes with keys, back to front. `sealed` are their points,
+/// `[region][frame][point]`, as [`super::merge::seal_regions`] gives them.
+///
+/// # Errors
+/// What is wrong with the clip, or [`PlanarError::Mismatch`] if the arguments are not of one
+/// clip.
+pub fn keyed_regions(
+    clip: &PlanarClip,
+    regions: &[Region],
+    sealed: &[Vec<Vec<Vec2>>],
+    options: &KeyOptions,
+) -> Result<(KeyedClip, KeyStats), PlanarError> {
+    clip.check()?;
+    let frames = clip.frames.len();
+    let fits = |(region, sealed): (&Region, &Vec<Vec<Vec2>>)| {
+        let points = region.outlines.iter().map(Vec::len).sum::<usize>();
+        let mut edges = region.outlines.iter().flatten();
+        sealed.len() == frames
+            && sealed.iter().all(|row| row.len() == points)
+            && edges.all(|(t, e)| (*t as usize) < clip.triangles.len() && *e < 3)
+            && are_spans(&region.frames, frames)
+    };
+    if regions.len() != sealed.len() || !regions.iter().zip(sealed).all(fits) {
+        return Err(PlanarError::Mismatch {
+            at: "regions",
+            what: "regions, sealed points and clip do not belong together".to_owned(),
+        });
+    }
+    let mut reducer = Reducer::new(clip, &[], options);
+    let shown = regions
+        .iter()
+        .zip(sealed)
+        .filter(|(r, _)| !r.frames.is_empty());
+    let shapes = shown
+        .map(|(region, sealed)| reducer.region(region, sealed))
+        .collect();
+    let (keyed, stats) = reducer.finish(shapes);
+    keyed.check()?;
     Ok((keyed, stats))
+}
+
+/// Whether spans rise, are apart, and lie within so many frames.
+fn are_spans(spans: &[Range<usize>], frames: usize) -> bool {
+    let mut end = None;
+    spans.iter().all(|span| {
+        let is_apart = end.is_none_or(|end| span.start > end);
+        end = Some(span.end);
+        is_apart && span.start < span.end && span.end <= frames
+    })
 }
 
 fn check_shapes(
@@ -147,32 +235,48 @@ fn check_shapes(
     if sealed.corners.len() != frames || rows.into_iter().any(|r| r != triangles) {
         return mismatch("sealed", "not of the clip's frames and triangles");
     }
-    for layer in layers {
-        let mut end = 0;
-        let mut rises = (layer.triangle as usize) < triangles;
-        for (i, span) in layer.frames.iter().enumerate() {
-            rises &= span.start < span.end && span.end <= frames && (i == 0 || span.start > end);
-            end = span.end;
-        }
-        if !rises {
-            return mismatch("layers", "a triangle or a span beyond the clip");
-        }
+    let fits = |l: &Layer| (l.triangle as usize) < triangles && are_spans(&l.frames, frames);
+    if !layers.iter().all(fits) {
+        return mismatch("layers", "a triangle or a span beyond the clip");
     }
     Ok(())
 }
 
 /// Where a layer's corners are to be, and how exactly.
 struct Wish {
-    /// Grid steps, six for each frame.
+    /// Grid steps, x and y of each point for each frame.
     targets: Vec<f64>,
     /// Grid steps; infinite where it does not matter.
     reach: Vec<f64>,
     is_shown: Vec<bool>,
 }
 
+impl Wish {
+    fn width(&self) -> usize {
+        self.targets.len() / self.reach.len().max(1)
+    }
+
+    fn row(&self, frame: usize) -> &[f64] {
+        &self.targets[frame * self.width()..(frame + 1) * self.width()]
+    }
+}
+
+/// A shape's points in a frame, pixels.
+struct Outline<'a> {
+    /// As they are painted.
+    sealed: &'a dyn Fn(usize) -> Vec<Vec2>,
+    /// As the clip has them.
+    places: &'a dyn Fn(usize) -> Vec<Vec2>,
+}
+
+/// A place in grid steps.
+fn on_grid(place: Vec2) -> [f64; 2] {
+    [place.x, place.y].map(|v| f64::from(v) * f64::from(GRID))
+}
+
 struct Reducer<'a> {
     clip: &'a PlanarClip,
-    sealed: &'a Sealed,
+    sealed: &'a [Vec<[Vec2; 3]>],
     options: &'a KeyOptions,
     ramps: BTreeMap<[u8; 3], u32>,
     stats: KeyStats,
@@ -198,16 +302,50 @@ impl Mean {
     }
 }
 
-impl Reducer<'_> {
+impl<'a> Reducer<'a> {
+    fn new(clip: &'a PlanarClip, sealed: &'a [Vec<[Vec2; 3]>], options: &'a KeyOptions) -> Self {
+        Self {
+            clip,
+            sealed,
+            options,
+            ramps: BTreeMap::new(),
+            stats: KeyStats::default(),
+            positions: Mean::default(),
+            levels: Mean::default(),
+        }
+    }
+
+    fn finish(mut self, shapes: Vec<KeyedShape>) -> (KeyedClip, KeyStats) {
+        let mut ramps = vec![[0; 3]; self.ramps.len()];
+        for (color, index) in &self.ramps {
+            ramps[*index as usize] = *color;
+        }
+        self.stats.position_rmse_px = self.positions.root();
+        self.stats.color_rmse_levels = self.levels.root();
+        let keyed = KeyedClip {
+            width: self.clip.width,
+            height: self.clip.height,
+            fps: self.clip.fps,
+            frames: self.clip.frames.len() as u32,
+            ramps,
+            lines: self.options.lines,
+            shapes,
+        };
+        (keyed, self.stats)
+    }
+
     fn shape(&mut self, layer: &Layer, colors: Colors) -> KeyedShape {
-        let wish = self.wish(layer);
-        let outline = fewest_keys(&Windows {
-            targets: &wish.targets,
-            width: 6,
-            reach: &wish.reach,
-        });
-        self.count(&wish, &outline);
-        let frames = self.clip.frames.len() as u32;
+        let t = layer.triangle as usize;
+        let (clip, sealed) = (self.clip, self.sealed);
+        let wish = self.wish(
+            &layer.frames,
+            &Outline {
+                sealed: &|f| sealed[f][t].to_vec(),
+                places: &|f| clip.places(f, t).to_vec(),
+            },
+        );
+        let outline = self.outline(&wish);
+        let frames = clip.frames.len() as u32;
         let paint = match colors {
             Colors::Flat(color) => KeyedPaint::Flat(color),
             Colors::Ramp(color) => {
@@ -231,46 +369,74 @@ impl Reducer<'_> {
 
     /// Hidden frames do not matter; those beside shown ones matter a little, since a shape is
     /// shown half a frame longer.
-    fn wish(&self, layer: &Layer) -> Wish {
-        let t = layer.triangle as usize;
+    fn wish(&self, shown: &[Range<usize>], outline: &Outline<'_>) -> Wish {
         let frames = self.clip.frames.len();
         let tol = f64::from(self.options.pos_tol_px) * f64::from(GRID);
         let mut is_shown = vec![false; frames];
-        for span in &layer.frames {
+        for span in shown {
             is_shown[span.clone()].fill(true);
         }
         let mut wish = Wish {
-            targets: Vec::with_capacity(6 * frames),
+            targets: Vec::new(),
             reach: Vec::with_capacity(frames),
             is_shown,
         };
         for f in 0..frames {
             let beside = |g: usize| wish.is_shown.get(g).copied().unwrap_or(false);
             let neighbour = [f.wrapping_sub(1), f + 1].into_iter().find(|g| beside(*g));
-            let mut corners = self.sealed.corners[f][t];
+            let mut points = (outline.sealed)(f);
             let reach = match (wish.is_shown[f], neighbour) {
                 (true, _) => tol,
                 (false, Some(g)) => {
                     // It is sealed where it is shown, and moves on as the clip does.
-                    let (here, there) = (self.clip.places(f, t), self.clip.places(g, t));
-                    let sealed = self.sealed.corners[g][t];
-                    corners = std::array::from_fn(|i| sealed[i] + here[i] - there[i]);
+                    points = (outline.sealed)(g);
+                    let moves = (outline.places)(f).into_iter().zip((outline.places)(g));
+                    for (point, (here, there)) in points.iter_mut().zip(moves) {
+                        *point += here - there;
+                    }
                     2.0 * tol
                 }
                 (false, None) => f64::INFINITY,
             };
             wish.reach.push(reach);
-            let grid = |p: Vec2| [f64::from(p.x), f64::from(p.y)].map(|v| v * f64::from(GRID));
-            wish.targets.extend(corners.into_iter().flat_map(grid));
+            wish.targets.extend(points.into_iter().flat_map(on_grid));
         }
         wish
+    }
+
+    /// A shape of any number of points in one colour.
+    fn region(&mut self, region: &Region, sealed: &[Vec<Vec2>]) -> KeyedShape {
+        let clip = self.clip;
+        let wish = self.wish(
+            &region.frames,
+            &Outline {
+                sealed: &|f| sealed[f].clone(),
+                places: &|f| region.points(clip, f),
+            },
+        );
+        KeyedShape {
+            outline: self.outline(&wish),
+            further_outlines: region.further_outlines(),
+            paint: KeyedPaint::Flat(region.color),
+            shown: KeyedShape::shown_in(&region.frames, clip.frames.len() as u32),
+        }
+    }
+
+    fn outline(&mut self, wish: &Wish) -> KeyedTrack {
+        let outline = fewest_keys(&Windows {
+            targets: &wish.targets,
+            width: wish.width(),
+            reach: &wish.reach,
+        });
+        self.count(wish, &outline);
+        outline
     }
 
     fn count(&mut self, wish: &Wish, outline: &KeyedTrack) {
         self.stats.shapes += 1;
         self.stats.outline_keys += outline.len();
         for f in (0..wish.is_shown.len()).filter(|f| wish.is_shown[*f]) {
-            let wanted = &wish.targets[6 * f..6 * f + 6];
+            let wanted = wish.row(f);
             for (a, b) in outline.at(f as f64).iter().zip(wanted) {
                 let off = (a - b).abs() / f64::from(GRID);
                 self.positions.add(off, 1.0);
@@ -335,7 +501,7 @@ impl Reducer<'_> {
         let shares = colors.shares(self.clip, f, t);
         let places = self.clip.places(f, t);
         let keyed = outline.at(f as f64);
-        let sealed = &wish.targets[6 * f..6 * f + 6];
+        let sealed = wish.row(f);
         let place = |i: usize| {
             let place = [places[i].x, places[i].y].map(|v| f64::from(v) * f64::from(GRID));
             let off = |n: usize| place[n] + keyed[2 * i + n] - sealed[2 * i + n];
@@ -537,6 +703,53 @@ mod tests {
                 crate::vector::raster::raster(&still, [255; 4]).unwrap();
             }
         }
+    }
+
+    #[test]
+    fn pages_show_each_frame_to_the_grid() {
+        let clip = fixture::turning_cube(6);
+        let drawn = Drawn::seen(&clip).unwrap();
+        let painting = Painting::per_frame(&clip, &drawn).unwrap();
+        // A page holds its place to the grid, whatever may be lost between keys.
+        let options = KeyOptions::default();
+        let pages = pages(&clip, &drawn, &painting, &unsealed(&clip), &options).unwrap();
+        assert_eq!(pages.len(), 6);
+        for (f, page) in pages.iter().enumerate() {
+            page.check().unwrap();
+            let order = painting
+                .order_at(f)
+                .iter()
+                .filter(|t| drawn.get(f, **t as usize));
+            let order: Vec<&u32> = order.collect();
+            assert_eq!(order.len(), page.shapes.len());
+            for (t, shape) in order.into_iter().zip(&page.shapes) {
+                for (i, place) in clip.places(f, *t as usize).into_iter().enumerate() {
+                    let key = shape.outline.key(0);
+                    let keyed = Vec2::new(key[2 * i] as f32, key[2 * i + 1] as f32) / GRID as f32;
+                    assert!((keyed - place).abs().max_element() <= 0.125 + 1e-4);
+                }
+            }
+        }
+        crate::vector::flipbook::flipbook(&pages, "cube").unwrap();
+    }
+
+    #[test]
+    fn regions_are_one_shape_each_and_within_the_tolerance() {
+        use crate::planar::merge::{merge, seal_regions};
+        let mut clip = fixture::turning_cube(30);
+        for frame in &mut clip.frames {
+            frame.light.fill(0.7);
+        }
+        let drawn = Drawn::of(&clip).unwrap();
+        let layers = Painting::single(&clip, &drawn).unwrap().layers(&drawn);
+        let regions = merge(&clip, &drawn, &layers, 4.0).unwrap();
+        let sealed = seal_regions(&clip, &regions, crate::planar::UnderlapOptions::default());
+        let options = KeyOptions::default();
+        let (keyed, stats) = keyed_regions(&clip, &regions, &sealed, &options).unwrap();
+        assert_eq!(keyed.shapes.len(), regions.len());
+        assert!(stats.position_max_px <= 0.5 + 1e-6, "{stats:?}");
+        smil(&keyed, "").unwrap();
+        assert!(keyed_regions(&clip, &regions, &sealed[1..], &options).is_err());
     }
 
     #[test]

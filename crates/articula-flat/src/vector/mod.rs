@@ -10,12 +10,14 @@
 //! - [`smil`]: animated SVG from key to key, without script
 //! - [`smil_sampler`]: what such a file shows at a moment, as still SVG
 //! - [`flipbook`]: animated SVG with a group for each frame
+//! - [`moving_picture`]: GIF and animated WebP
 //! - [`thesis`]: the files of the thesis, the baseline of all ratios
 //! - [`still`]: one frame as SVG
 
 pub mod flipbook;
 pub mod keyed_clip;
 pub mod lottie;
+pub mod moving_picture;
 pub mod path;
 pub mod player;
 pub mod raster;
