@@ -1,13 +1,13 @@
 //! Skins, projects and lights a character into a [`PlanarClip`].
 //!
 //! Source: `spec/vector.md` 2. One key light and an even ambient, both fixed to the viewer;
-//! light multiplies sRGB levels, since vector players blend there. Colours are what material,
-//! texture and vertex colour give at the vertices.
+//! light multiplies sRGB levels, since vector players blend there. Colours of textured vertices
+//! are fitted to the texture in the triangles around them.
 
 use super::clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, Surface};
 use super::error::PlanarError;
+use super::vertex_colors::{Look, fitted};
 use crate::appearance::Appearance;
-use crate::picture::srgb_byte;
 use crate::projection::{Projection, Screen};
 use articula_core::clip::Clip;
 use articula_core::hierarchy::local_to_model;
@@ -18,7 +18,7 @@ use articula_core::sample::{Wrap, sample, sample_morphs};
 use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::Material;
 use articula_core::view::Camera;
-use glam::{Affine3A, Quat, Vec3, Vec4Swizzles};
+use glam::{Affine3A, Quat, Vec3};
 
 /// Nothing may come nearer to a perspective camera than this, metres.
 const NEAREST_M: f32 = 0.01;
@@ -166,6 +166,9 @@ fn still_parts(
         surfaces: painter.surfaces(),
         albedo: Vec::new(),
     };
+    let colors = fitted(subject, |triangle| {
+        painter.look(painter.part_of[triangle[0] as usize])
+    });
     let mut index = std::collections::BTreeMap::new();
     let mut sources = Vec::new();
     for triangle in subject.triangles {
@@ -181,7 +184,7 @@ fn still_parts(
             let mut corners = triangle.map(|vertex| {
                 *index.entry(Source { vertex, is_back }).or_insert_with(|| {
                     sources.push(Source { vertex, is_back });
-                    clip.albedo.push(painter.albedo(vertex, material));
+                    clip.albedo.push(colors[&vertex]);
                     sources.len() as u32 - 1
                 })
             });
@@ -236,9 +239,11 @@ impl<'a> Painter<'a> {
         let mesh = self.subject.mesh;
         let of_part = |(p, material): (usize, &Material)| {
             let vertices = mesh.parts.get(p).map_or(0..0, |part| part.vertices.clone());
-            let mut colors = vertices.map(|v| self.rounded(v as u32, material));
+            let look = self.look(p);
+            let color = |v| look.at_vertex(&self.subject, v as u32).to_array();
+            let mut colors = vertices.map(|v| color(v).map(|level| level as u8));
             let first = colors.next().unwrap_or([255; 3]);
-            let is_plain = self.subject.look.texture_of(material).is_none();
+            let is_plain = look.texture.is_none();
             Surface {
                 name: material.name.clone(),
                 albedo: (is_plain && colors.all(|c| c == first)).then_some(first),
@@ -247,18 +252,12 @@ impl<'a> Painter<'a> {
         self.materials.iter().enumerate().map(of_part).collect()
     }
 
-    fn rounded(&self, vertex: u32, material: &Material) -> [u8; 3] {
-        self.albedo(vertex, material).map(|level| level as u8)
-    }
-
-    /// sRGB levels of a vertex, without light.
-    fn albedo(&self, vertex: u32, material: &Material) -> [f32; 3] {
-        let v = vertex as usize;
-        let mut color = material.base_color * self.subject.mesh.colors[v];
-        if let Some(texture) = self.subject.look.texture_of(material) {
-            color *= texture.sample(self.subject.mesh.texcoords[v], 0);
+    fn look(&self, part: usize) -> Look<'_> {
+        let material = &self.materials[part];
+        Look {
+            material,
+            texture: self.subject.look.texture_of(material),
         }
-        color.xyz().to_array().map(|c| f32::from(srgb_byte(c)))
     }
 
     /// Whether a triangle of a cut-out material shows nothing at its corners and its middle.
@@ -280,10 +279,8 @@ impl<'a> Painter<'a> {
         let mesh = self.subject.mesh;
         let mut weights = std::collections::BTreeMap::new();
         for v in triangle {
-            for (binding, weight) in mesh.influences_of(*v as usize) {
-                *weights
-                    .entry(mesh.bindings[binding].joint)
-                    .or_insert(0.0f32) += weight;
+            for (joint, weight) in mesh.influences_of(*v as usize) {
+                *weights.entry(joint as u16).or_insert(0.0f32) += weight;
             }
         }
         let heaviest = weights
@@ -420,6 +417,24 @@ mod tests {
         assert!(matches!(foreign, Err(PlanarError::Mismatch { .. })));
         let none = bake(&figure.subject(), &[], &figure.options);
         assert_eq!(none, Err(PlanarError::NoFrames));
+    }
+
+    #[test]
+    fn the_part_of_a_triangle_is_the_joint_that_moves_it_most() {
+        let figure = figure();
+        let clip = bake(&figure.subject(), &[0.0], &figure.options).unwrap();
+        let mesh = &figure.asset.mesh;
+        for (triangle, part) in mesh.triangles.iter().zip(&clip.part) {
+            let mut sums = vec![0.0f32; figure.asset.rig.len()];
+            for (joint, weight) in triangle
+                .iter()
+                .flat_map(|v| mesh.influences_of(*v as usize))
+            {
+                sums[joint] += weight;
+            }
+            let most = sums.iter().copied().fold(0.0, f32::max);
+            assert!(sums[usize::from(*part)] >= most - 1e-5);
+        }
     }
 
     #[test]

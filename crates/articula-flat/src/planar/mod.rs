@@ -5,6 +5,7 @@
 //!
 //! - [`clip`]: the noun, places and light of every vertex in every frame
 //! - [`bake`]: skins, projects and lights a character into it
+//! - `vertex_colors`: what it gives vertices, so that their blends show the texture
 //! - [`stage`]: where a moving subject is, and which of its triangles are ever seen
 //! - [`drawn`]: which triangles are seen in which frames
 //! - [`mod@reference`]: the supersampled Gouraud picture that every output is measured against
@@ -34,6 +35,7 @@ pub mod split;
 pub mod stage;
 mod tunnel;
 pub mod underlap;
+mod vertex_colors;
 
 pub use clip::{PlanarClip, PlanarFrame, Surface};
 pub use drawn::Drawn;

@@ -1,0 +1,284 @@
+//! Colours at vertices that show, straight between them, what a texture shows.
+//!
+//! Source: least squares of a piecewise linear surface over samples of the texture, solved by
+//! projected Gauss-Seidel (Cottle, Pang and Stone 1992, 5.4). A single sample at each vertex
+//! misses whatever lies between; it is kept as a weak pull, for vertices that few samples see.
+//! A colour never leaves the range of the samples around its vertex, so that no hard edge rings.
+
+use super::bake::Subject;
+use crate::appearance::Texture;
+use crate::picture::srgb_byte;
+use articula_core::source::Material;
+use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
+use std::collections::BTreeMap;
+
+/// Each side of a triangle is cut into this many parts; each of the equal triangles that this
+/// gives is one sample.
+const PARTS: usize = 6;
+/// Weight of the single sample at a vertex, against those in its triangles.
+const PULL: f32 = 0.02;
+/// Rounds of the solver; each brings the colours to less than a third of their distance.
+const ROUNDS: usize = 24;
+
+/// What triangles of one material look like.
+pub(super) struct Look<'a> {
+    pub(super) material: &'a Material,
+    pub(super) texture: Option<&'a Texture>,
+}
+
+impl Look<'_> {
+    /// sRGB levels and opacity at a place, without light.
+    fn color(&self, vertex_color: Vec4, at: Vec2, level: usize) -> (Vec3, f32) {
+        let mut color = self.material.base_color * vertex_color;
+        if let Some(texture) = self.texture {
+            color *= texture.sample(at, level);
+        }
+        let levels = color.xyz().to_array().map(|c| f32::from(srgb_byte(c)));
+        (Vec3::from(levels), color.w)
+    }
+
+    /// The colour right at a vertex.
+    pub(super) fn at_vertex(&self, subject: &Subject<'_>, vertex: u32) -> Vec3 {
+        let v = vertex as usize;
+        let mesh = subject.mesh;
+        self.color(mesh.colors[v], mesh.texcoords[v], 0).0
+    }
+}
+
+/// sRGB levels of the vertices that triangles use; `look` gives the look of a triangle.
+///
+/// O(triangles).
+pub(super) fn fitted<'a>(
+    subject: &Subject<'_>,
+    look: impl Fn(&[u32; 3]) -> Look<'a>,
+) -> BTreeMap<u32, [f32; 3]> {
+    let mut fit = Fit::new(subject);
+    for triangle in subject.triangles {
+        fit.add(subject, triangle, &look(triangle));
+    }
+    fit.solve();
+    let color = |(vertex, unknown): (&u32, &usize)| {
+        let found = fit.unknowns[*unknown].color;
+        (*vertex, found.to_array())
+    };
+    fit.of_vertex.iter().map(color).collect()
+}
+
+/// A colour that is sought.
+#[derive(Debug, Clone)]
+struct Unknown {
+    color: Vec3,
+    low: Vec3,
+    high: Vec3,
+    /// Row of the normal equations: diagonal, right-hand side, other unknowns.
+    diagonal: f32,
+    wanted: Vec3,
+    others: BTreeMap<usize, f32>,
+}
+
+/// The normal equations.
+struct Fit {
+    unknowns: Vec<Unknown>,
+    of_vertex: BTreeMap<u32, usize>,
+    /// Vertices that differ in their normals alone share a colour: the same part, place and
+    /// texture coordinate.
+    known: BTreeMap<[u32; 6], usize>,
+    part_of: Vec<u32>,
+}
+
+impl Fit {
+    fn new(subject: &Subject<'_>) -> Self {
+        let mut part_of = vec![0; subject.mesh.len()];
+        for (p, part) in (0..).zip(&subject.mesh.parts) {
+            part_of[part.vertices.clone()].fill(p);
+        }
+        Self {
+            unknowns: Vec::new(),
+            of_vertex: BTreeMap::new(),
+            known: BTreeMap::new(),
+            part_of,
+        }
+    }
+
+    fn unknown(&mut self, subject: &Subject<'_>, vertex: u32, look: &Look<'_>) -> usize {
+        if let Some(unknown) = self.of_vertex.get(&vertex) {
+            return *unknown;
+        }
+        let v = vertex as usize;
+        let (place, at) = (subject.mesh.positions[v], subject.mesh.texcoords[v]);
+        let [x, y, z] = place.to_array().map(f32::to_bits);
+        let key = [self.part_of[v], x, y, z, at.x.to_bits(), at.y.to_bits()];
+        let unknown = *self.known.entry(key).or_insert_with(|| {
+            let color = look.at_vertex(subject, vertex);
+            self.unknowns.push(Unknown {
+                color,
+                low: color,
+                high: color,
+                diagonal: 1e-9,
+                wanted: color * 1e-9,
+                others: BTreeMap::new(),
+            });
+            self.unknowns.len() - 1
+        });
+        self.of_vertex.insert(vertex, unknown);
+        unknown
+    }
+
+    fn add(&mut self, subject: &Subject<'_>, triangle: &[u32; 3], look: &Look<'_>) {
+        let mesh = subject.mesh;
+        let unknowns = triangle.map(|v| self.unknown(subject, v, look));
+        let Some(texture) = look.texture else {
+            return;
+        };
+        let places = triangle.map(|v| mesh.positions[v as usize]);
+        let size = (places[1] - places[0])
+            .cross(places[2] - places[0])
+            .length();
+        for unknown in unknowns {
+            let pull = size * PULL / 3.0;
+            let unknown = &mut self.unknowns[unknown];
+            unknown.diagonal += pull;
+            // The colour is still the one at the vertex.
+            unknown.wanted += unknown.color * pull;
+        }
+        let at = triangle.map(|v| mesh.texcoords[v as usize]);
+        let area = (at[1] - at[0]).perp_dot(at[2] - at[0]) / 2.0;
+        let level = texture.level_for(area, (PARTS * PARTS) as f32);
+        let colors = triangle.map(|v| mesh.colors[v as usize]);
+        let weight = size / (PARTS * PARTS) as f32;
+        for shares in samples() {
+            let blend = |i: usize| shares[i];
+            let place = at[0] * blend(0) + at[1] * blend(1) + at[2] * blend(2);
+            let vertex_color = colors[0] * blend(0) + colors[1] * blend(1) + colors[2] * blend(2);
+            let (wanted, opacity) = look.color(vertex_color, place, level);
+            if opacity >= look.material.alpha_cutoff {
+                self.wish(unknowns, shares, wanted, weight);
+            }
+        }
+    }
+
+    /// One sample: the blend of three colours should be this one.
+    fn wish(&mut self, unknowns: [usize; 3], shares: [f32; 3], wanted: Vec3, weight: f32) {
+        for i in 0..3 {
+            let row = &mut self.unknowns[unknowns[i]];
+            row.low = row.low.min(wanted);
+            row.high = row.high.max(wanted);
+            row.wanted += wanted * (weight * shares[i]);
+            for j in 0..3 {
+                let both = weight * shares[i] * shares[j];
+                if unknowns[i] == unknowns[j] {
+                    row.diagonal += both;
+                } else {
+                    *row.others.entry(unknowns[j]).or_insert(0.0) += both;
+                }
+            }
+        }
+    }
+
+    fn solve(&mut self) {
+        for _ in 0..ROUNDS {
+            for i in 0..self.unknowns.len() {
+                let row = &self.unknowns[i];
+                let others = row.others.iter();
+                let taken: Vec3 = others.map(|(j, a)| self.unknowns[*j].color * *a).sum();
+                let best = (row.wanted - taken) / row.diagonal;
+                let color = best.clamp(row.low, row.high);
+                self.unknowns[i].color = color;
+            }
+        }
+    }
+}
+
+/// Shares of the corners in the middles of equal triangles that a triangle is cut into.
+fn samples() -> impl Iterator<Item = [f32; 3]> {
+    let cell = |row: usize, column: usize, third: f32| {
+        let (u, v) = (row as f32 + third, column as f32 + third);
+        let (u, v) = (u / PARTS as f32, v / PARTS as f32);
+        [1.0 - u - v, u, v]
+    };
+    (0..PARTS).flat_map(move |row| {
+        let upright = (0..PARTS - row).map(move |column| cell(row, column, 1.0 / 3.0));
+        let inverted = (0..PARTS - row - 1).map(move |column| cell(row, column, 2.0 / 3.0));
+        upright.chain(inverted)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::Picture;
+    use crate::planar::fixture::figure;
+
+    /// Red of 0 in the left half and of 200 in the right.
+    fn half_black(width: u32) -> Texture {
+        let level = |x: u32| if x < width / 2 { 0 } else { 200 };
+        let pixels = (0..width * width).map(|i| [level(i % width), 50, 50, 255]);
+        Texture::new(Picture::from_pixels(width, width, pixels.collect()).unwrap())
+    }
+
+    #[test]
+    fn samples_are_equal_parts_of_a_triangle() {
+        let all: Vec<[f32; 3]> = samples().collect();
+        assert_eq!(all.len(), PARTS * PARTS);
+        for k in 0..3 {
+            let mean = all.iter().map(|s| s[k]).sum::<f32>() / all.len() as f32;
+            assert!((mean - 1.0 / 3.0).abs() < 1e-5);
+        }
+        let sound =
+            |s: &[f32; 3]| s.iter().all(|w| *w > 0.0) && (s.iter().sum::<f32>() - 1.0).abs() < 1e-5;
+        assert!(all.iter().all(sound));
+    }
+
+    /// Sum of squares over the samples of the subject's triangles.
+    fn error(subject: &Subject<'_>, look: &Look<'_>, color: impl Fn(u32) -> Vec3) -> f32 {
+        let mut sum = 0.0;
+        for t in subject.triangles {
+            for s in samples() {
+                let at = |i: usize| subject.mesh.texcoords[t[i] as usize] * s[i];
+                let (wanted, _) = look.color(Vec4::ONE, at(0) + at(1) + at(2), 0);
+                let shown = (0..3).map(|i| color(t[i]) * s[i]).sum::<Vec3>();
+                sum += shown.distance_squared(wanted);
+            }
+        }
+        sum
+    }
+
+    #[test]
+    fn fitted_colours_are_nearer_to_the_texture_than_single_samples() {
+        let mut figure = figure();
+        let mesh = &mut figure.asset.mesh;
+        mesh.colors.fill(Vec4::ONE);
+        for (at, place) in mesh.texcoords.iter_mut().zip(&mesh.positions) {
+            *at = Vec2::new(place.x, place.y) * 3.0;
+        }
+        let (texture, material) = (half_black(16), Material::default());
+        let subject = figure.subject();
+        let look = || Look {
+            material: &material,
+            texture: Some(&texture),
+        };
+        let found = fitted(&subject, |_| look());
+        let fit = error(&subject, &look(), |v| Vec3::from(found[&v]));
+        let single = error(&subject, &look(), |v| look().at_vertex(&subject, v));
+        assert!(fit < 0.95 * single, "{fit} {single}");
+        // Nothing is darker or lighter than the texture.
+        let levels = found.values().map(|c| c[0]);
+        assert!(levels.clone().all(|level| (0.0..=200.0).contains(&level)));
+        assert!(found.values().all(|c| c[1] == 50.0));
+    }
+
+    #[test]
+    fn without_a_texture_a_vertex_keeps_its_colour() {
+        let figure = figure();
+        let subject = figure.subject();
+        let material = Material::default();
+        let look = || Look {
+            material: &material,
+            texture: None,
+        };
+        for (vertex, color) in fitted(&subject, |_| look()) {
+            let expected = look().at_vertex(&subject, vertex);
+            assert_eq!(expected.to_array(), color);
+        }
+    }
+}
