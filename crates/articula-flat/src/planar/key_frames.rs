@@ -8,12 +8,12 @@
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
 use super::error::PlanarError;
-use super::merge::Region;
+use super::merge::{Region, merge, seal_regions};
 use super::moving_gradient::{self, Corners, Wanted};
-use super::order::{Layer, Painting};
+use super::order::Layer;
 use super::shading::{Colors, Shading, flat_color};
 use super::tunnel::{Windows, fewest_keys};
-use super::underlap::Sealed;
+use super::underlap::{Sealed, UnderlapOptions};
 use crate::vector::keyed_clip::{
     BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits,
 };
@@ -39,6 +39,9 @@ pub struct KeyOptions {
     pub shading: Shading,
     /// What the lines of gradients are counted in.
     pub lines: LineUnits,
+    /// Neighbours whose colours differ by no more levels than this become one shape, sealed in
+    /// the usual way; only without gradients.
+    pub merge_levels: Option<f32>,
 }
 
 impl Default for KeyOptions {
@@ -48,6 +51,7 @@ impl Default for KeyOptions {
             col_tol_levels: 8.0,
             shading: Shading::Gouraud,
             lines: LineUnits::Box,
+            merge_levels: None,
         }
     }
 }
@@ -89,6 +93,11 @@ pub fn keyed(
 ) -> Result<(KeyedClip, KeyStats), PlanarError> {
     clip.check()?;
     check_shapes(clip, drawn, layers, sealed)?;
+    if let (Shading::Flat, Some(levels)) = (options.shading, options.merge_levels) {
+        let regions = merge(clip, drawn, layers, levels)?;
+        let sealed = seal_regions(clip, &regions, UnderlapOptions::default());
+        return keyed_regions(clip, &regions, &sealed, options);
+    }
     let mut reducer = Reducer::new(clip, &sealed.corners, options);
     let mut colors: BTreeMap<u32, Colors> = BTreeMap::new();
     let mut shapes = Vec::new();
@@ -105,65 +114,6 @@ pub fn keyed(
         shapes.push(reducer.shape(layer, colors));
     }
     Ok(reducer.finish(shapes))
-}
-
-/// Every frame as a clip of one frame, for a flip-book: each with its own order, corners and
-/// paint, off by the grid alone.
-///
-/// O(frames x triangles).
-///
-/// # Errors
-/// As [`keyed`].
-pub fn pages(
-    clip: &PlanarClip,
-    drawn: &Drawn,
-    painting: &Painting,
-    sealed: &Sealed,
-    options: &KeyOptions,
-) -> Result<Vec<KeyedClip>, PlanarError> {
-    clip.check()?;
-    check_shapes(clip, drawn, &[], sealed)?;
-    // All but the frames.
-    let empty = PlanarClip {
-        frames: Vec::new(),
-        ..clip.clone()
-    };
-    let mut ramps = BTreeMap::new();
-    let mut pages = Vec::new();
-    for f in 0..clip.frames.len() {
-        let still = PlanarClip {
-            frames: vec![clip.frames[f].clone()],
-            ..empty.clone()
-        };
-        let corners = std::slice::from_ref(&sealed.corners[f]);
-        let mut reducer = Reducer::new(&still, corners, options);
-        reducer.ramps = ramps;
-        let order = painting
-            .order_at(f)
-            .iter()
-            .filter(|t| drawn.get(f, **t as usize));
-        let shape = |t: &u32| {
-            let colors = match options.shading {
-                Shading::Flat => Colors::Flat(flat_color(&still, *t as usize, 0..1)),
-                Shading::Gouraud => Colors::of(&still, *t as usize, 0..1),
-            };
-            let frames = std::iter::once(0..1).collect();
-            let triangle = *t;
-            reducer.shape(&Layer { triangle, frames }, colors)
-        };
-        let shapes = order.map(shape).collect();
-        ramps = reducer.ramps.clone();
-        pages.push(reducer.finish(shapes).0);
-    }
-    // All pages share the ramps of the last, which has them all.
-    let all = pages
-        .last()
-        .map(|page| page.ramps.clone())
-        .unwrap_or_default();
-    for page in &mut pages {
-        page.ramps.clone_from(&all);
-    }
-    Ok(pages)
 }
 
 /// Regions of one colour as shapes with keys, back to front. `sealed` are their points,
@@ -706,36 +656,7 @@ mod tests {
     }
 
     #[test]
-    fn pages_show_each_frame_to_the_grid() {
-        let clip = fixture::turning_cube(6);
-        let drawn = Drawn::seen(&clip).unwrap();
-        let painting = Painting::per_frame(&clip, &drawn).unwrap();
-        // A page holds its place to the grid, whatever may be lost between keys.
-        let options = KeyOptions::default();
-        let pages = pages(&clip, &drawn, &painting, &unsealed(&clip), &options).unwrap();
-        assert_eq!(pages.len(), 6);
-        for (f, page) in pages.iter().enumerate() {
-            page.check().unwrap();
-            let order = painting
-                .order_at(f)
-                .iter()
-                .filter(|t| drawn.get(f, **t as usize));
-            let order: Vec<&u32> = order.collect();
-            assert_eq!(order.len(), page.shapes.len());
-            for (t, shape) in order.into_iter().zip(&page.shapes) {
-                for (i, place) in clip.places(f, *t as usize).into_iter().enumerate() {
-                    let key = shape.outline.key(0);
-                    let keyed = Vec2::new(key[2 * i] as f32, key[2 * i + 1] as f32) / GRID as f32;
-                    assert!((keyed - place).abs().max_element() <= 0.125 + 1e-4);
-                }
-            }
-        }
-        crate::vector::flipbook::flipbook(&pages, "cube").unwrap();
-    }
-
-    #[test]
     fn regions_are_one_shape_each_and_within_the_tolerance() {
-        use crate::planar::merge::{merge, seal_regions};
         let mut clip = fixture::turning_cube(30);
         for frame in &mut clip.frames {
             frame.light.fill(0.7);
@@ -743,13 +664,20 @@ mod tests {
         let drawn = Drawn::of(&clip).unwrap();
         let layers = Painting::single(&clip, &drawn).unwrap().layers(&drawn);
         let regions = merge(&clip, &drawn, &layers, 4.0).unwrap();
-        let sealed = seal_regions(&clip, &regions, crate::planar::UnderlapOptions::default());
+        let sealed = seal_regions(&clip, &regions, UnderlapOptions::default());
         let options = KeyOptions::default();
         let (keyed, stats) = keyed_regions(&clip, &regions, &sealed, &options).unwrap();
         assert_eq!(keyed.shapes.len(), regions.len());
         assert!(stats.position_max_px <= 0.5 + 1e-6, "{stats:?}");
         smil(&keyed, "").unwrap();
         assert!(keyed_regions(&clip, &regions, &sealed[1..], &options).is_err());
+        let merging = KeyOptions {
+            shading: Shading::Flat,
+            merge_levels: Some(4.0),
+            ..options
+        };
+        let (same, ..) = reduced(&clip, &merging);
+        assert_eq!(same, keyed);
     }
 
     #[test]

@@ -40,7 +40,7 @@ mod vertex_colors;
 pub use clip::{PlanarClip, PlanarFrame, Surface};
 pub use drawn::Drawn;
 pub use error::PlanarError;
-pub use key_frames::{KeyOptions, KeyStats, keyed, keyed_regions, pages};
+pub use key_frames::{KeyOptions, KeyStats, keyed, keyed_regions};
 pub use merge::Region;
 pub use order::{
     Epoch, Layer, OrderOptions, Overlaps, Painted, Painting, WrongPixels, wrong_pixels,

@@ -53,7 +53,7 @@ pub fn gif(moments: &[Moment]) -> Result<Vec<u8>, PictureError> {
 /// An animated WebP file without loss; times in milliseconds.
 ///
 /// # Errors
-/// As [`gif`], with sides up to 16384.
+/// As [`gif()`], with sides up to 16384.
 pub fn webp(moments: &[Moment]) -> Result<Vec<u8>, PictureError> {
     let (width, height) = size(moments, MAX_WEBP_SIDE)?;
     // Canvas and frames are stored less one, in three bytes.
