@@ -2,15 +2,15 @@
 //!
 //! Source: `spec/vector.md` 7. One line for the whole time comes first (least squares, the worst
 //! frames weighing more). A moving line begins with a key at both ends; its keys' values are
-//! fitted to all frames at once (Gauss and Newton, with Levenberg's damping), a key is added
-//! where the error is worst until none is above the tolerance, and keys that were not needed
-//! after all are taken out again. Differs: keys need not lie on the data, and the fit is free to
+//! fitted to all frames at once (Gauss and Newton, with Levenberg's damping), keys are added
+//! where the error between two is worst until none is above the tolerance, and keys that were
+//! not needed after all are taken out again. Differs: keys need not lie on the data, and the fit is free to
 //! slide a line along its own bands of equal colour, which changes nothing but its numbers.
 
 use crate::vector::KeyedTrack;
 
 /// Rounds of fitting after each change of keys.
-const ROUNDS: usize = 6;
+const ROUNDS: usize = 4;
 /// Damping of a fit, against the weight of one corner's share.
 const DAMPING: f64 = 1e-3;
 /// Farthest that a line may reach, its own steps.
@@ -113,6 +113,25 @@ impl Wanted<'_> {
         (worst.1 > 1.0 + 1e-9).then_some(worst.0)
     }
 
+    /// The worst frame between each pair of keys, where some frame is beyond its tolerance.
+    fn worst_of_runs(&self, track: &KeyedTrack, slack: f64) -> Vec<usize> {
+        let mut worst: Vec<(usize, usize, f64)> = Vec::new();
+        for (f, corners, tol) in self.active() {
+            let run = track.frames.partition_point(|k| *k as usize <= f);
+            let line = line_of(&track.at(f as f64));
+            let over = error(&line, corners) / (tol * slack);
+            if over <= 1.0 + 1e-9 {
+                continue;
+            }
+            match worst.last_mut() {
+                Some(last) if last.0 == run && last.2 >= over => {}
+                Some(last) if last.0 == run => *last = (run, f, over),
+                _ => worst.push((run, f, over)),
+            }
+        }
+        worst.into_iter().map(|(_, f, _)| f).collect()
+    }
+
     /// The affine share over all frames as one line.
     fn constant(&self) -> Line {
         let mut weights = vec![1.0; self.frames.len()];
@@ -177,13 +196,16 @@ impl Wanted<'_> {
         };
         loop {
             self.fit(&mut keys, free);
-            let Some(worst) = self.worst(&keys.track(1), slack) else {
+            let worst = self.worst_of_runs(&keys.track(1), slack);
+            if worst.is_empty() {
                 break;
-            };
+            }
             if keys.frames.len() >= enough.min(last) {
                 return None;
             }
-            keys.insert_near(worst, own);
+            for frame in worst {
+                keys.insert_near(frame, own);
+            }
         }
         // From the inside out; what can go, goes.
         let mut k = 1;
