@@ -22,6 +22,7 @@ pub mod codec;
 pub mod compare;
 pub mod contact_sheet;
 pub mod error;
+pub mod flatten;
 pub mod frame;
 mod ground;
 pub mod item_buffer;

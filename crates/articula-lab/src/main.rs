@@ -20,6 +20,7 @@ mod wire_mesh;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use std::path::PathBuf;
+use tables::flat;
 use tables::merged_levels::Sheets;
 use tables::mesh_levels::Choice;
 use tables::retargets::Pictures;
@@ -57,6 +58,8 @@ enum Table {
     MergedLevels(Sheets),
     /// Levels of meshes: error in motion, bytes and speed, beside meshoptimizer and Draco.
     MeshLevels(Choice),
+    /// Conversion to 2D: bytes and errors of every profile, beside the thesis' form.
+    Flat(flat::Choice),
     /// All of them.
     All,
 }
@@ -78,6 +81,7 @@ fn main() -> Result<()> {
         Table::Crowd => tables::crowd::write(&run),
         Table::MergedLevels(sheets) => tables::merged_levels::write(&run, &sheets),
         Table::MeshLevels(choice) => tables::mesh_levels::write(&run, &choice),
+        Table::Flat(choice) => flat::write(&run, &choice),
         Table::Doors => tables::doors::write(&run),
         Table::Retargets(pictures) => tables::retargets::write(&run, &pictures),
         Table::All => {
@@ -87,7 +91,8 @@ fn main() -> Result<()> {
             tables::motion_lod::write(&run)?;
             tables::thesis_grid::write(&run)?;
             tables::merged_levels::write(&run, &Sheets::default())?;
-            tables::mesh_levels::write(&run, &Choice::default())
+            tables::mesh_levels::write(&run, &Choice::default())?;
+            flat::write(&run, &flat::Choice::default())
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The shape of the command line, and how its values are spelled.
 
-use crate::commands::{build, completions, convert, crowd, demo, human, inspect, lod};
+use crate::commands::{build, completions, convert, crowd, demo, flatten, human, inspect, lod};
 use crate::console::{Answer, Console, Progress};
 use articula_core::view::Viewport;
 use articula_formats::bvh::Up;
@@ -63,6 +63,8 @@ pub(crate) enum Command {
     Lod(lod::LodArgs),
     /// Run a crowd of one character; report what it costs and how far it is off, in pixels
     Crowd(crowd::CrowdArgs),
+    /// Turn a character in motion into 2D: animated SVG, Lottie, a talking portrait, stills
+    Flatten(flatten::FlattenArgs),
     /// Print completions for a shell
     Completions(completions::CompletionsArgs),
 }
@@ -111,7 +113,7 @@ pub(crate) enum LeftOut {
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ReadArgs {
     /// Joint-name profile of your own, asked before the built-in ones (repeatable)
-    #[arg(long, value_name = "F.json")]
+    #[arg(long, visible_alias = "joint-profile", value_name = "F.json")]
     pub(crate) profile: Vec<PathBuf>,
     /// BVH, ASF, BVA: metres of one unit [default: told from the figure's height]
     #[arg(long, value_name = "M", value_parser = positive)]

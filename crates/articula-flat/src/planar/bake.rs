@@ -130,6 +130,38 @@ pub fn bake(
     Ok(clip)
 }
 
+/// Bakes shapes of the rest pose: a frame for each set of morph weights.
+///
+/// O(shapes x vertices).
+///
+/// # Errors
+/// As [`bake`], and [`PlanarError::Mismatch`] if a set is not of the mesh.
+pub fn bake_shapes(
+    subject: &Subject<'_>,
+    shapes: &[Vec<f32>],
+    options: &BakeOptions,
+) -> Result<PlanarClip, PlanarError> {
+    let slots = subject.mesh.morph_weights.len();
+    if let Some(shape) = shapes.iter().position(|s| s.len() != slots) {
+        let what = format!("set {shape} has {} weights of {slots}", shapes[shape].len());
+        let at = "shapes";
+        return Err(PlanarError::Mismatch { at, what });
+    }
+    let (mut clip, sources) = still_parts(subject, options)?;
+    let still = Subject {
+        clip: None,
+        ..*subject
+    };
+    let mut poser = Poser::new(&still);
+    for (f, weights) in shapes.iter().enumerate() {
+        poser.shape(weights);
+        let frame = project(&poser.skinned, &sources, f, 0.0, options)?;
+        clip.frames.push(frame);
+    }
+    clip.check()?;
+    Ok(clip)
+}
+
 /// Where a vertex of the planar clip comes from: a vertex of the mesh, and the side it shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Source {
@@ -312,10 +344,9 @@ impl<'a> Poser<'a> {
         }
     }
 
+    /// Poses it at a moment of its clip.
     pub(super) fn pose(&mut self, secs: f64) {
-        let Subject {
-            rig, mesh, clip, ..
-        } = self.subject;
+        let Subject { rig, clip, .. } = self.subject;
         self.local.copy_from(rig.rest_pose());
         self.weights.copy_from_slice(self.subject.morph_weights);
         if let Some(clip) = clip {
@@ -325,6 +356,18 @@ impl<'a> Poser<'a> {
             sample(clip, secs, wrap, &rig.all(), &mut self.local);
             sample_morphs(clip, secs, wrap, &mut self.weights);
         }
+        self.skin();
+    }
+
+    /// Gives it a shape at rest.
+    fn shape(&mut self, weights: &[f32]) {
+        self.local.copy_from(self.subject.rig.rest_pose());
+        self.weights.copy_from_slice(weights);
+        self.skin();
+    }
+
+    fn skin(&mut self) {
+        let Subject { rig, mesh, .. } = self.subject;
         local_to_model(rig, &self.local, &mut self.model);
         palette(mesh, &self.model, &mut self.palette);
         skin(mesh, &self.palette, &self.weights, &mut self.skinned);

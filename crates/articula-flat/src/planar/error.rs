@@ -56,6 +56,16 @@ pub enum PlanarError {
     /// No triangle is seen in any frame.
     #[error("no triangle is seen in any frame; turn the camera or show other meshes")]
     NothingSeen,
+    /// No setting makes a file that small.
+    #[error(
+        "the smallest file has {least} bytes, the budget is {budget}; ask for fewer triangles, fewer frames a second, or the player profile"
+    )]
+    BudgetTooSmall {
+        /// Size of the smallest file that was made.
+        least: u64,
+        /// The budget.
+        budget: u64,
+    },
     /// The caller paired things that do not fit.
     #[error("{at}: {what}")]
     Mismatch {

@@ -5,6 +5,7 @@ pub(crate) mod completions;
 pub(crate) mod convert;
 pub(crate) mod crowd;
 pub(crate) mod demo;
+pub(crate) mod flatten;
 pub(crate) mod human;
 pub(crate) mod inspect;
 pub(crate) mod lod;
@@ -22,6 +23,7 @@ pub(crate) fn run(command: &Command, console: &Console) -> anyhow::Result<()> {
         Command::Build(args) => build::run(args, console),
         Command::Lod(args) => lod::run(args, console),
         Command::Crowd(args) => crowd::run(args, console),
+        Command::Flatten(args) => flatten::run(args, console),
         Command::Completions(args) => completions::run(args, console),
     }
 }

@@ -1,12 +1,12 @@
 //! One character posed and drawn: lit, with its joints marked, and at its true size.
 
+use crate::facing::facing;
 use crate::prepared::Prepared;
 use anyhow::Context;
 use articula_build::evaluate::Stage;
 use articula_core::articulation::Region;
 use articula_core::hierarchy::local_to_model;
 use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::rig::Rig;
 use articula_core::sample::{Wrap, sample_morphs};
 use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::view::{Camera, Viewport};
@@ -279,27 +279,6 @@ fn looking_along(forward: Vec3, cloud: &[Vec3], viewport: Viewport) -> Camera {
         eye: aimed.orientation * (middle + Vec3::Z * distance),
         ..aimed
     }
-}
-
-/// Where a figure looks: square to the line from its right to its left side. Files of VRM 0
-/// look along -Z, some others sideways; without known sides +Z is the front.
-fn facing(rig: &Rig, rest: &ModelPose) -> f32 {
-    let joints = &rig.articulation().joints;
-    let place = |name: &str| {
-        let joint = joints
-            .iter()
-            .position(|j| j.hanim.as_deref() == Some(name))?;
-        Some(rest.position(joint))
-    };
-    let across = [("l_hip", "r_hip"), ("l_shoulder", "r_shoulder")]
-        .into_iter()
-        .filter_map(|(left, right)| Some(place(left)? - place(right)?))
-        .fold(Vec3::ZERO, |sum, across| sum + across);
-    let forward = across.cross(Vec3::Y);
-    if forward.length() < 1e-4 {
-        return 0.0;
-    }
-    forward.x.atan2(forward.z)
 }
 
 /// A camera at a place that opens just as far as the bounds ask for.

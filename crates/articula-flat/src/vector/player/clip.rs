@@ -3,22 +3,13 @@
 //! Source: `spec/vector.md` 8.3.
 
 use crate::planar::low_rank::quantised::Quantised;
+use crate::planar::shading::Shading;
 use crate::planar::{Drawn, PlanarClip, PlanarFrame, Surface};
 use glam::Vec2;
 use std::ops::Range;
 
 /// A weight of one of a named input, in coefficient steps.
 pub const INPUT_ONE: f64 = 256.0;
-
-/// How triangles are filled.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Shading {
-    /// One colour for the whole clip.
-    Flat,
-    /// Light that runs straight between the corners and moves.
-    #[default]
-    Gouraud,
-}
 
 /// The painting order from a frame on, until the next one begins.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -4,10 +4,11 @@
 //! variable length instead of 16 and 8 bits, so weak components cost what they carry; corners are
 //! written as how far back they were first named.
 
-use super::clip::{PlayerClip, Shading};
+use super::clip::PlayerClip;
 use super::stream::Writer;
 use super::topology::parents;
 use crate::planar::low_rank::quantised::QuantisedComponent;
+use crate::planar::shading::Shading;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use std::io::Write;

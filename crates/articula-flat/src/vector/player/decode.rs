@@ -3,13 +3,14 @@
 //! Source: `docs/formats/artv.md`. No bytes make it panic, hang or take memory without measure:
 //! what is uncompressed is bounded, and each number that is kept took at least a byte.
 
-use super::clip::{PlayerClip, PlayerEpoch, Shading};
+use super::clip::{PlayerClip, PlayerEpoch};
 use super::container::{GOURAUD, INPUTS, MAGIC, VERSION};
 use super::error::PlayerError;
 use super::stream::Reader;
 use super::topology::parents;
 use crate::planar::clip::{MAX_FRAMES, MAX_TRIANGLES};
 use crate::planar::low_rank::quantised::{MAX_STEPS, Quantised, QuantisedComponent};
+use crate::planar::shading::Shading;
 use std::io::Read;
 use std::ops::Range;
 

@@ -4,10 +4,10 @@
 //! than few fine ones, so ranks from the least that can do are tried, each with the coarsest
 //! steps that hold, measured on what a reader gets back.
 
-use super::clip::Shading;
 use super::topology::Topology;
 use crate::planar::low_rank::quantised::{MAX_STEPS, Quantised, Steps};
 use crate::planar::low_rank::{LowRank, Table, decompose};
+use crate::planar::shading::Shading;
 use crate::planar::{PlanarClip, PlanarError};
 
 /// Ranks that are tried from the least one on.

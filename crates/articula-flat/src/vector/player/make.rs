@@ -2,12 +2,13 @@
 //!
 //! Source: `spec/vector.md` 8.3.
 
-use super::clip::{PlayerClip, PlayerEpoch, Shading};
+use super::clip::{PlayerClip, PlayerEpoch};
 use super::container::{PartSizes, encode};
 use super::fit::{Errors, Numbers, fit};
 use super::page::{Output, page, script};
 use super::topology::Topology;
 use crate::planar::low_rank::quantised::Quantised;
+use crate::planar::shading::Shading;
 use crate::planar::{Drawn, Epoch, Painting, PlanarClip, PlanarError};
 
 /// How a clip is written for the player.

@@ -21,7 +21,7 @@ mod stream;
 mod tests;
 mod topology;
 
-pub use clip::{PlayerClip, Shading};
+pub use clip::PlayerClip;
 pub use live::{LiveSource, live_player};
 pub use make::{PlayerFile, PlayerOptions, PlayerStats, player};
 pub use page::Output;

@@ -5,7 +5,8 @@
 //! it may stand inline, in an `<object>` or in an `<iframe>`, not in an `<img>`, where no script
 //! runs.
 
-use super::clip::{PlayerClip, Shading};
+use super::clip::PlayerClip;
+use crate::planar::shading::Shading;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 

@@ -1,6 +1,6 @@
 //! Clips written for the player and read back; bytes that are none.
 
-use super::clip::{PlayerClip, Shading};
+use super::clip::PlayerClip;
 use super::container::{MAGIC, VERSION, encode};
 use super::decode::decode;
 use super::error::PlayerError;
@@ -8,6 +8,7 @@ use super::*;
 use crate::item_buffer::Samples;
 use crate::planar::clip::fixture::{loose, turning_cube};
 use crate::planar::reference::reference;
+use crate::planar::shading::Shading;
 use crate::planar::{Drawn, Epoch, Painting, PlanarClip, PlanarError};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;

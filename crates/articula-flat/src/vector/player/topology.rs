@@ -5,7 +5,7 @@
 //! corner of a triangle with its attributes a wedge); each triangle begins with the corners that
 //! are known already, which are the better guess for the new ones.
 
-use super::clip::Shading;
+use crate::planar::shading::Shading;
 use crate::planar::{Drawn, PlanarClip};
 use std::collections::BTreeMap;
 

@@ -4,6 +4,7 @@
 //! are those of this run.
 
 mod crowd;
+mod flatten;
 mod mesh_levels;
 mod page;
 mod pictures;
@@ -67,6 +68,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     draw(&folder, &scene, &tables, console)?;
     plot(&folder, &scene, &tables, &costs)?;
     mesh_levels::draw(&folder, &scene)?;
+    let flat = flatten::of(&folder, &scene, console)?;
     let crowd = crowd::of(&prepared.asset, TARGET_PX, &folder, console)?;
     let found = Found {
         clips,
@@ -74,6 +76,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
         costs,
         crowd,
         mesh_levels,
+        flat,
     };
     let report = Report::new(&folder, &prepared, &tables, found);
     folder.write("report.json", &serde_json::to_vec_pretty(&report)?)?;

@@ -16,6 +16,7 @@ pub(super) fn of(report: &Report) -> String {
         methods(report),
         levels(report),
         mesh_levels(report),
+        flat(report),
         crowd(report),
         more(report),
         "</main>\n".into(),
@@ -271,6 +272,50 @@ fn mesh_levels(report: &Report) -> String {
             "The walking human, its face and a hand at five mesh levels",
             "From all triangles to 1.5 % of them: in motion, the face and the left hand.",
         )
+    )
+}
+
+fn flat(report: &Report) -> String {
+    let naive = report.flat.first().map_or(0, |r| r.bytes.raw);
+    let mut rows = String::new();
+    for flat in &report.flat {
+        let file = escaped(&flat.out);
+        let shading = if flat.profile == "thesis" {
+            "flat"
+        } else {
+            flat.settings.shading
+        };
+        let _ = writeln!(
+            rows,
+            "<tr><th scope=\"row\"><a href=\"{file}\">{file}</a></th><td>{}, {shading}</td><td>{:.1} kB</td>\
+             <td>{:.1} kB</td><td>{:.2}</td><td>{:.1}</td><td>{:.1}</td><td>{:.4}</td></tr>",
+            flat.profile,
+            flat.bytes.raw as f64 / 1e3,
+            flat.bytes.brotli as f64 / 1e3,
+            flat.bytes_per_triangle_and_frame.raw,
+            naive as f64 / flat.bytes.raw.max(1) as f64,
+            flat.error.image_rmse_levels,
+            flat.error.ssim,
+        );
+    }
+    let wrong = report.flat.get(1).map_or(String::new(), |r| {
+        let (ours, sorted) = (
+            r.error.wrong_pixels_percent,
+            r.error.wrong_pixels_percent_depth_sort,
+        );
+        format!(" Painted in a wrong order are {ours:.2} % of its pixels, sorted by depth {sorted:.2} %.")
+    });
+    let caption = "The same walk in each form, beside the thesis' own";
+    format!(
+        "<section>\n<h2>The walk without 3D</h2>\n\
+         <figure><img src=\"walk.svg\" width=\"360\" height=\"360\" alt=\"The human walks, as an animated SVG\">\
+         <figcaption>One self-contained SVG in an &lt;img&gt;: no script, right occlusion, one gradient a triangle.{wrong}\
+         </figcaption></figure>\n\
+         <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"{caption}\">\n<table>\n\
+         <caption><span>{caption}</span></caption>\n<thead><tr><th scope=\"col\">file</th>\
+         <th scope=\"col\">form</th><th scope=\"col\">size</th><th scope=\"col\">by brotli</th>\
+         <th scope=\"col\">bytes a triangle and frame</th><th scope=\"col\">times smaller</th>\
+         <th scope=\"col\">levels off</th><th scope=\"col\">SSIM</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n</div>\n</section>\n",
     )
 }
 

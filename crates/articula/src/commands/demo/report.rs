@@ -3,6 +3,7 @@
 use super::crowd::Crowd;
 use super::mesh_levels::MeshLevels;
 use super::{Folder, MIDDLE, TARGET_PX};
+use crate::commands::flatten::report as flatten;
 use crate::files;
 use crate::play::costs::Costs;
 use crate::play::rows::{Row, Table};
@@ -34,6 +35,8 @@ pub(super) struct Report {
     pub(super) costs: Costs,
     pub(super) crowd: Crowd,
     pub(super) mesh_levels: MeshLevels,
+    /// The walk as 2D content, the thesis' form first.
+    pub(super) flat: Vec<flatten::Report>,
 }
 
 /// What stands beside the methods.
@@ -43,6 +46,8 @@ pub(super) struct Found {
     pub(super) costs: Costs,
     pub(super) crowd: Crowd,
     pub(super) mesh_levels: MeshLevels,
+    /// The walk as 2D content, the thesis' form first.
+    pub(super) flat: Vec<flatten::Report>,
 }
 
 /// The character.
@@ -128,6 +133,7 @@ impl Report {
             costs: found.costs,
             crowd: found.crowd,
             mesh_levels: found.mesh_levels,
+            flat: found.flat,
         }
     }
 

@@ -1,0 +1,75 @@
+//! A file that a host drives through named inputs, with its size and error.
+//!
+//! Source: `spec/vector.md` 8.3. Inputs are linear on the screen and the painting order is fixed,
+//! so what is measured is the clip that the file carries along, against the real one.
+
+use super::prepared::Prepared;
+use super::report::{Errors, Sizes};
+use super::search::{Flattened, Trial};
+use super::settings::{Profile, Settings};
+use super::truth::{BACKGROUND, Truth};
+use crate::item_buffer::Samples;
+use crate::planar::PlanarError;
+use crate::planar::reference::reference;
+use crate::vector::player::decode::decode;
+use crate::vector::player::{LiveSource, Output, PlayerOptions, live_player};
+
+/// Writes a source; `prepared` is of its shapes, `truth` of its clip.
+///
+/// # Errors
+/// What the writer says of the source.
+pub fn flatten_live(
+    source: &LiveSource,
+    prepared: &Prepared,
+    settings: &Settings,
+    truth: &Truth,
+) -> Result<Flattened, PlanarError> {
+    let quality = settings.quality;
+    let output = match settings.profile {
+        Profile::Player(output) => output,
+        _ => Output::Svg,
+    };
+    let options = PlayerOptions {
+        pos_tol_px: f64::from(quality.pos_tol_px),
+        col_tol_levels: f64::from(quality.col_tol_levels),
+        shading: quality.shading,
+        output,
+    };
+    let file = live_player(source, &prepared.drawn, &prepared.painting, &options)?;
+    let clip = decode(&file.container).map_err(|e| PlanarError::Mismatch {
+        at: "player",
+        what: e.to_string(),
+    })?;
+    let image = truth.compare(|frame| {
+        let painted = clip.painted(frame);
+        Ok(reference(&painted, 0, Samples::Four, BACKGROUND)?)
+    })?;
+    let bytes = file.text.into_bytes();
+    let raw = bytes.len() as u64;
+    if let Some(budget) = settings.max_bytes.filter(|most| raw > *most) {
+        let least = raw;
+        return Err(PlanarError::BudgetTooSmall { least, budget });
+    }
+    Ok(Flattened {
+        sizes: Sizes::of(&bytes)?,
+        errors: Errors {
+            position_rmse_px: file.stats.position_rmse_px,
+            image,
+            wrong_pixels_percent: prepared.wrong_percent,
+            wrong_pixels_percent_depth_sort: prepared.wrong_percent_depth_sort,
+        },
+        profile: settings.profile,
+        quality,
+        triangles_drawn: prepared.triangles_drawn(),
+        frames: source.weights.len().max(1),
+        keys: 0,
+        shapes: file.stats.triangles,
+        orders: 1,
+        tried: vec![Trial {
+            quality,
+            bytes: raw,
+            image: Some(image),
+        }],
+        bytes,
+    })
+}

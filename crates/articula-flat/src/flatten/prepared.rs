@@ -1,0 +1,100 @@
+//! Painting order, sealed edges and what they leave wrong, worked out once for all settings.
+
+use crate::planar::order::{Layer, OrderOptions, Overlaps, Painting};
+use crate::planar::split::{SplitOptions, split};
+use crate::planar::underlap::{Sealed, UnderlapOptions, seal};
+use crate::planar::{Drawn, PlanarClip, PlanarError};
+
+/// How a clip is prepared.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PrepareOptions {
+    /// What one painting order may cost.
+    pub order: OrderOptions,
+    /// How triangles that pierce each other are cut, if they are.
+    pub split: Option<SplitOptions>,
+    /// How edges are sealed.
+    pub underlap: UnderlapOptions,
+}
+
+/// A clip that is ready to be written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prepared {
+    /// The clip; with more triangles than it came with if some were cut.
+    pub clip: PlanarClip,
+    /// Which triangles are drawn when.
+    pub drawn: Drawn,
+    /// In which order.
+    pub painting: Painting,
+    /// The order as one list with copies.
+    pub layers: Vec<Layer>,
+    /// Corners that overlap without a gap.
+    pub sealed: Sealed,
+    /// Wrong pixels, percent of the character's.
+    pub wrong_percent: f64,
+    /// The same if every frame were sorted by depth.
+    pub wrong_percent_depth_sort: f64,
+    /// How edges were sealed.
+    pub underlap: UnderlapOptions,
+}
+
+impl Prepared {
+    /// Prepares a clip; `done` hears the share that is done, 0 to 1.
+    ///
+    /// # Errors
+    /// What is wrong with the clip ([`PlanarError`]).
+    pub fn new(
+        clip: PlanarClip,
+        options: &PrepareOptions,
+        done: &mut dyn FnMut(f64),
+    ) -> Result<Self, PlanarError> {
+        let drawn = Drawn::of(&clip)?;
+        done(0.2);
+        // The peer sorts the clip as it came.
+        let overlaps = Overlaps::of(&clip, &drawn)?;
+        let sorted = Painting::depth_sort_per_frame(&clip, &drawn)?;
+        let wrong_percent_depth_sort = overlaps.wrong(&sorted).percent_mean();
+        done(0.4);
+        let (clip, drawn, painting, wrong_percent) = match &options.split {
+            None => {
+                let painting = Painting::constraints(&clip, &drawn, &options.order)?;
+                let wrong = overlaps.wrong(&painting).percent_mean();
+                (clip, drawn, painting, wrong)
+            }
+            Some(cut) => {
+                let cut = SplitOptions {
+                    order: options.order,
+                    ..*cut
+                };
+                let cut = split(&clip, &cut)?;
+                let overlaps = Overlaps::of(&cut.clip, &cut.drawn)?;
+                let wrong = overlaps.wrong(&cut.painting).percent_mean();
+                (cut.clip, cut.drawn, cut.painting, wrong)
+            }
+        };
+        done(0.9);
+        let sealed = seal(&clip, &drawn, &painting, options.underlap);
+        done(1.0);
+        Ok(Self {
+            layers: painting.layers(&drawn),
+            sealed,
+            painting,
+            drawn,
+            clip,
+            wrong_percent,
+            wrong_percent_depth_sort,
+            underlap: options.underlap,
+        })
+    }
+
+    /// Triangles that are drawn in some frame.
+    pub fn triangles_drawn(&self) -> usize {
+        self.drawn.ever().len()
+    }
+
+    /// The triangles that are drawn in a frame, back to front.
+    pub fn order_at(&self, frame: usize) -> Vec<u32> {
+        let drawn = |t: &&u32| self.drawn.get(frame, **t as usize);
+        let order = self.painting.order_at(frame);
+        order.iter().filter(drawn).copied().collect()
+    }
+}

@@ -1,0 +1,155 @@
+//! The best setting of a ladder under a byte budget.
+//!
+//! Source: `spec/vector.md` 1 and 9. Within one way of filling shapes, a step further down the
+//! ladder is smaller and worse, so the first that fits is its best; between ways the picture
+//! decides. The same clip and budget give the same file.
+
+use super::prepared::Prepared;
+use super::report::{Entry, Errors, Sizes};
+use super::settings::{Profile, Quality, Settings};
+use super::truth::{ImageError, Truth};
+use super::written::{Written, write};
+use crate::planar::PlanarError;
+use crate::planar::shading::Shading;
+
+/// A file with its size and error.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Flattened {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// What it is.
+    pub profile: Profile,
+    /// The setting that was chosen.
+    pub quality: Quality,
+    /// Its size.
+    pub sizes: Sizes,
+    /// Its error.
+    pub errors: Errors,
+    /// Triangles that are drawn in some frame.
+    pub triangles_drawn: usize,
+    /// Frames of the clip.
+    pub frames: usize,
+    /// Keys of outlines and paints in all.
+    pub keys: usize,
+    /// Shapes that were written.
+    pub shapes: usize,
+    /// Painting orders that follow each other.
+    pub orders: usize,
+    /// What the search looked at; one setting without a budget.
+    pub tried: Vec<Trial>,
+}
+
+/// A setting that was tried.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trial {
+    /// The setting.
+    pub quality: Quality,
+    /// Size of its file, bytes.
+    pub bytes: u64,
+    /// Its error, if it fits and was compared.
+    pub image: Option<ImageError>,
+}
+
+impl Flattened {
+    /// Bytes for each drawn triangle and frame, of a size in bytes.
+    pub fn per_triangle_and_frame(&self, bytes: u64) -> f64 {
+        bytes as f64 / (self.triangles_drawn * self.frames).max(1) as f64
+    }
+
+    /// What it can stand for.
+    pub fn entry(&self) -> Entry {
+        Entry {
+            modality: format!("vector/{}", self.profile.name()),
+            bytes: self.sizes.raw,
+            error_px: self.errors.position_rmse_px,
+            needs: self.profile.needs(),
+        }
+    }
+}
+
+/// Writes a prepared clip, under a byte budget at the best setting that fits; `done` hears the
+/// share that is done, 0 to 1.
+///
+/// # Errors
+/// What a writer says of the clip; [`PlanarError::BudgetTooSmall`] if nothing fits.
+pub fn flatten(
+    prepared: &Prepared,
+    settings: &Settings,
+    truth: &Truth,
+    done: &mut dyn FnMut(f64),
+) -> Result<Flattened, PlanarError> {
+    let candidates = candidates(settings);
+    let most = settings.max_bytes.unwrap_or(u64::MAX);
+    let mut tried: Vec<Trial> = Vec::new();
+    let mut best: Option<(Written, Quality, ImageError)> = None;
+    let mut least = u64::MAX;
+    for (c, quality) in candidates.iter().enumerate() {
+        let is_known = |t: &Trial| t.image.is_some() && kind(&t.quality) == kind(quality);
+        if !tried.iter().any(is_known) {
+            let written = write(prepared, settings.profile, quality, &settings.name)?;
+            let bytes = written.bytes.len() as u64;
+            least = least.min(bytes);
+            let fits = bytes <= most;
+            let image = fits.then(|| truth.compare(|f| written.picture(prepared, f)));
+            let image = image.transpose()?;
+            tried.push(Trial {
+                quality: *quality,
+                bytes,
+                image,
+            });
+            let is_better = |image: &ImageError| {
+                let held = best.as_ref();
+                held.is_none_or(|(_, _, held)| image.rmse_levels < held.rmse_levels)
+            };
+            if let Some(image) = image.filter(is_better) {
+                best = Some((written, *quality, image));
+            }
+        }
+        done((c + 1) as f64 / candidates.len() as f64);
+    }
+    let (written, quality, image) = best.ok_or(PlanarError::BudgetTooSmall {
+        least,
+        budget: most,
+    })?;
+    Ok(Flattened {
+        sizes: Sizes::of(&written.bytes)?,
+        errors: Errors {
+            position_rmse_px: written.position_rmse_px,
+            image,
+            wrong_pixels_percent: prepared.wrong_percent,
+            wrong_pixels_percent_depth_sort: prepared.wrong_percent_depth_sort,
+        },
+        profile: settings.profile,
+        quality,
+        triangles_drawn: written.triangles_drawn,
+        frames: written.frames,
+        keys: written.keys,
+        shapes: written.shapes,
+        orders: prepared.painting.epochs.len(),
+        bytes: written.bytes,
+        tried,
+    })
+}
+
+/// The settings that may be chosen: the one that was asked for, and under a budget what is
+/// coarser than it.
+fn candidates(settings: &Settings) -> Vec<Quality> {
+    let asked = settings.quality;
+    let mut all = vec![asked];
+    if settings.max_bytes.is_some() {
+        let is_coarser = |q: &Quality| {
+            let tol = q.pos_tol_px >= asked.pos_tol_px;
+            let fill = asked.shading == Shading::Gouraud || q.shading == Shading::Flat;
+            tol && fill && *q != asked
+        };
+        let ladder = Quality::ladder(settings.profile).into_iter();
+        all.extend(ladder.filter(is_coarser));
+    }
+    all
+}
+
+/// Settings of one kind fall in size and quality along the ladder.
+fn kind(quality: &Quality) -> (bool, bool) {
+    let is_flat = quality.shading == Shading::Flat;
+    (is_flat, quality.merge_levels.is_some())
+}

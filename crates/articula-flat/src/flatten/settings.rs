@@ -1,0 +1,137 @@
+//! Profiles of output, and how near to the truth they come.
+
+use crate::planar::shading::Shading;
+use crate::vector::player::Output;
+use crate::vector::thesis::ThesisOptions;
+
+/// What is written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Profile {
+    /// One SVG, key-framed, without script.
+    Smil,
+    /// One SVG with a group for each frame.
+    Flipbook,
+    /// One SVG, or a module, with a low-rank clip and a small script.
+    Player(Output),
+    /// Lottie JSON.
+    Lottie,
+    /// One SVG frame.
+    Still {
+        /// Which frame.
+        frame: usize,
+        /// Three colour channels, exact inside.
+        exact: bool,
+    },
+    /// The naive SVG of the thesis.
+    Thesis(ThesisOptions),
+}
+
+impl Profile {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Smil => "smil",
+            Self::Flipbook => "flipbook",
+            Self::Player(_) => "player",
+            Self::Lottie => "lottie",
+            Self::Still { .. } => "still",
+            Self::Thesis(_) => "thesis",
+        }
+    }
+
+    /// What a client must be able to do to show it.
+    pub fn needs(self) -> Vec<&'static str> {
+        match self {
+            Self::Smil | Self::Flipbook | Self::Thesis(_) => vec!["svg", "smil"],
+            Self::Player(Output::Svg) => vec!["svg", "script", "canvas"],
+            Self::Player(Output::Module) => vec!["script", "canvas"],
+            Self::Lottie => vec!["lottie"],
+            Self::Still { exact: true, .. } => vec!["svg", "mix-blend-mode"],
+            Self::Still { exact: false, .. } => vec!["svg"],
+        }
+    }
+}
+
+/// How near to the truth a file comes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Quality {
+    /// How triangles are filled.
+    pub shading: Shading,
+    /// How far a corner may lie off, pixels.
+    pub pos_tol_px: f32,
+    /// How far a colour may lie off, levels.
+    pub col_tol_levels: f32,
+    /// Neighbours whose colours are within so many levels become one shape (flat shading).
+    pub merge_levels: Option<f32>,
+}
+
+impl Quality {
+    /// What suits a profile: half a pixel and 8 levels, the player 0.1 pixels and one level.
+    pub fn of(profile: Profile) -> Self {
+        let is_player = matches!(profile, Profile::Player(_));
+        Self {
+            shading: Shading::Gouraud,
+            pos_tol_px: if is_player { 0.1 } else { 0.5 },
+            col_tol_levels: if is_player { 1.0 } else { 8.0 },
+            merge_levels: None,
+        }
+    }
+
+    /// The ladder that a byte budget is searched on, from the largest file to the smallest
+    /// (spec 9). Each step is coarser than the one before.
+    pub fn ladder(profile: Profile) -> Vec<Self> {
+        let step = |shading, pos_tol_px, col_tol_levels, merge_levels| Self {
+            shading,
+            pos_tol_px,
+            col_tol_levels,
+            merge_levels,
+        };
+        let (gouraud, flat) = (Shading::Gouraud, Shading::Flat);
+        match profile {
+            Profile::Player(_) => vec![
+                step(gouraud, 0.05, 0.5, None),
+                step(gouraud, 0.1, 1.0, None),
+                step(gouraud, 0.2, 2.0, None),
+                step(gouraud, 0.4, 4.0, None),
+                step(gouraud, 0.8, 8.0, None),
+                step(flat, 0.4, 4.0, None),
+                step(flat, 0.8, 8.0, None),
+                step(flat, 1.6, 16.0, None),
+            ],
+            Profile::Flipbook | Profile::Still { .. } => vec![
+                step(gouraud, 0.25, 4.0, None),
+                step(flat, 0.25, 4.0, None),
+                step(flat, 0.25, 4.0, Some(7.0)),
+                step(flat, 0.25, 4.0, Some(14.0)),
+                step(flat, 0.25, 4.0, Some(28.0)),
+            ],
+            _ => vec![
+                step(gouraud, 0.25, 4.0, None),
+                step(gouraud, 0.5, 8.0, None),
+                step(gouraud, 1.0, 12.0, None),
+                step(gouraud, 2.0, 20.0, None),
+                step(flat, 0.25, 8.0, None),
+                step(flat, 0.5, 8.0, None),
+                step(flat, 1.0, 8.0, None),
+                step(flat, 0.5, 8.0, Some(14.0)),
+                step(flat, 1.0, 8.0, Some(14.0)),
+                step(flat, 2.0, 8.0, Some(14.0)),
+                step(flat, 2.0, 8.0, Some(28.0)),
+                step(flat, 4.0, 8.0, Some(28.0)),
+            ],
+        }
+    }
+}
+
+/// One file to be written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Settings {
+    /// What is written.
+    pub profile: Profile,
+    /// How near to the truth; the start of the search under a budget is the ladder's.
+    pub quality: Quality,
+    /// Title of the file.
+    pub name: String,
+    /// Largest file.
+    pub max_bytes: Option<u64>,
+}

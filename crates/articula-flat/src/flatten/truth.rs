@@ -1,0 +1,143 @@
+//! What the character really looks like at some moments, to measure what was written.
+//!
+//! Source: `spec/vector.md` 9 and 11: every tenth frame and moments halfway between frames,
+//! against the 8 x 8 supersampled picture, over the pixels that show the character.
+
+use crate::compare::{masked_rmse, share_off, ssim};
+use crate::item_buffer::Samples;
+use crate::picture::{Picture, Rgba};
+use crate::planar::reference::{object_mask, reference};
+use crate::planar::{PlanarClip, PlanarError};
+
+/// What is behind the character when pictures are compared.
+pub const BACKGROUND: Rgba = [255; 4];
+/// Difference from which a pixel counts as off, levels.
+const OFF: f32 = 16.0;
+/// Frames between two that are looked at.
+const STEP: usize = 10;
+/// Most moments of each kind.
+const MOST: usize = 16;
+
+/// Moments that are looked at, in frames: every tenth (fewer of a long clip), and moments halfway
+/// between two frames.
+pub fn sampled_frames(frames: usize) -> Vec<f64> {
+    let step = STEP.max(frames.div_ceil(MOST));
+    let whole = (0..frames).step_by(step).map(|f| f as f64);
+    let last = frames.saturating_sub(1) as f64;
+    let half = (step / 2..frames).step_by(step).map(|f| f as f64 + 0.5);
+    let mut all: Vec<f64> = whole.chain(half.filter(|f| *f < last)).collect();
+    all.sort_by(f64::total_cmp);
+    all
+}
+
+/// Pictures of the character at some moments.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Truth {
+    moments: Vec<Moment>,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+struct Moment {
+    frame: f64,
+    picture: Picture,
+    mask: Vec<bool>,
+}
+
+/// How far pictures are off, over all moments.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ImageError {
+    /// Root mean square over the character's pixels, mean over the moments; levels.
+    pub rmse_levels: f64,
+    /// The same at the worst moment.
+    pub rmse_levels_max: f64,
+    /// Structural similarity, mean over the moments; 1 is equal.
+    pub ssim: f64,
+    /// The same at the worst moment.
+    pub ssim_min: f64,
+    /// Share of the character's pixels that are off by more than 16 levels, mean; percent.
+    pub off_percent: f64,
+    /// Moments that were looked at.
+    pub moments: usize,
+}
+
+impl Truth {
+    /// Draws the truth: `clip` has one frame for each of `frames`, seen by the same camera.
+    ///
+    /// # Errors
+    /// [`PlanarError`]: the clip is not sound, or has not as many frames.
+    pub fn new(clip: &PlanarClip, frames: &[f64]) -> Result<Self, PlanarError> {
+        clip.check()?;
+        if clip.frames.len() != frames.len() {
+            let (found, expected) = (clip.frames.len(), frames.len());
+            return Err(PlanarError::Mismatch {
+                at: "truth",
+                what: format!("{found} frames for {expected} moments"),
+            });
+        }
+        let moment = |(f, frame): (usize, &f64)| {
+            Ok(Moment {
+                frame: *frame,
+                picture: reference(clip, f, Samples::Eight, BACKGROUND)?,
+                mask: object_mask(clip, f, Samples::Eight)?,
+            })
+        };
+        let moments: Result<_, PlanarError> = frames.iter().enumerate().map(moment).collect();
+        Ok(Self { moments: moments? })
+    }
+
+    /// Compares with the pictures that `shown` gives for a moment, in frames.
+    ///
+    /// # Errors
+    /// What `shown` or a comparison says.
+    pub fn compare(
+        &self,
+        mut shown: impl FnMut(f64) -> Result<Picture, PlanarError>,
+    ) -> Result<ImageError, PlanarError> {
+        let mut all = ImageError {
+            ssim_min: 1.0,
+            moments: self.moments.len(),
+            ..ImageError::default()
+        };
+        let count = self.moments.len().max(1) as f64;
+        for moment in &self.moments {
+            let picture = shown(moment.frame)?;
+            let rmse = masked_rmse(&picture, &moment.picture, &moment.mask)?;
+            let alike = ssim(&picture, &moment.picture)?;
+            let off = share_off(&picture, &moment.picture, &moment.mask, OFF)?;
+            all.rmse_levels += rmse / count;
+            all.rmse_levels_max = all.rmse_levels_max.max(rmse);
+            all.ssim += alike / count;
+            all.ssim_min = all.ssim_min.min(alike);
+            all.off_percent += 100.0 * off / count;
+        }
+        Ok(all)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::planar::clip::fixture;
+
+    #[test]
+    fn every_tenth_frame_and_halves_between() {
+        let frames = sampled_frames(25);
+        assert_eq!(frames, [0.0, 5.5, 10.0, 15.5, 20.0]);
+        assert_eq!(sampled_frames(1), [0.0]);
+        assert!(sampled_frames(100_000).len() <= 2 * MOST);
+    }
+
+    #[test]
+    fn the_truth_is_like_itself_and_a_shifted_one_is_not() {
+        let cube = fixture::turning_cube(3);
+        let truth = Truth::new(&cube, &[0.0, 1.0, 2.0]).unwrap();
+        let of = |f: f64| Ok(reference(&cube, f as usize, Samples::Eight, BACKGROUND)?);
+        let same = truth.compare(of).unwrap();
+        assert_eq!((same.rmse_levels, same.ssim_min), (0.0, 1.0));
+        let next = |f: f64| of((f + 1.0).min(2.0));
+        let other = truth.compare(next).unwrap();
+        assert!(other.rmse_levels > 5.0 && other.ssim < 0.99 && other.off_percent > 1.0);
+        assert!(other.rmse_levels_max >= other.rmse_levels && other.ssim_min <= other.ssim);
+        assert!(Truth::new(&cube, &[0.0]).is_err());
+    }
+}

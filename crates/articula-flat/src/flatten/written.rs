@@ -1,0 +1,228 @@
+//! A file of a profile, and what it shows at any moment.
+//!
+//! What is measured is read back from the file wherever a reader of our own exists: the sampler
+//! for SVG, the decoder for the player. Lottie has players of its own; what its file holds is the
+//! keyed clip, which is measured as SVG. The thesis' form is drawn from what it was made of.
+
+use super::pages::pages;
+use super::prepared::Prepared;
+use super::settings::{Profile, Quality};
+use super::truth::BACKGROUND;
+use crate::item_buffer::Samples;
+use crate::picture::Picture;
+use crate::planar::PlanarError;
+use crate::planar::key_frames::{KeyOptions, keyed};
+use crate::planar::reference::reference;
+use crate::vector::LineUnits;
+use crate::vector::flipbook::flipbook;
+use crate::vector::lottie::lottie;
+use crate::vector::player::decode::decode;
+use crate::vector::player::{PlayerClip, PlayerOptions, player};
+use crate::vector::raster::raster;
+use crate::vector::smil::smil;
+use crate::vector::smil_sampler::MovingSvg;
+use crate::vector::still::{StillOptions, still};
+use crate::vector::thesis::{ThesisOptions, thesis, thesis_frame};
+
+/// What was written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Written {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// Root mean square distance of corners from where they should be, pixels.
+    pub position_rmse_px: f64,
+    /// Keys of outlines and paints in all; 0 where there are none.
+    pub keys: usize,
+    /// Shapes that were written.
+    pub shapes: usize,
+    /// Frames that are in it.
+    pub frames: usize,
+    /// Triangles that it shows in some frame.
+    pub triangles_drawn: usize,
+    shown: Shown,
+}
+
+/// What reads the file back.
+#[derive(Debug, Clone, PartialEq)]
+enum Shown {
+    Moving(Box<MovingSvg>),
+    Player(Box<PlayerClip>),
+    Still(String),
+    Naive(ThesisOptions),
+}
+
+/// Half a step of the grid that outlines lie on, as the root mean square of rounding both
+/// coordinates, pixels.
+const GRID_RMSE_PX: f64 = 0.25 * 0.408_248;
+
+/// Writes a prepared clip.
+///
+/// # Errors
+/// What a writer says of the clip ([`PlanarError`]).
+pub fn write(
+    prepared: &Prepared,
+    profile: Profile,
+    quality: &Quality,
+    name: &str,
+) -> Result<Written, PlanarError> {
+    match profile {
+        Profile::Smil => key_framed(prepared, quality, name, false),
+        Profile::Lottie => key_framed(prepared, quality, name, true),
+        Profile::Flipbook => paged(prepared, quality, name),
+        Profile::Player(output) => {
+            let options = PlayerOptions {
+                pos_tol_px: f64::from(quality.pos_tol_px),
+                col_tol_levels: f64::from(quality.col_tol_levels),
+                shading: quality.shading,
+                output,
+            };
+            played(prepared, &options)
+        }
+        Profile::Still { frame, exact } => one_frame(prepared, quality, frame, exact),
+        Profile::Thesis(options) => naive(prepared, options),
+    }
+}
+
+impl Written {
+    /// The picture at a moment, in frames.
+    ///
+    /// # Errors
+    /// [`PlanarError::Picture`] if it cannot be drawn.
+    pub fn picture(&self, prepared: &Prepared, frame: f64) -> Result<Picture, PlanarError> {
+        let secs = frame / f64::from(prepared.clip.fps);
+        Ok(match &self.shown {
+            Shown::Moving(moving) => raster(&moving.at(secs)?, BACKGROUND)?,
+            Shown::Still(text) => raster(text, BACKGROUND)?,
+            Shown::Player(clip) => reference(&clip.painted(frame), 0, Samples::Four, BACKGROUND)?,
+            Shown::Naive(options) => {
+                let still = thesis_frame(&prepared.clip, options, frame)?;
+                raster(&still, BACKGROUND)?
+            }
+        })
+    }
+}
+
+fn key_options(quality: &Quality, lines: LineUnits) -> KeyOptions {
+    KeyOptions {
+        shading: quality.shading,
+        pos_tol_px: quality.pos_tol_px,
+        col_tol_levels: quality.col_tol_levels,
+        lines,
+    }
+}
+
+fn key_framed(
+    prepared: &Prepared,
+    quality: &Quality,
+    name: &str,
+    is_lottie: bool,
+) -> Result<Written, PlanarError> {
+    let Prepared {
+        clip,
+        drawn,
+        layers,
+        sealed,
+        ..
+    } = prepared;
+    let lines = if is_lottie {
+        LineUnits::Grid
+    } else {
+        LineUnits::Box
+    };
+    let (keyed, stats) = keyed(clip, drawn, layers, sealed, &key_options(quality, lines))?;
+    let text = smil(&keyed, name)?;
+    let moving = Box::new(MovingSvg::read(&text)?);
+    let bytes = if is_lottie {
+        lottie(&keyed, name)?.into_bytes()
+    } else {
+        text.into_bytes()
+    };
+    Ok(Written {
+        bytes,
+        position_rmse_px: stats.position_rmse_px,
+        keys: stats.outline_keys + stats.line_keys,
+        shapes: keyed.shapes.len(),
+        frames: clip.frames.len(),
+        triangles_drawn: prepared.triangles_drawn(),
+        shown: Shown::Moving(moving),
+    })
+}
+
+fn paged(prepared: &Prepared, quality: &Quality, name: &str) -> Result<Written, PlanarError> {
+    let clip = &prepared.clip;
+    let pages = pages(prepared, &key_options(quality, LineUnits::Box))?;
+    let text = flipbook(&pages, name)?;
+    let moving = Box::new(MovingSvg::read(&text)?);
+    Ok(Written {
+        bytes: text.into_bytes(),
+        position_rmse_px: GRID_RMSE_PX,
+        keys: 0,
+        shapes: pages.iter().map(|p| p.shapes.len()).sum(),
+        frames: clip.frames.len(),
+        triangles_drawn: prepared.triangles_drawn(),
+        shown: Shown::Moving(moving),
+    })
+}
+
+fn played(prepared: &Prepared, options: &PlayerOptions) -> Result<Written, PlanarError> {
+    let Prepared {
+        clip,
+        drawn,
+        painting,
+        ..
+    } = prepared;
+    let file = player(clip, drawn, painting, options)?;
+    // From the container, as a player reads it.
+    let shown = decode(&file.container).map_err(|e| PlanarError::Mismatch {
+        at: "player",
+        what: e.to_string(),
+    })?;
+    Ok(Written {
+        position_rmse_px: file.stats.position_rmse_px,
+        keys: 0,
+        shapes: file.stats.triangles,
+        frames: clip.frames.len(),
+        triangles_drawn: prepared.triangles_drawn(),
+        bytes: file.text.into_bytes(),
+        shown: Shown::Player(Box::new(shown)),
+    })
+}
+
+fn one_frame(
+    prepared: &Prepared,
+    quality: &Quality,
+    frame: usize,
+    exact: bool,
+) -> Result<Written, PlanarError> {
+    let order = prepared.order_at(frame);
+    let options = StillOptions {
+        shading: quality.shading,
+        exact,
+        underlap: prepared.underlap,
+    };
+    let text = still(&prepared.clip, frame, &order, &options)?;
+    Ok(Written {
+        bytes: text.clone().into_bytes(),
+        position_rmse_px: GRID_RMSE_PX,
+        keys: 0,
+        shapes: order.len(),
+        frames: 1,
+        triangles_drawn: order.len(),
+        shown: Shown::Still(text),
+    })
+}
+
+fn naive(prepared: &Prepared, options: ThesisOptions) -> Result<Written, PlanarError> {
+    let clip = &prepared.clip;
+    let file = thesis(clip, &options)?;
+    Ok(Written {
+        bytes: file.text.into_bytes(),
+        // Whole pixels, both coordinates rounded.
+        position_rmse_px: 4.0 * GRID_RMSE_PX,
+        keys: 0,
+        shapes: file.elements,
+        frames: clip.frames.len(),
+        triangles_drawn: prepared.triangles_drawn(),
+        shown: Shown::Naive(options),
+    })
+}

@@ -1,0 +1,335 @@
+//! Characters in motion before a camera, as the command `flatten` puts them up.
+
+use anyhow::{Context, Result};
+use articula_build::character::{Asset, character};
+use articula_build::clip::ClipOptions;
+use articula_build::decimate::decimate;
+use articula_core::source::{Character, Clip as SourceClip, Property};
+use articula_core::view::{Camera, Viewport};
+use articula_flat::appearance::Appearance;
+use articula_flat::frame::Bounds;
+use articula_flat::planar::bake::{BakeOptions, Lamp, Subject, Turn, bake};
+use articula_flat::planar::{PlanarClip, stage};
+use articula_flat::projection::Projection;
+use articula_formats::{Limits, gltf, profile};
+use glam::Vec3;
+use std::path::Path;
+
+/// Side of the picture, pixels.
+pub(super) const SIDE_PX: f32 = 400.0;
+
+/// How the camera is put up.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Framing {
+    /// As near as the motion allows, this far round to the left; degrees.
+    Tight(f32),
+    /// The specification's: 4.5 half heights away, 1.15 times the half height of the face.
+    Face,
+    /// The head of a whole figure: what lies above this share of its height.
+    Above(f32),
+}
+
+/// A character in motion.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Case {
+    pub(super) name: &'static str,
+    pub(super) file: &'static str,
+    pub(super) clip: &'static str,
+    /// Frames that are spread over the clip.
+    pub(super) frames: usize,
+    /// Shares of the clip, 1 is all of it.
+    pub(super) share: f64,
+    pub(super) framing: Framing,
+    pub(super) turn_degrees: f32,
+    pub(super) triangles: usize,
+    pub(super) kind: Kind,
+}
+
+/// Which targets a case belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// A speaking face: targets 1 to 5.
+    Face,
+    /// A walk: targets 1, 4 and 5.
+    Walk,
+    /// Reported, with the order's target.
+    Other,
+}
+
+const KNIGHT: &str = "glb/KayKit_Knight.glb";
+const HEAD: &str = "glb/ict_head_talk_554.glb";
+const WOMAN: &str = "glb/mh_female_dance.glb";
+
+const fn knight(name: &'static str, clip: &'static str, yaw: f32, turn: f32, kind: Kind) -> Case {
+    Case {
+        name,
+        file: KNIGHT,
+        clip,
+        frames: 50,
+        share: 1.0,
+        framing: Framing::Tight(yaw),
+        turn_degrees: turn,
+        triangles: 600,
+        kind,
+    }
+}
+
+const fn face(name: &'static str, clip: &'static str, kind: Kind) -> Case {
+    Case {
+        name,
+        file: HEAD,
+        clip,
+        frames: 125,
+        share: 1.0,
+        framing: Framing::Face,
+        turn_degrees: 0.0,
+        triangles: usize::MAX,
+        kind,
+    }
+}
+
+/// All of them; the first is the small one.
+pub(super) const CASES: [Case; 8] = [
+    face("face, talk", "talk", Kind::Face),
+    face("face, talk and turn", "talk_turn", Kind::Other),
+    knight("knight, walk", "Walking_A", 0.0, 0.0, Kind::Walk),
+    knight("knight, walk, 20°", "Walking_A", 20.0, 0.0, Kind::Walk),
+    knight(
+        "knight, walk and full turn",
+        "Walking_A",
+        0.0,
+        360.0,
+        Kind::Other,
+    ),
+    knight(
+        "knight, attack",
+        "1H_Melee_Attack_Slice_Diagonal",
+        0.0,
+        0.0,
+        Kind::Other,
+    ),
+    Case {
+        name: "woman, dance",
+        file: WOMAN,
+        clip: "dance",
+        frames: 151,
+        share: 0.25,
+        framing: Framing::Tight(0.0),
+        turn_degrees: 0.0,
+        triangles: 1500,
+        kind: Kind::Other,
+    },
+    Case {
+        name: "woman, talk",
+        file: WOMAN,
+        clip: "talk",
+        frames: 125,
+        share: 1.0,
+        framing: Framing::Above(0.86),
+        turn_degrees: 0.0,
+        triangles: 600,
+        kind: Kind::Other,
+    },
+];
+
+/// A case before its camera.
+pub(super) struct Staged {
+    pub(super) asset: Asset,
+    pub(super) look: Appearance,
+    pub(super) options: BakeOptions,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) moments_secs: Vec<f64>,
+    clip: usize,
+}
+
+impl Case {
+    /// Reads the character, puts up the camera and simplifies what it sees.
+    pub(super) fn stage(&self, data: &Path) -> Result<Staged> {
+        let source = self.open(data)?;
+        let mapping = profile::map(&source.skeleton, profile::builtin(), None);
+        let (look, _) = Appearance::new(&source.materials, &source.images);
+        let asset = character(&source, Some(mapping.articulation), &ClipOptions::default())
+            .with_context(|| self.file.to_owned())?;
+        let clip = asset.clips.iter().position(|c| c.name == self.clip);
+        let clip = clip.with_context(|| format!("{}: no clip {}", self.file, self.clip))?;
+        let length = f64::from(asset.clips[clip].duration_secs()) * self.share;
+        let steps = (self.frames - 1) as f64;
+        let moments_secs: Vec<f64> = (0..self.frames)
+            .map(|f| length * f as f64 / steps)
+            .collect();
+        let mut staged = Staged {
+            triangles: asset.mesh.triangles.clone(),
+            look,
+            options: BakeOptions {
+                camera: Camera::looking_at(Vec3::Z, Vec3::ZERO, viewport()),
+                projection: Projection::Perspective,
+                lamp: Lamp::default(),
+                fps: (steps / length) as f32,
+                turn: Turn {
+                    axis: (0.0, 0.0),
+                    radians_per_sec: (f64::from(self.turn_degrees.to_radians()) / length) as f32,
+                },
+            },
+            moments_secs,
+            clip,
+            asset,
+        };
+        staged.put_up(self)?;
+        staged.thin_out(self.triangles)?;
+        Ok(staged)
+    }
+
+    fn open(&self, data: &Path) -> Result<Character> {
+        let mut source = read(data, self.file)?;
+        if self.file == KNIGHT {
+            // One sword and no shield.
+            let is_worn = |name: &str| name.starts_with("Knight_") || name == "1H_Sword";
+            source.meshes.retain(|m| is_worn(&m.name));
+            source
+                .clips
+                .iter_mut()
+                .for_each(|c| c.channels.retain(|ch| ch.property != Property::Weights));
+        }
+        if self.file == WOMAN && self.clip == "talk" {
+            let speech = read(data, HEAD)?;
+            source.clips.push(speech_onto(&speech, &source)?);
+        }
+        Ok(source)
+    }
+}
+
+fn read(data: &Path, file: &str) -> Result<Character> {
+    let path = data.join(file);
+    let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
+    let file = gltf::read(&bytes, &Limits::default(), &mut |_| {
+        Err("nothing lies beside it".into())
+    });
+    Ok(file
+        .with_context(|| path.display().to_string())?
+        .value
+        .character)
+}
+
+/// The speaking of one head for the morph targets of another that are called alike.
+fn speech_onto(from: &Character, onto: &Character) -> Result<SourceClip> {
+    let clip = from.clips.iter().find(|c| c.name == "talk");
+    let clip = clip.context("no clip talk")?;
+    let channel = clip
+        .channels
+        .iter()
+        .find(|c| c.property == Property::Weights);
+    let channel = channel.context("no morph track in talk")?;
+    let names = &from.meshes[channel.target].morph_names;
+    let faces = onto.meshes.iter().enumerate();
+    let mut channels = Vec::new();
+    for (m, mesh) in faces.filter(|(_, mesh)| !mesh.morph_names.is_empty()) {
+        let alike = |name: &String| names.iter().position(|n| same(n, name));
+        let sources: Vec<Option<usize>> = mesh.morph_names.iter().map(alike).collect();
+        let mut own = channel.clone();
+        own.target = m;
+        own.values = channel
+            .values
+            .chunks(names.len())
+            .flat_map(|key| sources.iter().map(|s| s.map_or(0.0, |s| key[s])))
+            .collect();
+        channels.push(own);
+    }
+    Ok(SourceClip {
+        channels,
+        ..clip.clone()
+    })
+}
+
+/// Whether two morph targets are one: `eyeBlink_L` and `eyeBlinkLeft`.
+fn same(a: &str, b: &str) -> bool {
+    let plain = |name: &str| {
+        let long = name.replace("_L", "Left").replace("_R", "Right");
+        long.to_lowercase()
+    };
+    plain(a) == plain(b)
+}
+
+fn viewport() -> Viewport {
+    Viewport {
+        width_px: SIDE_PX,
+        height_px: SIDE_PX,
+        // The camera of the specification's faces: 4.5 half heights away.
+        fov_y_radians: 2.0 * (1.0f32 / 4.5).atan(),
+    }
+}
+
+impl Staged {
+    pub(super) fn subject(&self) -> Subject<'_> {
+        Subject {
+            rig: &self.asset.rig,
+            mesh: &self.asset.mesh,
+            triangles: &self.triangles,
+            look: &self.look,
+            clip: Some(&self.asset.clips[self.clip]),
+            morph_weights: &self.asset.mesh.morph_weights,
+        }
+    }
+
+    /// The clip at its frames.
+    pub(super) fn clip(&self) -> Result<PlanarClip> {
+        Ok(bake(&self.subject(), &self.moments_secs, &self.options)?)
+    }
+
+    /// The clip at some frames, which may lie between two.
+    pub(super) fn at_frames(&self, frames: &[f64]) -> Result<PlanarClip> {
+        let fps = f64::from(self.options.fps);
+        let moments: Vec<f64> = frames.iter().map(|f| f / fps).collect();
+        Ok(bake(&self.subject(), &moments, &self.options)?)
+    }
+
+    fn looks(&self) -> Vec<f64> {
+        self.moments_secs.iter().copied().step_by(3).collect()
+    }
+
+    fn put_up(&mut self, case: &Case) -> Result<()> {
+        let looks = self.looks();
+        let subject = self.subject();
+        let still = Turn::default();
+        let bounds = stage::bounds(&subject, &looks, &still).context("nothing to frame")?;
+        let turn = Turn {
+            axis: (bounds.middle().x, bounds.middle().z),
+            ..self.options.turn
+        };
+        let at_rest = Subject {
+            clip: None,
+            ..subject
+        };
+        let rest = stage::bounds(&at_rest, &[0.0], &still).context("nothing to frame")?;
+        let camera = match case.framing {
+            Framing::Tight(yaw) => {
+                let angles = (yaw.to_radians(), 0.0);
+                let camera = stage::camera(&subject, &looks, &turn, angles, viewport());
+                camera.context("nothing to frame")?
+            }
+            Framing::Face => before(&rest),
+            Framing::Above(share) => {
+                let mut head = rest;
+                head.low.y += share * (rest.high.y - rest.low.y);
+                before(&head)
+            }
+        };
+        self.options.camera = camera;
+        self.options.turn = turn;
+        Ok(())
+    }
+
+    fn thin_out(&mut self, count: usize) -> Result<()> {
+        if self.triangles.len() > count {
+            let seen = stage::seen(&self.subject(), &self.looks(), &self.options)?;
+            self.triangles = decimate(&self.asset, &seen, Some(self.clip), count)?;
+        }
+        Ok(())
+    }
+}
+
+/// The specification's camera before a head.
+fn before(bounds: &Bounds) -> Camera {
+    let half = 1.15 * 0.5 * (bounds.high.y - bounds.low.y);
+    let middle = bounds.middle();
+    Camera::looking_at(middle + Vec3::Z * 4.5 * half, middle, viewport())
+}

@@ -1,0 +1,59 @@
+//! Pixels that are painted wrong, by how the painting order was found.
+
+use anyhow::Result;
+use articula_flat::flatten::{PrepareOptions, Prepared};
+use articula_flat::planar::order::{Overlaps, Painting};
+use articula_flat::planar::split::SplitOptions;
+use articula_flat::planar::{Drawn, PlanarClip};
+
+/// Wrong pixels in percent of the character's, mean over the frames.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Orders {
+    /// One depth sort, at the first frame.
+    pub(super) thesis: f64,
+    /// A depth sort for each frame.
+    pub(super) depth_sort: f64,
+    /// One order from constraints.
+    pub(super) single: f64,
+    /// Orders as many as pay.
+    pub(super) epochs: f64,
+    /// How many, and how often a triangle is written.
+    pub(super) count: usize,
+    pub(super) copies: f64,
+    /// An order for each frame.
+    pub(super) per_frame: f64,
+    /// As many as pay, after cutting what pierces; and the triangles that are drawn then.
+    pub(super) split: f64,
+    pub(super) split_triangles: usize,
+}
+
+impl Orders {
+    /// Prepares a clip as the command does.
+    pub(super) fn prepare(clip: &PlanarClip) -> Result<Prepared> {
+        let options = PrepareOptions::default();
+        Ok(Prepared::new(clip.clone(), &options, &mut |_| {})?)
+    }
+
+    /// All ways of ordering a clip.
+    pub(super) fn of(clip: &PlanarClip, prepared: &Prepared) -> Result<Self> {
+        let drawn = Drawn::of(clip)?;
+        let overlaps = Overlaps::of(clip, &drawn)?;
+        let wrong = |painting: &Painting| overlaps.wrong(painting).percent_mean();
+        let cut = PrepareOptions {
+            split: Some(SplitOptions::default()),
+            ..PrepareOptions::default()
+        };
+        let cut = Prepared::new(clip.clone(), &cut, &mut |_| {})?;
+        Ok(Self {
+            thesis: wrong(&Painting::one_depth_sort(clip, &drawn, 0)?),
+            depth_sort: prepared.wrong_percent_depth_sort,
+            single: wrong(&Painting::single(clip, &drawn)?),
+            epochs: prepared.wrong_percent,
+            count: prepared.painting.epochs.len(),
+            copies: prepared.painting.mean_copies(&drawn),
+            per_frame: wrong(&Painting::per_frame(clip, &drawn)?),
+            split: cut.wrong_percent,
+            split_triangles: cut.triangles_drawn(),
+        })
+    }
+}

@@ -1,0 +1,247 @@
+//! What was found, as a page and as numbers.
+
+use super::Found;
+use super::portraits::{Row as Portrait, YAWS_DEGREES};
+use super::profiles::THESIS;
+use super::targets::{self, Bound};
+use anyhow::Result;
+use std::fmt::Write as _;
+
+const HEAD: &str = "# Conversion to 2D
+
+Made by `cargo run --release -p articula-lab -- flat`. Pictures of 400 x 400 pixels. The faces are the
+specification's (camera 4.5 half heights away); everyone else is framed as `articula flatten` does
+it and has as many triangles as that command gives by default (the woman dancing 1500). Only triangles that some
+frame shows count.
+
+Errors are those of the file, read back: corners in pixels, the picture against an 8 x 8 supersampled one without
+a painting order, over the character's pixels, at every tenth frame and halfway between frames (mean / worst
+moment). *B/t/f* is bytes for each drawn triangle and frame. *x* is how many times smaller than the thesis'
+form (`path`) of the same clip a file is.
+";
+
+const ORDERS: &str = "
+## Pixels painted wrong
+
+Percent of the character's pixels, mean over the frames. *Thesis*: one depth sort, at the first frame. *Constraints*:
+one order for the whole clip. *Epochs*: as many orders as pay, and how often a triangle is written. *Cut*: after
+triangles that pierce each other are cut (`--split`), and the triangles that are drawn then.
+
+| case | thesis | depth sort a frame | constraints | epochs (orders, copies) | an order a frame | cut (triangles) | share of the depth sort |
+| --- | --- | --- | --- | --- | --- | --- | --- |
+";
+
+const PROFILES: &str = "
+| profile | kB raw / gzip / brotli | B/t/f raw / brotli | x | corners px | levels mean / worst | SSIM mean / worst | shapes | keys | s |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
+";
+
+const STILLS: &str = "
+## Stills
+
+The first frame. *Thesis*: three gradients a triangle under filters, over a background triangle.
+
+| case | triangles | thesis B/t | ours B/t | x | levels | SSIM | exact B/t | levels | flat B/t | levels |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
+";
+
+const PORTRAITS: &str = "
+## Portraits
+
+Levels (root mean square over the head) that a warped portrait is off when the head turns, against a picture of the
+turned figure in full quality. One view is the thesis' portrait.
+
+| head | triangles | views | document kB | pictures kB | 0° | 10° | 20° | 30° | 40° |
+| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
+";
+
+/// The whole page.
+pub(super) fn page(all: &[Found], portraits: &[Portrait]) -> Result<String> {
+    let mut page = HEAD.to_owned();
+    bounds(&mut page, all)?;
+    page.push_str(ORDERS);
+    for found in all {
+        let o = &found.orders;
+        writeln!(
+            page,
+            "| {} | {:.1} | {:.2} | {:.2} | {:.2} ({}, {:.1}) | {:.2} | {:.2} ({}) | {:.2} |",
+            found.case.name,
+            o.thesis,
+            o.depth_sort,
+            o.single,
+            o.epochs,
+            o.count,
+            o.copies,
+            o.per_frame,
+            o.split,
+            o.split_triangles,
+            o.epochs / o.depth_sort.max(1e-9)
+        )?;
+    }
+    for found in all {
+        profiles(&mut page, found)?;
+    }
+    stills(&mut page, all)?;
+    page.push_str(PORTRAITS);
+    for row in portraits {
+        let levels = row.rmse_levels.iter().map(|l| format!("{l:.1}"));
+        writeln!(
+            page,
+            "| {} | {} | {} | {:.1} | {:.1} | {} |",
+            row.head,
+            row.triangles,
+            row.views,
+            row.document as f64 / 1e3,
+            row.pictures as f64 / 1e3,
+            levels.collect::<Vec<_>>().join(" | ")
+        )?;
+    }
+    Ok(page)
+}
+
+fn bounds(page: &mut String, all: &[Found]) -> Result<()> {
+    page.push_str("\n## Targets of the specification\n\n| target | case | what | bound | found | |\n| --- | --- | --- | --- | --- | --- |\n");
+    for found in all {
+        for target in targets::of(found) {
+            let bound = match target.bound {
+                Bound::AtMost(b) => format!("≤ {b}"),
+                Bound::AtLeast(b) => format!("≥ {b}"),
+            };
+            writeln!(
+                page,
+                "| {} | {} | {} | {bound} | {:.3} | {} |",
+                target.number,
+                found.case.name,
+                target.what,
+                target.found,
+                if target.holds() {
+                    "holds"
+                } else {
+                    "**missed**"
+                }
+            )?;
+        }
+    }
+    Ok(())
+}
+
+fn profiles(page: &mut String, found: &Found) -> Result<()> {
+    let first = found.profiles.first().map(|r| &r.flat);
+    let drawn = first.map_or(0, |f| f.triangles_drawn);
+    writeln!(
+        page,
+        "\n## {}\n\n{}, clip {}: {} triangles, {drawn} drawn, {} frames.",
+        found.case.name, found.case.file, found.case.clip, found.triangles, found.case.frames
+    )?;
+    page.push_str(PROFILES);
+    let naive = found.row(THESIS).map(|r| r.flat.sizes.raw);
+    for row in &found.profiles {
+        let flat = &row.flat;
+        let sizes = flat.sizes;
+        let kilo = |bytes: u64| bytes as f64 / 1e3;
+        let image = flat.errors.image;
+        writeln!(
+            page,
+            "| {} | {:.1} / {:.1} / {:.1} | {:.2} / {:.2} | {:.1} | {:.3} | {:.1} / {:.1} | {:.4} / {:.4} | {} | {} | {:.1} |",
+            row.name,
+            kilo(sizes.raw),
+            kilo(sizes.gzip),
+            kilo(sizes.brotli),
+            flat.per_triangle_and_frame(sizes.raw),
+            flat.per_triangle_and_frame(sizes.brotli),
+            naive.map_or(0.0, |n| n as f64 / sizes.raw as f64),
+            flat.errors.position_rmse_px,
+            image.rmse_levels,
+            image.rmse_levels_max,
+            image.ssim,
+            image.ssim_min,
+            flat.shapes,
+            flat.keys,
+            row.secs
+        )?;
+    }
+    Ok(())
+}
+
+fn stills(page: &mut String, all: &[Found]) -> Result<()> {
+    page.push_str(STILLS);
+    for found in all {
+        let stills = &found.stills;
+        let per =
+            |flat: &articula_flat::flatten::Flattened| flat.per_triangle_and_frame(flat.sizes.raw);
+        let thesis = stills.thesis_bytes as f64 / stills.thesis_triangles.max(1) as f64;
+        let image = stills.ours.errors.image;
+        writeln!(
+            page,
+            "| {} | {} | {thesis:.0} | {:.1} | {:.1} | {:.1} | {:.4} | {:.1} | {:.1} | {:.1} | {:.1} |",
+            found.case.name,
+            stills.ours.triangles_drawn,
+            per(&stills.ours),
+            thesis / per(&stills.ours),
+            image.rmse_levels,
+            image.ssim,
+            per(&stills.exact),
+            stills.exact.errors.image.rmse_levels,
+            per(&stills.flat),
+            stills.flat.errors.image.rmse_levels
+        )?;
+    }
+    Ok(())
+}
+
+/// Every profile of every case.
+pub(super) fn csv(all: &[Found]) -> Result<String> {
+    let mut csv = String::from(
+        "case,profile,triangles_drawn,frames,raw_bytes,gzip_bytes,brotli_bytes,position_rmse_px,\
+         image_rmse_levels,image_rmse_levels_max,ssim,ssim_min,wrong_percent,wrong_percent_depth_sort,\
+         shapes,keys,orders\n",
+    );
+    for found in all {
+        for row in &found.profiles {
+            let (flat, errors) = (&row.flat, &row.flat.errors);
+            writeln!(
+                csv,
+                "\"{}\",\"{}\",{},{},{},{},{},{:.4},{:.3},{:.3},{:.5},{:.5},{:.3},{:.3},{},{},{}",
+                found.case.name,
+                row.name,
+                flat.triangles_drawn,
+                flat.frames,
+                flat.sizes.raw,
+                flat.sizes.gzip,
+                flat.sizes.brotli,
+                errors.position_rmse_px,
+                errors.image.rmse_levels,
+                errors.image.rmse_levels_max,
+                errors.image.ssim,
+                errors.image.ssim_min,
+                errors.wrong_pixels_percent,
+                errors.wrong_pixels_percent_depth_sort,
+                flat.shapes,
+                flat.keys,
+                flat.orders
+            )?;
+        }
+    }
+    Ok(csv)
+}
+
+/// Every portrait.
+pub(super) fn portraits_csv(all: &[Portrait]) -> Result<String> {
+    let mut csv = String::from("head,triangles,views,document_bytes,picture_bytes");
+    for yaw in YAWS_DEGREES {
+        write!(csv, ",rmse_levels_{yaw}_degrees")?;
+    }
+    csv.push('\n');
+    for row in all {
+        write!(
+            csv,
+            "\"{}\",{},{},{},{}",
+            row.head, row.triangles, row.views, row.document, row.pictures
+        )?;
+        for levels in &row.rmse_levels {
+            write!(csv, ",{levels:.3}")?;
+        }
+        csv.push('\n');
+    }
+    Ok(csv)
+}

@@ -1,0 +1,134 @@
+//! Portraits: how far a turned 2D head is from the turned figure, by its view pictures.
+//!
+//! Source: `spec/vector.md` 10.
+
+use super::super::Run;
+use super::cases::SIDE_PX;
+use anyhow::{Context, Result};
+use articula_build::character::{Asset, character};
+use articula_build::clip::ClipOptions;
+use articula_build::decimate::decimate;
+use articula_core::view::{Camera, Viewport};
+use articula_flat::appearance::Appearance;
+use articula_flat::frame::Bounds;
+use articula_flat::planar::bake::{Subject, Turn};
+use articula_flat::planar::stage;
+use articula_flat::portrait::document::PictureFormat;
+use articula_flat::portrait::{
+    Head, HeadPose, PortraitExpression, PortraitOptions, PortraitSource, build,
+};
+use articula_formats::{Limits, gltf, profile};
+use glam::Vec3;
+
+/// Turns at which it is compared, degrees.
+pub(super) const YAWS_DEGREES: [f32; 5] = [0.0, 10.0, 20.0, 30.0, 40.0];
+/// Triangles of the thesis' phone, and ours.
+const TRIANGLES: [usize; 2] = [94, 500];
+
+/// A portrait.
+pub(super) struct Row {
+    pub(super) head: &'static str,
+    pub(super) triangles: usize,
+    pub(super) views: usize,
+    /// Bytes of the document and of its pictures.
+    pub(super) document: usize,
+    pub(super) pictures: usize,
+    /// Levels off at each turn.
+    pub(super) rmse_levels: Vec<f64>,
+}
+
+/// All portraits.
+pub(super) fn rows(run: &Run) -> Result<Vec<Row>> {
+    let path = run.data.join("face/ict_facekit_expressions.glb");
+    let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
+    let read = gltf::read(&bytes, &Limits::default(), &mut |_| Err("nothing".into()));
+    let source = read
+        .with_context(|| path.display().to_string())?
+        .value
+        .character;
+    let mapping = profile::map(&source.skeleton, profile::builtin(), None);
+    let (look, _) = Appearance::new(&source.materials, &source.images);
+    let asset = character(&source, Some(mapping.articulation), &ClipOptions::default())?;
+    let mut expressions = Vec::new();
+    for (mesh, first) in source.meshes.iter().zip(&asset.mesh.morph_slots) {
+        let names = mesh.morph_names.iter().enumerate();
+        let of = |(t, name): (usize, &String)| {
+            PortraitExpression::of_morph(name.clone(), (first + t) as u16)
+        };
+        expressions.extend(names.map(of));
+    }
+    let bounds = at_rest(&asset, &look)?;
+    let views: &[usize] = if run.small { &[3] } else { &[1, 3, 5] };
+    let counts: &[usize] = if run.small {
+        &TRIANGLES[1..]
+    } else {
+        &TRIANGLES
+    };
+    let mut rows = Vec::new();
+    for count in counts {
+        let keep = vec![true; asset.mesh.triangles.len()];
+        let triangles = decimate(&asset, &keep, None, *count)?;
+        let source = PortraitSource {
+            mesh: &asset.mesh,
+            rig: &asset.rig,
+            look: &look,
+            triangles: &triangles,
+            head: Head::Whole {
+                pivot: bounds.middle(),
+            },
+            expressions: &expressions,
+            clips: &[],
+            camera: before(&bounds),
+        };
+        for views in views {
+            rows.push(row(&source, *views)?);
+        }
+    }
+    Ok(rows)
+}
+
+fn row(source: &PortraitSource<'_>, views: usize) -> Result<Row> {
+    let options = PortraitOptions {
+        views,
+        ..PortraitOptions::default()
+    };
+    let portrait = build(source, &options)?;
+    let files = portrait.to_files(PictureFormat::WebP)?;
+    let size = |ending: &str| -> usize {
+        let of = files.iter().filter(|(name, _)| name.ends_with(ending));
+        of.map(|(_, bytes)| bytes.len()).sum()
+    };
+    let off = |yaw: &f32| portrait.error(source, &options, &HeadPose::yaw(*yaw), &[]);
+    let rmse_levels: Result<Vec<f64>, _> = YAWS_DEGREES.iter().map(off).collect();
+    Ok(Row {
+        head: "ICT face",
+        triangles: portrait.mesh.triangles.len(),
+        views,
+        document: size(".json"),
+        pictures: size(".webp"),
+        rmse_levels: rmse_levels?,
+    })
+}
+
+fn at_rest(asset: &Asset, look: &Appearance) -> Result<Bounds> {
+    let subject = Subject {
+        rig: &asset.rig,
+        mesh: &asset.mesh,
+        triangles: &asset.mesh.triangles,
+        look,
+        clip: None,
+        morph_weights: &asset.mesh.morph_weights,
+    };
+    stage::bounds(&subject, &[0.0], &Turn::default()).context("the head has no vertex")
+}
+
+fn before(bounds: &Bounds) -> Camera {
+    let half = 1.15 * 0.5 * (bounds.high.y - bounds.low.y);
+    let viewport = Viewport {
+        width_px: SIDE_PX,
+        height_px: SIDE_PX,
+        fov_y_radians: 2.0 * (1.0f32 / 4.5).atan(),
+    };
+    let middle = bounds.middle();
+    Camera::looking_at(middle + Vec3::Z * 4.5 * half, middle, viewport)
+}

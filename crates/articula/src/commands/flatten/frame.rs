@@ -1,0 +1,73 @@
+//! `articula flatten frame`: one moment of an animated SVG, for renderers that draw the first
+//! state only.
+
+use super::arguments::FrameArgs;
+use crate::console::Console;
+use crate::{fault, files};
+use anyhow::Context;
+use articula_flat::codec;
+use articula_flat::vector::raster::raster;
+use articula_flat::vector::smil_sampler::MovingSvg;
+use serde::Serialize;
+use std::path::Path;
+
+/// Most bytes of an SVG that is read.
+pub(super) const MOST_BYTES: u64 = 256 << 20;
+
+#[derive(Debug, Serialize)]
+struct Rendered {
+    out: String,
+    at_secs: f64,
+    duration_secs: f64,
+    bytes: usize,
+}
+
+/// Renders the moment and says what was written.
+pub(super) fn run(args: &FrameArgs, console: &Console) -> anyhow::Result<()> {
+    let ending = args
+        .out
+        .extension()
+        .unwrap_or_default()
+        .to_ascii_lowercase();
+    let is_svg = ending == "svg";
+    if !is_svg && ending != "png" {
+        let out = files::shown(&args.out);
+        return Err(fault::usage(format!("{out}: name the file .png or .svg")));
+    }
+    let moving = read(&args.file)?;
+    let place = || files::shown(&args.file);
+    let at = f64::from(args.at);
+    let text = moving.at(at).with_context(place)?;
+    let bytes = if is_svg {
+        text.into_bytes()
+    } else {
+        let picture = raster(&text, args.background.unwrap_or([0; 4])).with_context(place)?;
+        codec::png(&picture).with_context(place)?
+    };
+    files::write(&args.out, &bytes)?;
+    let rendered = Rendered {
+        out: files::shown(&args.out),
+        at_secs: at,
+        duration_secs: moving.duration_secs(),
+        bytes: bytes.len(),
+    };
+    console.result(&rendered, |r| {
+        format!(
+            "{}: the moment {:.3} s of {:.3} s, {:.1} kB\n",
+            r.out,
+            r.at_secs,
+            r.duration_secs,
+            r.bytes as f64 / 1e3
+        )
+    })
+}
+
+/// Reads an SVG of ours; errors name the file and what to give instead.
+pub(super) fn read(path: &Path) -> anyhow::Result<MovingSvg> {
+    let bytes = files::read(path, MOST_BYTES)?;
+    let place = || files::shown(path);
+    let text = String::from_utf8(bytes)
+        .ok()
+        .with_context(|| format!("{}: not text; give an SVG that flatten wrote", place()))?;
+    MovingSvg::read(&text).with_context(place)
+}

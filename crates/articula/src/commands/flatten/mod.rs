@@ -1,0 +1,228 @@
+//! `articula flatten FILE OUT`: a character in motion as 2D content, with its size and error.
+
+mod arguments;
+mod frame;
+mod moving;
+mod portrait;
+pub(crate) mod report;
+
+pub(crate) use arguments::FlattenArgs;
+
+use crate::console::Console;
+use crate::flat::{Shot, Staged, live_source};
+use crate::prepared::Prepared;
+use crate::{fault, files};
+use anyhow::Context;
+use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName};
+use articula_core::view::Viewport;
+use articula_flat::flatten::{
+    self, Flattened, PrepareOptions, Profile, Quality, Settings, Truth, flatten, flatten_live,
+    sampled_frames,
+};
+use articula_flat::planar::order::OrderOptions;
+use articula_flat::planar::shading::Shading;
+use articula_flat::planar::split::SplitOptions;
+use articula_flat::vector::player::Output;
+use articula_flat::vector::thesis::{ThesisForm, ThesisOptions};
+use report::{Made, Report};
+
+/// Steps of the progress bar.
+const STEPS: f64 = 100.0;
+
+/// Converts, or renders what was converted.
+pub(crate) fn run(args: &FlattenArgs, console: &Console) -> anyhow::Result<()> {
+    match (&args.command, &args.convert) {
+        (Some(FlattenCommand::Frame(args)), _) => frame::run(args, console),
+        (Some(FlattenCommand::Movie(args)), _) => moving::run(args, console),
+        (None, Some(args)) => convert(args, console),
+        (None, None) => Err(fault::usage("flatten takes a FILE and an OUT; see --help")),
+    }
+}
+
+fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
+    let profile = args.profile()?;
+    args.check(profile)?;
+    if profile == ProfileName::Portrait {
+        return portrait::run(args, console);
+    }
+    let prepared = Prepared::new(&args.character())?;
+    let clip = prepared.clip(args.motion.clip.as_deref())?;
+    let shot = args.shot(profile, clip);
+    let staged = Staged::new(&prepared, shot, console)?;
+    let settings = args.settings(profile, &prepared, &staged)?;
+    let flat = if args.special.live {
+        driven(&prepared, &staged, clip, args.prepare_options(), &settings)
+    } else {
+        converted(&staged, args.prepare_options(), &settings, console)
+    };
+    let flat = flat.with_context(|| prepared.loaded.place())?;
+    files::write(&args.out, &flat.bytes)?;
+    let made = Made {
+        triangles_of_character: prepared.asset.mesh.triangles.len(),
+        triangles: staged.triangles.len(),
+        fps: staged.options.fps,
+        size_px: args.shot.size,
+        max_bytes: settings.max_bytes,
+    };
+    let report = Report::new(files::shown(&args.out), &flat, made);
+    console.result(&report, Report::text)
+}
+
+/// Bakes, prepares and writes, with a bar.
+pub(crate) fn converted(
+    staged: &Staged<'_>,
+    options: PrepareOptions,
+    settings: &Settings,
+    console: &Console,
+) -> anyhow::Result<Flattened> {
+    let bar = console.progress("projecting", STEPS as usize);
+    let clip = staged.clip()?;
+    let frames = match settings.profile {
+        Profile::Still { frame, .. } => vec![frame as f64],
+        _ => sampled_frames(clip.frames.len()),
+    };
+    let truth = Truth::new(&staged.at_frames(&frames)?, &frames)?;
+    bar.set_message("painting order");
+    let mut done = |share: f64| bar.set_position((0.5 * STEPS * share) as u64);
+    let prepared = flatten::Prepared::new(clip, &options, &mut done)?;
+    bar.set_message("writing");
+    let mut done = |share: f64| bar.set_position((0.5 * STEPS * (1.0 + share)) as u64);
+    let flat = flatten(&prepared, settings, &truth, &mut done)?;
+    bar.finish_and_clear();
+    Ok(flat)
+}
+
+/// Writes a file that a host drives.
+fn driven(
+    prepared: &Prepared,
+    staged: &Staged<'_>,
+    clip: Option<usize>,
+    options: PrepareOptions,
+    settings: &Settings,
+) -> anyhow::Result<Flattened> {
+    let source = live_source(prepared, staged, clip)?;
+    let frames = sampled_frames(source.weights.len().max(1));
+    let fps = f64::from(source.shapes.fps);
+    let moments: Vec<f64> = frames.iter().map(|f| f / fps).collect();
+    let truth = Truth::new(&staged.at(&moments)?, &frames)?;
+    let shapes = flatten::Prepared::new(source.shapes.clone(), &options, &mut |_| {})?;
+    Ok(flatten_live(&source, &shapes, settings, &truth)?)
+}
+
+impl ConvertArgs {
+    fn check(&self, profile: ProfileName) -> anyhow::Result<()> {
+        let told = |is_given: bool, flag: &str, of: ProfileName| {
+            if is_given && profile != of {
+                let what = format!("{flag} belongs to another profile; see --help");
+                return Err(fault::usage(what));
+            }
+            Ok(())
+        };
+        told(self.special.exact, "--exact", ProfileName::Still)?;
+        told(self.special.live, "--live", ProfileName::Player)?;
+        told(
+            self.special.background.is_some(),
+            "--background",
+            ProfileName::Portrait,
+        )?;
+        told(
+            self.special.audio.is_some(),
+            "--audio",
+            ProfileName::Portrait,
+        )?;
+        if self.quality.merge.is_some() && self.quality.shading != Some(ShadingName::Flat) {
+            return Err(fault::usage("--merge needs --shading flat"));
+        }
+        Ok(())
+    }
+
+    fn shot(&self, profile: ProfileName, clip: Option<usize>) -> Shot {
+        let triangles = match profile {
+            ProfileName::Player => 1500,
+            ProfileName::Portrait => 500,
+            _ => 600,
+        };
+        Shot {
+            clip,
+            cycles: self.motion.cycles,
+            fps: self.motion.fps,
+            yaw_deg: self.shot.yaw_deg,
+            pitch_deg: self.shot.pitch_deg,
+            turn_deg: self.motion.turn_deg,
+            viewport: Viewport {
+                width_px: self.shot.size.0 as f32,
+                height_px: self.shot.size.1 as f32,
+                fov_y_radians: self.shot.fov_deg.to_radians(),
+            },
+            triangles: Some(self.shot.triangles.unwrap_or(triangles) as usize),
+        }
+    }
+
+    fn prepare_options(&self) -> PrepareOptions {
+        PrepareOptions {
+            order: OrderOptions {
+                order_tol: f64::from(self.quality.order_tol) / 100.0,
+                ..OrderOptions::default()
+            },
+            split: self.quality.split.then(SplitOptions::default),
+            ..PrepareOptions::default()
+        }
+    }
+
+    fn settings(
+        &self,
+        profile: ProfileName,
+        prepared: &Prepared,
+        staged: &Staged<'_>,
+    ) -> anyhow::Result<Settings> {
+        let frame = (f64::from(self.motion.at) * f64::from(staged.options.fps)).round() as usize;
+        let frames = staged.moments_secs.len();
+        if frame >= frames {
+            let length = staged.moments_secs.last().copied().unwrap_or_default();
+            let what = format!("--at {}: the motion ends at {length:.3} s", self.motion.at);
+            return Err(fault::usage(what));
+        }
+        let is_module = self
+            .out
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("js"));
+        let profile = match profile {
+            ProfileName::Smil | ProfileName::Portrait => Profile::Smil,
+            ProfileName::Flipbook => Profile::Flipbook,
+            ProfileName::Player if is_module => Profile::Player(Output::Module),
+            ProfileName::Player => Profile::Player(Output::Svg),
+            ProfileName::Lottie => Profile::Lottie,
+            ProfileName::Still => Profile::Still {
+                frame,
+                exact: self.special.exact,
+            },
+            ProfileName::Thesis => Profile::Thesis(ThesisOptions {
+                form: match self.special.form {
+                    FormName::Polygon => ThesisForm::Polygon,
+                    FormName::Path => ThesisForm::Path,
+                },
+                optimise_hidden: self.special.optimise,
+                optimise_static: self.special.optimise,
+                neutral_frame: frame,
+            }),
+        };
+        let mut quality = Quality::of(profile);
+        quality.pos_tol_px = self.quality.pos_tol.unwrap_or(quality.pos_tol_px);
+        quality.col_tol_levels = self.quality.col_tol.unwrap_or(quality.col_tol_levels);
+        quality.merge_levels = self.quality.merge;
+        if let Some(shading) = self.quality.shading {
+            quality.shading = match shading {
+                ShadingName::Flat => Shading::Flat,
+                ShadingName::Gouraud => Shading::Gouraud,
+            };
+        }
+        let clip = staged.subject().clip.map(|c| c.name.clone());
+        let name = clip.unwrap_or_else(|| prepared.loaded.place());
+        Ok(Settings {
+            profile,
+            quality,
+            name,
+            max_bytes: self.quality.max_bytes,
+        })
+    }
+}

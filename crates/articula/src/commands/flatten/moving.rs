@@ -1,0 +1,94 @@
+//! `articula flatten movie`: an animated SVG as GIF, WebP or PNG pictures, for places that play no
+//! SVG.
+
+use super::arguments::MovieArgs;
+use super::frame;
+use crate::console::Console;
+use crate::{fault, files};
+use anyhow::Context;
+use articula_flat::vector::moving_picture;
+use articula_flat::vector::raster::raster;
+use articula_flat::{Picture, codec};
+use serde::Serialize;
+
+/// Most frames of a movie.
+const MOST_FRAMES: f64 = 5000.0;
+
+#[derive(Debug, Serialize)]
+struct Movie {
+    out: String,
+    frames: usize,
+    fps: f32,
+    duration_secs: f64,
+    bytes: usize,
+}
+
+/// Renders all frames and says what was written.
+pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
+    let moving = frame::read(&args.file)?;
+    let place = || files::shown(&args.file);
+    let duration = moving.duration_secs();
+    let steps = (duration * f64::from(args.fps)).round().max(1.0);
+    if steps > MOST_FRAMES {
+        let what = format!("{steps} frames are more than {MOST_FRAMES}; ask for fewer a second");
+        return Err(fault::usage(format!("--fps {}: {what}", args.fps)));
+    }
+    let background = args.background.unwrap_or([255; 4]);
+    let bar = console.progress("drawing", steps as usize);
+    let mut pictures = Vec::with_capacity(steps as usize);
+    // The last frame is left out, the first follows it when the movie repeats.
+    for f in 0..steps as u32 {
+        let text = moving
+            .at(duration * f64::from(f) / steps)
+            .with_context(place)?;
+        pictures.push(raster(&text, background).with_context(place)?);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let bytes = write(args, &pictures)?;
+    let movie = Movie {
+        out: files::shown(&args.out),
+        frames: pictures.len(),
+        fps: args.fps,
+        duration_secs: duration,
+        bytes,
+    };
+    console.result(&movie, |m| {
+        format!(
+            "{}: {} frames, {:.2} s, {:.1} kB\n",
+            m.out,
+            m.frames,
+            m.duration_secs,
+            m.bytes as f64 / 1e3
+        )
+    })
+}
+
+/// Writes the pictures as the name asks for; all bytes written.
+fn write(args: &MovieArgs, pictures: &[Picture]) -> anyhow::Result<usize> {
+    let place = || files::shown(&args.out);
+    let ending = args
+        .out
+        .extension()
+        .unwrap_or_default()
+        .to_ascii_lowercase();
+    let bytes = match ending.to_str().unwrap_or_default() {
+        "gif" => moving_picture::gif(pictures, args.fps).with_context(place)?,
+        "webp" => moving_picture::webp(pictures, args.fps).with_context(place)?,
+        "" => {
+            let mut all = 0;
+            for (f, picture) in pictures.iter().enumerate() {
+                let bytes = codec::png(picture).with_context(place)?;
+                files::write(&args.out.join(format!("{f:04}.png")), &bytes)?;
+                all += bytes.len();
+            }
+            return Ok(all);
+        }
+        _ => {
+            let what = "name a .gif or .webp file, or a folder";
+            return Err(fault::usage(format!("{}: {what}", place())));
+        }
+    };
+    files::write(&args.out, &bytes)?;
+    Ok(bytes.len())
+}

@@ -1,0 +1,41 @@
+//! What of a face can be driven.
+
+use crate::prepared::Prepared;
+use articula_flat::portrait::PortraitExpression;
+
+/// What can be driven: the file's named expressions, then morph targets by their own names.
+pub(crate) fn expressions(prepared: &Prepared) -> Vec<PortraitExpression> {
+    let character = &prepared.loaded.character;
+    let slots = &prepared.asset.mesh.morph_slots;
+    let mut all: Vec<PortraitExpression> = Vec::new();
+    for expression in &character.expressions {
+        let morphs = expression.morphs.iter().filter_map(|m| {
+            let slot = slots.get(m.mesh)? + m.target;
+            Some((u16::try_from(slot).ok()?, m.weight))
+        });
+        let morphs: Vec<_> = morphs.collect();
+        if !morphs.is_empty() {
+            all.push(PortraitExpression {
+                name: expression.name.clone(),
+                morphs,
+                joints: Vec::new(),
+            });
+        }
+    }
+    for (mesh, first) in character.meshes.iter().zip(slots) {
+        for (target, name) in mesh.morph_names.iter().enumerate() {
+            let Ok(slot) = u16::try_from(first + target) else {
+                continue;
+            };
+            // Meshes of one face (skin, lashes, teeth) share names and move together.
+            match all.iter_mut().find(|e| e.name == *name) {
+                Some(known) if !known.morphs.iter().any(|(s, _)| *s == slot) => {
+                    known.morphs.push((slot, 1.0));
+                }
+                Some(_) => {}
+                None => all.push(PortraitExpression::of_morph(name.clone(), slot)),
+            }
+        }
+    }
+    all
+}
