@@ -1,12 +1,12 @@
 //! Painting order, sealed edges and what they leave wrong, worked out once for all settings.
 
-use crate::planar::order::{Layer, OrderOptions, Overlaps, Painting};
+use crate::planar::order::{Layer, OrderOptions, Painted, Painting, wrong_pixels};
 use crate::planar::split::{SplitOptions, split};
 use crate::planar::underlap::{Sealed, UnderlapOptions, seal};
 use crate::planar::{Drawn, PlanarClip, PlanarError};
 
 /// How a clip is prepared.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PrepareOptions {
     /// What one painting order may cost.
     pub order: OrderOptions,
@@ -14,6 +14,17 @@ pub struct PrepareOptions {
     pub split: Option<SplitOptions>,
     /// How edges are sealed.
     pub underlap: UnderlapOptions,
+}
+
+impl Default for PrepareOptions {
+    /// Triangles that pierce each other are cut: no order shows them right.
+    fn default() -> Self {
+        Self {
+            order: OrderOptions::default(),
+            split: Some(SplitOptions::default()),
+            underlap: UnderlapOptions::default(),
+        }
+    }
 }
 
 /// A clip that is ready to be written.
@@ -47,18 +58,16 @@ impl Prepared {
         options: &PrepareOptions,
         done: &mut dyn FnMut(f64),
     ) -> Result<Self, PlanarError> {
-        let drawn = Drawn::of(&clip)?;
-        done(0.2);
-        // The peer sorts the clip as it came.
-        let overlaps = Overlaps::of(&clip, &drawn)?;
-        let sorted = Painting::depth_sort_per_frame(&clip, &drawn)?;
-        let wrong_percent_depth_sort = overlaps.wrong(&sorted).percent_mean();
+        let painted = Painted::of(&clip, &options.order)?;
         done(0.4);
+        // The peer sorts the clip as it came.
+        let sorted = Painting::depth_sort_per_frame(&clip, &painted.drawn)?;
+        let wrong_percent_depth_sort = painted.overlaps.wrong(&sorted).percent_mean();
+        done(0.5);
         let (clip, drawn, painting, wrong_percent) = match &options.split {
             None => {
-                let painting = Painting::constraints(&clip, &drawn, &options.order)?;
-                let wrong = overlaps.wrong(&painting).percent_mean();
-                (clip, drawn, painting, wrong)
+                let wrong = painted.wrong().percent_mean();
+                (clip, painted.drawn, painted.painting, wrong)
             }
             Some(cut) => {
                 let cut = SplitOptions {
@@ -66,9 +75,8 @@ impl Prepared {
                     ..*cut
                 };
                 let cut = split(&clip, &cut)?;
-                let overlaps = Overlaps::of(&cut.clip, &cut.drawn)?;
-                let wrong = overlaps.wrong(&cut.painting).percent_mean();
-                (cut.clip, cut.drawn, cut.painting, wrong)
+                let wrong = wrong_pixels(&cut.clip, &cut.drawn, &cut.painting)?;
+                (cut.clip, cut.drawn, cut.painting, wrong.percent_mean())
             }
         };
         done(0.9);

@@ -131,10 +131,7 @@ fn vertices_of(prepared: &Prepared, joints: &[usize]) -> Vec<bool> {
     };
     let weight = |v: usize| -> f32 {
         let influences = asset.mesh.influences_of(v);
-        let of_head = influences.filter(|(binding, _)| {
-            let joint = usize::from(asset.mesh.bindings[*binding].joint);
-            asset.rig.is_at_or_below(joint, *head)
-        });
+        let of_head = influences.filter(|(joint, _)| asset.rig.is_at_or_below(*joint, *head));
         of_head.map(|(_, weight)| weight).sum()
     };
     (0..asset.mesh.len()).map(|v| weight(v) > OF_HEAD).collect()

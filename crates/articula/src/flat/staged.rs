@@ -23,6 +23,8 @@ const LOOKS: usize = 40;
 pub(crate) struct Shot {
     /// Index of the clip; the rest pose without one.
     pub(crate) clip: Option<usize>,
+    /// The one moment that is shown, seconds; all of the clip without.
+    pub(crate) still_at: Option<f32>,
     /// How often the clip is played.
     pub(crate) cycles: u32,
     /// Frames a second that are wished for.
@@ -182,7 +184,7 @@ impl<'a> Staged<'a> {
         };
         let few = bake(&shown, &looks, &self.options).with_context(place)?;
         let drawn = Drawn::seen(&few).with_context(place)?.ever().len();
-        let share = drawn as f64 / few.triangles.len().max(1) as f64;
+        let share = drawn as f64 / triangles.len().max(1) as f64;
         if share < 0.9 && share > 0.0 {
             let more = (count as f64 / share) as usize;
             triangles = decimate(asset, &seen, all, more).with_context(place)?;
@@ -199,6 +201,9 @@ fn moments(prepared: &Prepared, shot: &Shot) -> (Vec<f64>, f32) {
         return (vec![0.0], shot.fps);
     };
     let clip = &prepared.asset.clips[clip];
+    if let Some(at) = shot.still_at {
+        return (vec![f64::from(at)], shot.fps);
+    }
     let length = f64::from(clip.duration_secs()) * f64::from(shot.cycles);
     let steps = (length * f64::from(shot.fps)).round().max(1.0);
     if length <= 0.0 {

@@ -2,9 +2,8 @@
 
 use anyhow::Result;
 use articula_flat::flatten::{PrepareOptions, Prepared};
-use articula_flat::planar::order::{Overlaps, Painting};
-use articula_flat::planar::split::SplitOptions;
-use articula_flat::planar::{Drawn, PlanarClip};
+use articula_flat::planar::PlanarClip;
+use articula_flat::planar::order::{OrderOptions, Painted, Painting};
 
 /// Wrong pixels in percent of the character's, mean over the frames.
 #[derive(Debug, Clone, Copy)]
@@ -34,24 +33,19 @@ impl Orders {
         Ok(Prepared::new(clip.clone(), &options, &mut |_| {})?)
     }
 
-    /// All ways of ordering a clip.
-    pub(super) fn of(clip: &PlanarClip, prepared: &Prepared) -> Result<Self> {
-        let drawn = Drawn::of(clip)?;
-        let overlaps = Overlaps::of(clip, &drawn)?;
-        let wrong = |painting: &Painting| overlaps.wrong(painting).percent_mean();
-        let cut = PrepareOptions {
-            split: Some(SplitOptions::default()),
-            ..PrepareOptions::default()
-        };
-        let cut = Prepared::new(clip.clone(), &cut, &mut |_| {})?;
+    /// All ways of ordering a clip; `cut` is it prepared, what pierces cut.
+    pub(super) fn of(clip: &PlanarClip, cut: &Prepared) -> Result<Self> {
+        let painted = Painted::of(clip, &OrderOptions::default())?;
+        let drawn = &painted.drawn;
+        let wrong = |painting: &Painting| painted.overlaps.wrong(painting).percent_mean();
         Ok(Self {
-            thesis: wrong(&Painting::one_depth_sort(clip, &drawn, 0)?),
-            depth_sort: prepared.wrong_percent_depth_sort,
-            single: wrong(&Painting::single(clip, &drawn)?),
-            epochs: prepared.wrong_percent,
-            count: prepared.painting.epochs.len(),
-            copies: prepared.painting.mean_copies(&drawn),
-            per_frame: wrong(&Painting::per_frame(clip, &drawn)?),
+            thesis: wrong(&Painting::one_depth_sort(clip, drawn, 0)?),
+            depth_sort: cut.wrong_percent_depth_sort,
+            single: wrong(&Painting::single(clip, drawn)?),
+            epochs: wrong(&painted.painting),
+            count: painted.painting.epochs.len(),
+            copies: painted.painting.mean_copies(drawn),
+            per_frame: wrong(&Painting::per_frame(clip, drawn)?),
             split: cut.wrong_percent,
             split_triangles: cut.triangles_drawn(),
         })

@@ -25,7 +25,7 @@ const ORDERS: &str = "
 
 Percent of the character's pixels, mean over the frames. *Thesis*: one depth sort, at the first frame. *Constraints*:
 one order for the whole clip. *Epochs*: as many orders as pay, and how often a triangle is written. *Cut*: after
-triangles that pierce each other are cut (`--split`), and the triangles that are drawn then.
+triangles that pierce each other are cut, as `flatten` does it, and the triangles that are drawn then.
 
 | case | thesis | depth sort a frame | constraints | epochs (orders, copies) | an order a frame | cut (triangles) | share of the depth sort |
 | --- | --- | --- | --- | --- | --- | --- | --- |
@@ -75,7 +75,7 @@ pub(super) fn page(all: &[Found], portraits: &[Portrait]) -> Result<String> {
             o.per_frame,
             o.split,
             o.split_triangles,
-            o.epochs / o.depth_sort.max(1e-9)
+            o.split / o.depth_sort.max(1e-9)
         )?;
     }
     for found in all {

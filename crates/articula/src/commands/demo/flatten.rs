@@ -23,6 +23,7 @@ pub(super) fn of(
 ) -> anyhow::Result<Vec<Report>> {
     let shot = Shot {
         clip: Some(scene.clip),
+        still_at: None,
         cycles: 1,
         fps: 25.0,
         yaw_deg: 30.0,

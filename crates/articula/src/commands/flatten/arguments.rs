@@ -3,7 +3,7 @@
 use crate::arguments::{CharacterArgs, ReadArgs, field_of_view, finite, not_negative, positive};
 use crate::fault;
 use clap::{Args, Subcommand, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Arguments of `flatten`.
 #[derive(Debug, Args)]
@@ -19,7 +19,7 @@ pub(crate) struct FlattenArgs {
     #[command(subcommand)]
     pub(crate) command: Option<FlattenCommand>,
     #[command(flatten)]
-    pub(crate) convert: Option<ConvertArgs>,
+    pub(crate) convert: ConvertArgs,
 }
 
 /// What else can be done with a converted file.
@@ -35,9 +35,11 @@ pub(crate) enum FlattenCommand {
 #[derive(Debug, Args)]
 pub(crate) struct ConvertArgs {
     /// Character file (.glb, .gltf, .vrm, ...)
-    file: PathBuf,
+    #[arg(required = true)]
+    file: Option<PathBuf>,
     /// File to write (.svg; .json for lottie; .html or .json for portrait; .js for a player module)
-    pub(crate) out: PathBuf,
+    #[arg(required = true)]
+    out: Option<PathBuf>,
     /// Leave this mesh out (repeatable)
     #[arg(long, value_name = "NAME")]
     hide: Vec<String>,
@@ -101,7 +103,7 @@ pub(crate) struct ShotArgs {
     #[arg(long, value_name = "DEG", default_value = "25", value_parser = field_of_view)]
     pub(crate) fov_deg: f32,
     /// Triangles that are shown, about; what is never seen is left out before [default: 600;
-    /// player 1500, portrait 500]
+    /// player 1500, portrait 1000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=20_000))]
     pub(crate) triangles: Option<u32>,
 }
@@ -128,9 +130,10 @@ pub(crate) struct QualityArgs {
     /// the character's
     #[arg(long, value_name = "PERCENT", default_value_t = 0.3, value_parser = not_negative)]
     pub(crate) order_tol: f32,
-    /// Cut triangles that pierce each other
-    #[arg(long)]
-    pub(crate) split: bool,
+    /// Cut triangles that pierce each other, which no painting order shows right
+    #[arg(long, value_enum, value_name = "ON|OFF", default_value = "on", num_args = 0..=1,
+          default_missing_value = "on")]
+    pub(crate) split: Switch,
 }
 
 /// What belongs to one profile.
@@ -176,6 +179,15 @@ pub(crate) enum ProfileName {
     Still,
     /// The naive SVG of the origin, to be measured against
     Thesis,
+}
+
+/// Whether something is done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Switch {
+    /// It is
+    On,
+    /// It is not
+    Off,
 }
 
 /// How a triangle is filled.
@@ -227,10 +239,16 @@ pub(crate) struct MovieArgs {
 }
 
 impl ConvertArgs {
+    /// The file to write.
+    pub(crate) fn out(&self) -> &Path {
+        self.out.as_deref().unwrap_or(Path::new(""))
+    }
+
     /// The file and what of it counts, as the other commands have it.
     pub(crate) fn character(&self) -> CharacterArgs {
         CharacterArgs {
-            file: self.file.clone(),
+            // Without one it was a subcommand, which does not ask.
+            file: self.file.clone().unwrap_or_default(),
             hide: self.hide.clone(),
             only: self.only.clone(),
             names: ReadArgs {
@@ -243,7 +261,7 @@ impl ConvertArgs {
     /// What is written: what was said, or what the file's name says.
     pub(crate) fn profile(&self) -> anyhow::Result<ProfileName> {
         let ending = self
-            .out
+            .out()
             .extension()
             .unwrap_or_default()
             .to_ascii_lowercase();
@@ -264,7 +282,7 @@ impl ConvertArgs {
         if fits.contains(&ending.as_ref()) {
             return Ok(profile);
         }
-        let out = crate::files::shown(&self.out);
+        let out = crate::files::shown(self.out());
         let fits = fits.join(" or .");
         Err(fault::usage(format!("{out}: name the file .{fits}")))
     }

@@ -13,7 +13,7 @@ use crate::flat::{Shot, Staged, live_source};
 use crate::prepared::Prepared;
 use crate::{fault, files};
 use anyhow::Context;
-use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName};
+use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName, Switch};
 use articula_core::view::Viewport;
 use articula_flat::flatten::{
     self, Flattened, PrepareOptions, Profile, Quality, Settings, Truth, flatten, flatten_live,
@@ -22,7 +22,7 @@ use articula_flat::flatten::{
 use articula_flat::planar::order::OrderOptions;
 use articula_flat::planar::shading::Shading;
 use articula_flat::planar::split::SplitOptions;
-use articula_flat::vector::player::Output;
+use articula_flat::vector::player::{LiveSource, Output};
 use articula_flat::vector::thesis::{ThesisForm, ThesisOptions};
 use report::{Made, Report};
 
@@ -31,11 +31,10 @@ const STEPS: f64 = 100.0;
 
 /// Converts, or renders what was converted.
 pub(crate) fn run(args: &FlattenArgs, console: &Console) -> anyhow::Result<()> {
-    match (&args.command, &args.convert) {
-        (Some(FlattenCommand::Frame(args)), _) => frame::run(args, console),
-        (Some(FlattenCommand::Movie(args)), _) => moving::run(args, console),
-        (None, Some(args)) => convert(args, console),
-        (None, None) => Err(fault::usage("flatten takes a FILE and an OUT; see --help")),
+    match &args.command {
+        Some(FlattenCommand::Frame(args)) => frame::run(args, console),
+        Some(FlattenCommand::Movie(args)) => moving::run(args, console),
+        None => convert(&args.convert, console),
     }
 }
 
@@ -56,7 +55,7 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         converted(&staged, args.prepare_options(), &settings, console)
     };
     let flat = flat.with_context(|| prepared.loaded.place())?;
-    files::write(&args.out, &flat.bytes)?;
+    files::write(args.out(), &flat.bytes)?;
     let made = Made {
         triangles_of_character: prepared.asset.mesh.triangles.len(),
         triangles: staged.triangles.len(),
@@ -64,7 +63,7 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         size_px: args.shot.size,
         max_bytes: settings.max_bytes,
     };
-    let report = Report::new(files::shown(&args.out), &flat, made);
+    let report = Report::new(files::shown(args.out()), &flat, made);
     console.result(&report, Report::text)
 }
 
@@ -77,10 +76,7 @@ pub(crate) fn converted(
 ) -> anyhow::Result<Flattened> {
     let bar = console.progress("projecting", STEPS as usize);
     let clip = staged.clip()?;
-    let frames = match settings.profile {
-        Profile::Still { frame, .. } => vec![frame as f64],
-        _ => sampled_frames(clip.frames.len()),
-    };
+    let frames = sampled_frames(clip.frames.len());
     let truth = Truth::new(&staged.at_frames(&frames)?, &frames)?;
     bar.set_message("painting order");
     let mut done = |share: f64| bar.set_position((0.5 * STEPS * share) as u64);
@@ -105,7 +101,19 @@ fn driven(
     let fps = f64::from(source.shapes.fps);
     let moments: Vec<f64> = frames.iter().map(|f| f / fps).collect();
     let truth = Truth::new(&staged.at(&moments)?, &frames)?;
-    let shapes = flatten::Prepared::new(source.shapes.clone(), &options, &mut |_| {})?;
+    // Whatever is driven is painted in one order.
+    let options = PrepareOptions {
+        order: OrderOptions {
+            max_epochs: 1,
+            ..options.order
+        },
+        ..options
+    };
+    let shapes = flatten::Prepared::new(source.shapes, &options, &mut |_| {})?;
+    let source = LiveSource {
+        shapes: shapes.clip.clone(),
+        ..source
+    };
     Ok(flatten_live(&source, &shapes, settings, &truth)?)
 }
 
@@ -139,11 +147,12 @@ impl ConvertArgs {
     fn shot(&self, profile: ProfileName, clip: Option<usize>) -> Shot {
         let triangles = match profile {
             ProfileName::Player => 1500,
-            ProfileName::Portrait => 500,
+            ProfileName::Portrait => 1000,
             _ => 600,
         };
         Shot {
             clip,
+            still_at: (profile == ProfileName::Still).then_some(self.motion.at),
             cycles: self.motion.cycles,
             fps: self.motion.fps,
             yaw_deg: self.shot.yaw_deg,
@@ -164,7 +173,7 @@ impl ConvertArgs {
                 order_tol: f64::from(self.quality.order_tol) / 100.0,
                 ..OrderOptions::default()
             },
-            split: self.quality.split.then(SplitOptions::default),
+            split: (self.quality.split == Switch::On).then(SplitOptions::default),
             ..PrepareOptions::default()
         }
     }
@@ -175,15 +184,16 @@ impl ConvertArgs {
         prepared: &Prepared,
         staged: &Staged<'_>,
     ) -> anyhow::Result<Settings> {
-        let frame = (f64::from(self.motion.at) * f64::from(staged.options.fps)).round() as usize;
-        let frames = staged.moments_secs.len();
-        if frame >= frames {
-            let length = staged.moments_secs.last().copied().unwrap_or_default();
-            let what = format!("--at {}: the motion ends at {length:.3} s", self.motion.at);
+        let clip = staged.subject().clip;
+        let clip_secs = clip.map_or(0.0, |c| f64::from(c.duration_secs()));
+        let length = clip_secs * f64::from(self.motion.cycles);
+        let at = f64::from(self.motion.at);
+        if at > length {
+            let what = format!("--at {at}: the motion ends at {length:.3} s");
             return Err(fault::usage(what));
         }
         let is_module = self
-            .out
+            .out()
             .extension()
             .is_some_and(|e| e.eq_ignore_ascii_case("js"));
         let profile = match profile {
@@ -193,7 +203,7 @@ impl ConvertArgs {
             ProfileName::Player => Profile::Player(Output::Svg),
             ProfileName::Lottie => Profile::Lottie,
             ProfileName::Still => Profile::Still {
-                frame,
+                frame: 0,
                 exact: self.special.exact,
             },
             ProfileName::Thesis => Profile::Thesis(ThesisOptions {
@@ -203,7 +213,7 @@ impl ConvertArgs {
                 },
                 optimise_hidden: self.special.optimise,
                 optimise_static: self.special.optimise,
-                neutral_frame: frame,
+                neutral_frame: (at * f64::from(staged.options.fps)) as usize,
             }),
         };
         let mut quality = Quality::of(profile);
@@ -216,8 +226,8 @@ impl ConvertArgs {
                 ShadingName::Gouraud => Shading::Gouraud,
             };
         }
-        let clip = staged.subject().clip.map(|c| c.name.clone());
-        let name = clip.unwrap_or_else(|| prepared.loaded.place());
+        let name = clip.map(|c| c.name.clone());
+        let name = name.unwrap_or_else(|| prepared.loaded.place());
         Ok(Settings {
             profile,
             quality,

@@ -6,9 +6,9 @@ use super::frame;
 use crate::console::Console;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_flat::vector::moving_picture;
+use articula_flat::codec;
+use articula_flat::vector::moving_picture::{self, Moment};
 use articula_flat::vector::raster::raster;
-use articula_flat::{Picture, codec};
 use serde::Serialize;
 
 /// Most frames of a movie.
@@ -35,20 +35,21 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
     }
     let background = args.background.unwrap_or([255; 4]);
     let bar = console.progress("drawing", steps as usize);
-    let mut pictures = Vec::with_capacity(steps as usize);
+    let mut moments: Vec<Moment> = Vec::with_capacity(steps as usize);
     // The last frame is left out, the first follows it when the movie repeats.
     for f in 0..steps as u32 {
         let text = moving
             .at(duration * f64::from(f) / steps)
             .with_context(place)?;
-        pictures.push(raster(&text, background).with_context(place)?);
+        let picture = raster(&text, background).with_context(place)?;
+        moments.push((picture, duration / steps));
         bar.inc(1);
     }
     bar.finish_and_clear();
-    let bytes = write(args, &pictures)?;
+    let bytes = write(args, &moments)?;
     let movie = Movie {
         out: files::shown(&args.out),
-        frames: pictures.len(),
+        frames: moments.len(),
         fps: args.fps,
         duration_secs: duration,
         bytes,
@@ -65,7 +66,7 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
 }
 
 /// Writes the pictures as the name asks for; all bytes written.
-fn write(args: &MovieArgs, pictures: &[Picture]) -> anyhow::Result<usize> {
+fn write(args: &MovieArgs, moments: &[Moment]) -> anyhow::Result<usize> {
     let place = || files::shown(&args.out);
     let ending = args
         .out
@@ -73,11 +74,11 @@ fn write(args: &MovieArgs, pictures: &[Picture]) -> anyhow::Result<usize> {
         .unwrap_or_default()
         .to_ascii_lowercase();
     let bytes = match ending.to_str().unwrap_or_default() {
-        "gif" => moving_picture::gif(pictures, args.fps).with_context(place)?,
-        "webp" => moving_picture::webp(pictures, args.fps).with_context(place)?,
+        "gif" => moving_picture::gif(moments).with_context(place)?,
+        "webp" => moving_picture::webp(moments).with_context(place)?,
         "" => {
             let mut all = 0;
-            for (f, picture) in pictures.iter().enumerate() {
+            for (f, (picture, _)) in moments.iter().enumerate() {
                 let bytes = codec::png(picture).with_context(place)?;
                 files::write(&args.out.join(format!("{f:04}.png")), &bytes)?;
                 all += bytes.len();

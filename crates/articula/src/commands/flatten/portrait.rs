@@ -56,7 +56,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         fov_y_radians: args.shot.fov_deg.to_radians(),
     };
     let bar = console.progress("making the portrait", STEPS as usize);
-    let count = args.shot.triangles.unwrap_or(500) as usize;
+    let count = args.shot.triangles.unwrap_or(1000) as usize;
     let shot = HeadShot::new(&prepared, clip, count, viewport).with_context(place)?;
     bar.set_position(30);
     let portrait = build(&shot.source(), &options).with_context(place)?;
@@ -80,7 +80,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         .collect();
     let sizes = Sizes::of(&all)?;
     let report = Report {
-        out: files::shown(&args.out),
+        out: files::shown(args.out()),
         profile: "portrait",
         bytes: BytesReport {
             raw: sizes.raw,
@@ -124,9 +124,9 @@ fn write(
     portrait: &Portrait,
     prepared: &Prepared,
 ) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
-    let place = || files::shown(&args.out);
+    let place = || files::shown(args.out());
     let is_page = args
-        .out
+        .out()
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("html"));
     let mut all = Vec::new();
@@ -139,13 +139,13 @@ fn write(
             controls: true,
         };
         let text = page(portrait, &options).with_context(place)?;
-        all.push((place(), args.out.clone(), text.into_bytes()));
+        all.push((place(), args.out().to_owned(), text.into_bytes()));
     } else {
-        let folder = args.out.parent().unwrap_or(Path::new(""));
+        let folder = args.out().parent().unwrap_or(Path::new(""));
         for (name, bytes) in portrait.to_files(PictureFormat::WebP).with_context(place)? {
             let is_document = name == "portrait.json";
             let path = if is_document {
-                args.out.clone()
+                args.out().to_owned()
             } else {
                 folder.join(&name)
             };
