@@ -7,11 +7,13 @@
 //! - [`settings`]: profiles and how near to the truth they come
 //! - [`written`]: a file of a profile, and what it shows at any moment
 //! - [`live`]: a file that a host drives
+//! - [`pages`]: the pages of a flip-book
 //! - [`search`]: the best setting of a ladder under a byte budget
 //! - [`truth`]: what the character really looks like
 //! - [`report`]: sizes, errors, and the entry of what can stand for a character
 
 pub mod live;
+pub mod pages;
 pub mod prepared;
 pub mod report;
 pub mod search;

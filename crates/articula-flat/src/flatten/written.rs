@@ -4,16 +4,15 @@
 //! for SVG, the decoder for the player. Lottie has players of its own; what its file holds is the
 //! keyed clip, which is measured as SVG. The thesis' form is drawn from what it was made of.
 
+use super::pages::pages;
 use super::prepared::Prepared;
 use super::settings::{Profile, Quality};
 use super::truth::BACKGROUND;
 use crate::item_buffer::Samples;
 use crate::picture::Picture;
 use crate::planar::PlanarError;
-use crate::planar::key_frames::{KeyOptions, keyed, keyed_regions, pages};
-use crate::planar::merge::{merge, seal_regions};
+use crate::planar::key_frames::{KeyOptions, keyed};
 use crate::planar::reference::reference;
-use crate::planar::shading::Shading;
 use crate::vector::LineUnits;
 use crate::vector::flipbook::flipbook;
 use crate::vector::lottie::lottie;
@@ -109,6 +108,7 @@ fn key_options(quality: &Quality, lines: LineUnits) -> KeyOptions {
         pos_tol_px: quality.pos_tol_px,
         col_tol_levels: quality.col_tol_levels,
         lines,
+        merge_levels: quality.merge_levels,
     }
 }
 
@@ -131,14 +131,7 @@ fn key_framed(
         LineUnits::Box
     };
     let options = key_options(quality, lines);
-    let (keyed, stats) = match quality.merge_levels {
-        Some(levels) if quality.shading == Shading::Flat => {
-            let regions = merge(clip, drawn, layers, levels)?;
-            let sealed = seal_regions(clip, &regions, prepared.underlap);
-            keyed_regions(clip, &regions, &sealed, &options)?
-        }
-        _ => keyed(clip, drawn, layers, sealed, &options)?,
-    };
+    let (keyed, stats) = keyed(clip, drawn, layers, sealed, &options)?;
     let text = smil(&keyed, name)?;
     let moving = Box::new(MovingSvg::read(&text)?);
     let bytes = if is_lottie {
@@ -160,13 +153,7 @@ fn key_framed(
 fn paged(prepared: &Prepared, quality: &Quality, name: &str) -> Result<Written, PlanarError> {
     let clip = &prepared.clip;
     let options = key_options(quality, LineUnits::Box);
-    let pages = pages(
-        clip,
-        &prepared.drawn,
-        &prepared.painting,
-        &prepared.sealed,
-        &options,
-    )?;
+    let pages = pages(prepared, &options)?;
     let text = flipbook(&pages, name)?;
     let moving = Box::new(MovingSvg::read(&text)?);
     Ok(Written {

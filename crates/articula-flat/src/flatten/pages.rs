@@ -1,0 +1,84 @@
+//! The pages of a flip-book: every frame as a clip of its own, with common ramps.
+//!
+//! Source: `spec/vector.md` 8.2.
+
+use super::prepared::Prepared;
+use crate::planar::key_frames::{KeyOptions, keyed};
+use crate::planar::order::Layer;
+use crate::planar::underlap::Sealed;
+use crate::planar::{Drawn, PlanarClip, PlanarError};
+use crate::vector::{KeyedClip, KeyedPaint};
+
+/// One clip of one frame for each frame, back to front in that frame's order.
+///
+/// # Errors
+/// What is wrong with the clip.
+pub fn pages(prepared: &Prepared, options: &KeyOptions) -> Result<Vec<KeyedClip>, PlanarError> {
+    let clip = &prepared.clip;
+    let mut page = PlanarClip {
+        frames: Vec::new(),
+        ..clip.clone()
+    };
+    let mut all = Vec::with_capacity(clip.frames.len());
+    for (f, frame) in clip.frames.iter().enumerate() {
+        page.frames = vec![frame.clone()];
+        let order = prepared.order_at(f);
+        let mut drawn = Drawn::none(1, clip.triangles.len());
+        for t in &order {
+            drawn.set(0, *t as usize, true);
+        }
+        let layer = |triangle| Layer {
+            triangle,
+            frames: std::iter::once(0..1).collect(),
+        };
+        let layers: Vec<Layer> = order.into_iter().map(layer).collect();
+        let sealed = Sealed {
+            corners: vec![prepared.sealed.corners[f].clone()],
+        };
+        all.push(keyed(&page, &drawn, &layers, &sealed, options)?.0);
+    }
+    share_ramps(&mut all);
+    Ok(all)
+}
+
+/// Gives all pages the ramps of all of them.
+fn share_ramps(pages: &mut [KeyedClip]) {
+    let mut ramps: Vec<[u8; 3]> = Vec::new();
+    for page in &mut *pages {
+        for shape in &mut page.shapes {
+            if let KeyedPaint::Ramp { ramp, .. } = &mut shape.paint {
+                let color = page.ramps[*ramp as usize];
+                let known = ramps.iter().position(|r| *r == color);
+                *ramp = known.unwrap_or(ramps.len()) as u32;
+                if known.is_none() {
+                    ramps.push(color);
+                }
+            }
+        }
+    }
+    for page in pages {
+        page.ramps.clone_from(&ramps);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flatten::PrepareOptions;
+    use crate::planar::clip::fixture;
+    use crate::vector::flipbook::flipbook;
+
+    #[test]
+    fn pages_show_what_is_drawn_in_order_and_make_a_book() {
+        let cube = fixture::turning_cube(6);
+        let options = PrepareOptions::default();
+        let prepared = Prepared::new(cube, &options, &mut |_| {}).unwrap();
+        let pages = pages(&prepared, &KeyOptions::default()).unwrap();
+        assert_eq!(pages.len(), 6);
+        for (f, page) in pages.iter().enumerate() {
+            assert_eq!(page.shapes.len(), prepared.order_at(f).len());
+            assert_eq!(page.ramps, pages[0].ramps);
+        }
+        assert!(flipbook(&pages, "cube").unwrap().contains("<animate"));
+    }
+}
