@@ -38,6 +38,7 @@ pub(super) const THESIS: &str = "thesis, path";
 pub(super) const FLAT: &str = "smil flat 0.5 px";
 pub(super) const GOURAUD: &str = "smil gouraud 0.5 px, 8 levels";
 pub(super) const PLAYER: &str = "player gouraud";
+pub(super) const PLAYER_COARSE: &str = "player gouraud 0.2 px, 2 levels";
 
 fn settings() -> Vec<(&'static str, Profile, Quality)> {
     let quality = |shading, pos_tol_px, col_tol_levels, merge_levels| Quality {
@@ -103,11 +104,7 @@ fn settings() -> Vec<(&'static str, Profile, Quality)> {
         ),
         ("player flat", player, quality(flat, 0.1, 1.0, None)),
         (PLAYER, player, quality(gouraud, 0.1, 1.0, None)),
-        (
-            "player gouraud 0.2 px",
-            player,
-            quality(gouraud, 0.2, 2.0, None),
-        ),
+        (PLAYER_COARSE, player, quality(gouraud, 0.2, 2.0, None)),
     ]
 }
 

@@ -4,7 +4,8 @@
 
 use super::Found;
 use super::cases::Kind;
-use super::profiles::{FLAT, GOURAUD, PLAYER};
+use super::profiles::{FLAT, GOURAUD, PLAYER, PLAYER_COARSE};
+use articula_flat::flatten::Flattened;
 
 /// A bound and what was found.
 #[derive(Debug, Clone)]
@@ -35,108 +36,117 @@ impl Target {
 /// The targets of a case.
 pub(super) fn of(found: &Found) -> Vec<Target> {
     let mut all = Vec::new();
-    let mut add = |number, what, bound, found| {
-        all.push(Target {
-            number,
-            what,
-            bound,
-            found,
-        });
-    };
-    let per = |name: &str| {
-        found.row(name).map(|row| {
-            let flat = &row.flat;
-            let (raw, brotli) = (flat.sizes.raw, flat.sizes.brotli);
-            (
-                flat,
-                flat.per_triangle_and_frame(raw),
-                flat.per_triangle_and_frame(brotli),
-            )
-        })
-    };
-    let bounds = match found.case.kind {
-        Kind::Face => Some((6.0, 1.1, 0.5)),
-        Kind::Walk => Some((18.0, 3.0, 0.8)),
-        Kind::Other => None,
-    };
-    if let Some((raw_most, brotli_most, player_most)) = bounds {
-        if let Some((flat, raw, brotli)) = per(FLAT) {
-            add(
-                1,
-                "flat smil, bytes a triangle and frame",
-                Bound::AtMost(raw_most),
-                raw,
-            );
-            add(1, "the same by brotli", Bound::AtMost(brotli_most), brotli);
-            add(
-                1,
-                "corners off, px",
-                Bound::AtMost(0.5),
-                flat.errors.position_rmse_px,
-            );
-        }
-        let player = if found.case.kind == Kind::Face {
-            PLAYER
-        } else {
-            "player gouraud 0.2 px"
-        };
-        if let Some((flat, raw, _)) = per(player) {
-            let off = if found.case.kind == Kind::Face {
-                0.1
-            } else {
-                0.2
-            };
-            add(
-                4,
-                "player, bytes a triangle and frame",
-                Bound::AtMost(player_most),
-                raw,
-            );
-            add(
-                4,
-                "corners off, px",
-                Bound::AtMost(off),
-                flat.errors.position_rmse_px,
-            );
-        }
+    let is_face = found.case.kind == Kind::Face;
+    if found.case.kind != Kind::Other {
+        flat(found, is_face, &mut all);
     }
-    if found.case.kind == Kind::Face {
-        if let Some((flat, raw, brotli)) = per(GOURAUD) {
-            let image = flat.errors.image;
-            add(
-                2,
-                "gouraud smil, bytes a triangle and frame",
-                Bound::AtMost(12.0),
-                raw,
-            );
-            add(2, "the same by brotli", Bound::AtMost(1.9), brotli);
-            add(
-                2,
-                "levels off, worst moment",
-                Bound::AtMost(6.5),
-                image.rmse_levels_max,
-            );
-            add(
-                2,
-                "SSIM, worst moment",
-                Bound::AtLeast(0.985),
-                image.ssim_min,
-            );
-        }
-        let still = &found.stills.ours;
-        let image = still.errors.image;
-        let bytes = still.per_triangle_and_frame(still.sizes.raw);
-        add(3, "still, bytes a triangle", Bound::AtMost(125.0), bytes);
-        add(3, "levels off", Bound::AtMost(4.5), image.rmse_levels);
-        add(3, "SSIM", Bound::AtLeast(0.99), image.ssim);
+    if is_face {
+        gouraud(found, &mut all);
+        still(found, &mut all);
     }
+    if found.case.kind != Kind::Other {
+        player(found, is_face, &mut all);
+    }
+    order(found, &mut all);
+    all
+}
+
+fn at_most(number: u8, what: &'static str, most: f64, found: f64) -> Target {
+    let bound = Bound::AtMost(most);
+    Target {
+        number,
+        what,
+        bound,
+        found,
+    }
+}
+
+fn at_least(number: u8, what: &'static str, least: f64, found: f64) -> Target {
+    let bound = Bound::AtLeast(least);
+    Target {
+        number,
+        what,
+        bound,
+        found,
+    }
+}
+
+/// Bytes for each triangle and frame, raw and by brotli.
+fn per(flat: &Flattened) -> (f64, f64) {
+    let of = |bytes| flat.per_triangle_and_frame(bytes);
+    (of(flat.sizes.raw), of(flat.sizes.brotli))
+}
+
+fn flat(found: &Found, is_face: bool, all: &mut Vec<Target>) {
+    let Some(row) = found.row(FLAT) else {
+        return;
+    };
+    let (raw, brotli) = per(&row.flat);
+    let (raw_most, brotli_most) = if is_face { (6.0, 1.1) } else { (18.0, 3.0) };
+    let off = row.flat.errors.position_rmse_px;
+    all.extend([
+        at_most(1, "flat smil, bytes a triangle and frame", raw_most, raw),
+        at_most(1, "the same by brotli", brotli_most, brotli),
+        at_most(1, "corners off, px", 0.5, off),
+    ]);
+}
+
+fn gouraud(found: &Found, all: &mut Vec<Target>) {
+    let Some(row) = found.row(GOURAUD) else {
+        return;
+    };
+    let (raw, brotli) = per(&row.flat);
+    let image = row.flat.errors.image;
+    all.extend([
+        at_most(2, "gouraud smil, bytes a triangle and frame", 12.0, raw),
+        at_most(2, "the same by brotli", 1.9, brotli),
+        at_most(2, "levels off, worst moment", 6.5, image.rmse_levels_max),
+        at_least(2, "SSIM, worst moment", 0.985, image.ssim_min),
+    ]);
+}
+
+fn still(found: &Found, all: &mut Vec<Target>) {
+    let flat = &found.stills.ours;
+    let image = flat.errors.image;
+    all.extend([
+        at_most(3, "still, bytes a triangle", 125.0, per(flat).0),
+        at_most(3, "levels off", 4.5, image.rmse_levels),
+        at_least(3, "SSIM", 0.99, image.ssim),
+    ]);
+}
+
+fn player(found: &Found, is_face: bool, all: &mut Vec<Target>) {
+    let (name, bytes, off) = if is_face {
+        (PLAYER, 0.5, 0.1)
+    } else {
+        (PLAYER_COARSE, 0.8, 0.2)
+    };
+    let Some(row) = found.row(name) else {
+        return;
+    };
+    let found_off = row.flat.errors.position_rmse_px;
+    all.extend([
+        at_most(
+            4,
+            "player, bytes a triangle and frame",
+            bytes,
+            per(&row.flat).0,
+        ),
+        at_most(4, "corners off, px", off, found_off),
+    ]);
+}
+
+fn order(found: &Found, all: &mut Vec<Target>) {
     let orders = &found.orders;
-    let share = orders.epochs / orders.depth_sort.max(1e-9);
-    add(
+    let share = orders.split / orders.depth_sort.max(1e-9);
+    all.push(at_most(
         5,
         "wrong pixels, share of the depth sort's",
-        Bound::AtMost(0.5),
+        0.5,
         share,
-    );
-    all
+    ));
+    if found.case.kind == Kind::Walk {
+        let what = "wrong pixels after cutting, percent";
+        all.push(at_most(5, what, 0.5, orders.split));
+    }
 }
