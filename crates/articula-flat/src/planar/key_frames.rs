@@ -537,8 +537,7 @@ mod tests {
                 stats.position_max_px <= f64::from(pos_tol_px) + 1e-6,
                 "{stats:?}"
             );
-            // The tolerance is widened for faces seen edge on.
-            assert!(stats.color_rmse_levels <= 12.0, "{stats:?}");
+            assert!(stats.color_rmse_levels <= 8.0, "{stats:?}");
             assert!(stats.outline_keys < 12 * 30, "{stats:?}");
             for (shape, layer) in keyed.shapes.iter().zip(&layers) {
                 for f in layer.frames.iter().cloned().flatten() {

@@ -52,7 +52,7 @@ pub(super) fn few_keys(wanted: &Wanted<'_>) -> KeyedTrack {
     // Neither may be good; a line that turns over between two frames is the worse one.
     let still = KeyedTrack::still(constant.map(|v| rounded(v, 1)).to_vec());
     let every = wanted.every_frame(constant).track(1);
-    if wanted.excess(&every) < wanted.excess(&still) {
+    if wanted.harm(&every) < wanted.harm(&still) {
         every
     } else {
         still
@@ -126,6 +126,15 @@ impl Wanted<'_> {
             let now = frame(f).map(|(corners, tol)| (f as f64, corners, tol));
             [now, halfway(f)].into_iter().flatten()
         })
+    }
+
+    /// The sum of all errors' fourth powers: one moment far off counts more than many near.
+    fn harm(&self, track: &KeyedTrack) -> f64 {
+        let over = self.moments().map(|(at, corners, tol)| {
+            let line = line_of(&track.at(at));
+            (error(&line, &corners) / tol).powi(4)
+        });
+        over.sum()
     }
 
     /// The greatest error as a share of the tolerance.
