@@ -6,6 +6,9 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use std::io::Write;
 
+/// Files above so many bytes are compressed a little less.
+const LARGE: usize = 4 << 20;
+
 /// Sizes of a file on its way to the viewer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Sizes {
@@ -13,7 +16,7 @@ pub struct Sizes {
     pub raw: u64,
     /// Compressed by gzip, level 9.
     pub gzip: u64,
-    /// Compressed by brotli, quality 11.
+    /// Compressed by brotli, quality 11; 9 for files above 4 MB, which take minutes otherwise.
     pub brotli: u64,
 }
 
@@ -31,7 +34,7 @@ impl Sizes {
         gzip.write_all(bytes).map_err(fault)?;
         let gzip = gzip.finish().map_err(fault)?;
         let options = brotli::enc::BrotliEncoderParams {
-            quality: 11,
+            quality: if bytes.len() > LARGE { 9 } else { 11 },
             lgwin: 22,
             ..Default::default()
         };

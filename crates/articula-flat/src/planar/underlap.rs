@@ -39,7 +39,7 @@ pub struct UnderlapOptions {
 
 impl Default for UnderlapOptions {
     fn default() -> Self {
-        Self { distance_px: 0.9 }
+        Self { distance_px: 0.8 }
     }
 }
 
