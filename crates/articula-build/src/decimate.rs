@@ -14,6 +14,7 @@ use articula_core::mesh::Mesh;
 /// more.
 ///
 /// `clip` is the one that is shown, by its index; the character's other poses do not count.
+/// `vertex_weights` says how much an error at each vertex counts; all alike if it is empty.
 /// Triangles are over the asset's vertices, part by part.
 ///
 /// # Errors
@@ -23,6 +24,7 @@ pub fn decimate(
     keep: &[bool],
     clip: Option<usize>,
     triangles: usize,
+    vertex_weights: &[f32],
 ) -> Result<Vec<[u32; 3]>, Mismatch> {
     let found = keep.len();
     let expected = asset.mesh.triangles.len();
@@ -51,6 +53,7 @@ pub fn decimate(
     let shaping = poses(&shown, &PoseOptions::default())?.shaping;
     let options = SimplifyOptions {
         targets: vec![1.0, share],
+        vertex_weights: vertex_weights.to_vec(),
         ..SimplifyOptions::default()
     };
     let simplified = simplify(&shown.mesh, &positions(&shown, &shaping), &options)?;
@@ -92,9 +95,9 @@ mod tests {
         let low = |t: &[u32; 3]| t.iter().all(|v| asset.mesh.positions[*v as usize].y < 1.2);
         let keep: Vec<bool> = asset.mesh.triangles.iter().map(low).collect();
         let count = keep.iter().filter(|k| **k).count();
-        let all = decimate(&asset, &keep, Some(0), usize::MAX).unwrap();
+        let all = decimate(&asset, &keep, Some(0), usize::MAX, &[]).unwrap();
         assert_eq!(all.len(), count);
-        let fewer = decimate(&asset, &keep, Some(0), count / 3).unwrap();
+        let fewer = decimate(&asset, &keep, Some(0), count / 3, &[]).unwrap();
         assert!(
             fewer.len() <= count / 3 && fewer.len() > count / 4,
             "{}",
@@ -106,8 +109,8 @@ mod tests {
     #[test]
     fn refuses_what_does_not_fit() {
         let asset = asset();
-        assert!(decimate(&asset, &[true], None, 10).is_err());
+        assert!(decimate(&asset, &[true], None, 10, &[]).is_err());
         let keep = vec![true; asset.mesh.triangles.len()];
-        assert!(decimate(&asset, &keep, Some(99), 10).is_err());
+        assert!(decimate(&asset, &keep, Some(99), 10, &[]).is_err());
     }
 }

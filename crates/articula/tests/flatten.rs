@@ -127,7 +127,6 @@ fn wrong_words_and_files_are_told_in_one_line() {
     let here = folder("flatten-refused");
     let human = word(human());
     for (status, words, expected) in [
-        (2, vec!["flatten"], "FILE"),
         (2, vec!["flatten", human, "a.png"], "name the file .svg"),
         (2, vec!["flatten", human, "a.svg", "--exact"], "--exact"),
         (
@@ -137,11 +136,18 @@ fn wrong_words_and_files_are_told_in_one_line() {
         ),
         (
             2,
-            vec!["flatten", human, "a.svg", "--triangles", "100000"],
-            "20000",
+            vec![
+                "flatten",
+                human,
+                "a.svg",
+                "--at",
+                "99",
+                "--profile",
+                "still",
+            ],
+            "ends at",
         ),
-        (2, vec!["flatten", human, "a.svg", "--at", "99"], "ends at"),
-        (1, vec!["flatten", human, "a.svg", "--clip", "fly"], "walk"),
+        (2, vec!["flatten", human, "a.svg", "--clip", "fly"], "walk"),
         (1, vec!["flatten", "none.glb", "a.svg"], "none.glb"),
         (
             2,
@@ -156,6 +162,21 @@ fn wrong_words_and_files_are_told_in_one_line() {
     ] {
         let line = fault(&here, status, &words);
         assert!(line.contains(expected), "{words:?}: {line}");
+    }
+    for (words, expected) in [
+        (vec!["flatten"], "<FILE>"),
+        (
+            vec!["flatten", human, "a.svg", "--triangles", "100000"],
+            "20000",
+        ),
+        (
+            vec!["flatten", human, "a.svg", "--profile", "flash"],
+            "smil",
+        ),
+    ] {
+        let ran = articula(&here, &words);
+        assert_eq!(ran.status, 2, "{words:?}");
+        assert!(ran.err.contains(expected), "{words:?}: {}", ran.err);
     }
     std::fs::write(here.join("other.svg"), "<svg><script>1</script></svg>").unwrap();
     let line = fault(&here, 1, &["flatten", "frame", "other.svg", "a.png"]);

@@ -62,6 +62,7 @@ pub fn flatten_live(
         quality,
         triangles_drawn: prepared.triangles_drawn(),
         frames: source.weights.len().max(1),
+        fps: prepared.clip.fps,
         keys: 0,
         shapes: file.stats.triangles,
         orders: 1,

@@ -29,6 +29,8 @@ pub struct Flattened {
     pub triangles_drawn: usize,
     /// Frames of the clip.
     pub frames: usize,
+    /// Frames a second.
+    pub fps: f32,
     /// Keys of outlines and paints in all.
     pub keys: usize,
     /// Shapes that were written.
@@ -123,6 +125,7 @@ pub fn flatten(
         quality,
         triangles_drawn: written.triangles_drawn,
         frames: written.frames,
+        fps: prepared.clip.fps,
         keys: written.keys,
         shapes: written.shapes,
         orders: prepared.painting.epochs.len(),
@@ -138,9 +141,10 @@ fn candidates(settings: &Settings) -> Vec<Quality> {
     let mut all = vec![asked];
     if settings.max_bytes.is_some() {
         let is_coarser = |q: &Quality| {
-            let tol = q.pos_tol_px >= asked.pos_tol_px;
+            let tol = q.pos_tol_px >= asked.pos_tol_px && q.col_tol_levels >= asked.col_tol_levels;
             let fill = asked.shading == Shading::Gouraud || q.shading == Shading::Flat;
-            tol && fill && *q != asked
+            let merge = q.merge_levels.unwrap_or(0.0) >= asked.merge_levels.unwrap_or(0.0);
+            tol && fill && merge && *q != asked
         };
         let ladder = Quality::ladder(settings.profile).into_iter();
         all.extend(ladder.filter(is_coarser));

@@ -52,6 +52,9 @@ impl Profile {
     }
 }
 
+/// A tolerance that does not matter.
+const ANY: f32 = 16.0;
+
 /// How near to the truth a file comes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Quality {
@@ -66,19 +69,22 @@ pub struct Quality {
 }
 
 impl Quality {
-    /// What suits a profile: half a pixel and 8 levels, the player 0.1 pixels and one level.
+    /// What suits a profile: a third of a pixel and 6 levels, the player 0.1 pixels and one level.
     pub fn of(profile: Profile) -> Self {
         let is_player = matches!(profile, Profile::Player(_));
         Self {
-            shading: Shading::Gouraud,
-            pos_tol_px: if is_player { 0.1 } else { 0.5 },
-            col_tol_levels: if is_player { 1.0 } else { 8.0 },
+            shading: match profile {
+                Profile::Thesis(_) => Shading::Flat,
+                _ => Shading::Gouraud,
+            },
+            pos_tol_px: if is_player { 0.1 } else { 0.35 },
+            col_tol_levels: if is_player { 1.0 } else { 6.0 },
             merge_levels: None,
         }
     }
 
-    /// The ladder that a byte budget is searched on, from the largest file to the smallest
-    /// (spec 9). Each step is coarser than the one before.
+    /// The ladder that a byte budget is searched on (spec 9). Within one way of filling, each step
+    /// is coarser than the one before; a profile that quality does not change has none.
     pub fn ladder(profile: Profile) -> Vec<Self> {
         let step = |shading, pos_tol_px, col_tol_levels, merge_levels| Self {
             shading,
@@ -98,13 +104,15 @@ impl Quality {
                 step(flat, 0.8, 8.0, None),
                 step(flat, 1.6, 16.0, None),
             ],
-            Profile::Flipbook | Profile::Still { .. } => vec![
-                step(gouraud, 0.25, 4.0, None),
-                step(flat, 0.25, 4.0, None),
-                step(flat, 0.25, 4.0, Some(7.0)),
-                step(flat, 0.25, 4.0, Some(14.0)),
-                step(flat, 0.25, 4.0, Some(28.0)),
+            // Every frame has its own corners, so tolerances change nothing.
+            Profile::Flipbook => vec![
+                step(flat, ANY, ANY, None),
+                step(flat, ANY, ANY, Some(7.0)),
+                step(flat, ANY, ANY, Some(14.0)),
+                step(flat, ANY, ANY, Some(28.0)),
             ],
+            Profile::Still { .. } => vec![step(flat, ANY, ANY, None)],
+            Profile::Thesis(_) => Vec::new(),
             _ => vec![
                 step(gouraud, 0.25, 4.0, None),
                 step(gouraud, 0.5, 8.0, None),
@@ -128,7 +136,7 @@ impl Quality {
 pub struct Settings {
     /// What is written.
     pub profile: Profile,
-    /// How near to the truth; the start of the search under a budget is the ladder's.
+    /// How near to the truth; under a budget the best of this and what is coarser.
     pub quality: Quality,
     /// Title of the file.
     pub name: String,

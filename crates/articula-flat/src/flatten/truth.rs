@@ -19,11 +19,12 @@ const STEP: usize = 10;
 const MOST: usize = 16;
 
 /// Moments that are looked at, in frames: every tenth (fewer of a long clip), and moments halfway
-/// between two frames.
+/// between two frames; not the last frame, where the clip begins again.
 pub fn sampled_frames(frames: usize) -> Vec<f64> {
     let step = STEP.max(frames.div_ceil(MOST));
-    let whole = (0..frames).step_by(step).map(|f| f as f64);
     let last = frames.saturating_sub(1) as f64;
+    let whole = (0..frames.saturating_sub(1).max(1)).step_by(step);
+    let whole = whole.map(|f| f as f64);
     let half = (step / 2..frames).step_by(step).map(|f| f as f64 + 0.5);
     let mut all: Vec<f64> = whole.chain(half.filter(|f| *f < last)).collect();
     all.sort_by(f64::total_cmp);
@@ -123,6 +124,7 @@ mod tests {
     fn every_tenth_frame_and_halves_between() {
         let frames = sampled_frames(25);
         assert_eq!(frames, [0.0, 5.5, 10.0, 15.5, 20.0]);
+        assert_eq!(sampled_frames(21), [0.0, 5.5, 10.0, 15.5]);
         assert_eq!(sampled_frames(1), [0.0]);
         assert!(sampled_frames(100_000).len() <= 2 * MOST);
     }

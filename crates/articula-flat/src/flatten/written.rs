@@ -13,6 +13,7 @@ use crate::picture::Picture;
 use crate::planar::PlanarError;
 use crate::planar::key_frames::{KeyOptions, keyed};
 use crate::planar::reference::reference;
+use crate::planar::underlap::{UnderlapOptions, seal};
 use crate::vector::LineUnits;
 use crate::vector::flipbook::flipbook;
 use crate::vector::lottie::lottie;
@@ -54,6 +55,9 @@ enum Shown {
 /// Half a step of the grid that outlines lie on, as the root mean square of rounding both
 /// coordinates, pixels.
 const GRID_RMSE_PX: f64 = 0.25 * 0.408_248;
+
+/// How much further edges reach under their neighbours for each pixel that corners may lie off.
+const SLACK: f32 = 1.0;
 
 /// Writes a prepared clip.
 ///
@@ -122,7 +126,6 @@ fn key_framed(
         clip,
         drawn,
         layers,
-        sealed,
         ..
     } = prepared;
     let lines = if is_lottie {
@@ -131,7 +134,12 @@ fn key_framed(
         LineUnits::Box
     };
     let options = key_options(quality, lines);
-    let (keyed, stats) = keyed(clip, drawn, layers, sealed, &options)?;
+    // Corners of both sides of an edge may lie off, in opposite directions.
+    let underlap = UnderlapOptions {
+        distance_px: prepared.underlap.distance_px + SLACK * quality.pos_tol_px,
+    };
+    let sealed = seal(clip, drawn, &prepared.painting, underlap);
+    let (keyed, stats) = keyed(clip, drawn, layers, &sealed, &options)?;
     let text = smil(&keyed, name)?;
     let moving = Box::new(MovingSvg::read(&text)?);
     let bytes = if is_lottie {
@@ -141,7 +149,8 @@ fn key_framed(
     };
     Ok(Written {
         bytes,
-        position_rmse_px: stats.position_rmse_px,
+        // The distance, not x or y alone.
+        position_rmse_px: stats.position_rmse_px * std::f64::consts::SQRT_2,
         keys: stats.outline_keys + stats.line_keys,
         shapes: keyed.shapes.len(),
         frames: clip.frames.len(),

@@ -350,8 +350,8 @@ impl<'a> Poser<'a> {
         self.local.copy_from(rig.rest_pose());
         self.weights.copy_from_slice(self.subject.morph_weights);
         if let Some(clip) = clip {
-            // The last frame itself, not the first that it leads back to.
-            let is_within = secs <= f64::from(clip.duration_secs());
+            // The last frame itself, not the first that it leads back to; lengths are rounded.
+            let is_within = secs <= f64::from(clip.duration_secs()) + 1e-4;
             let wrap = if is_within { Wrap::Clamp } else { Wrap::Loop };
             sample(clip, secs, wrap, &rig.all(), &mut self.local);
             sample_morphs(clip, secs, wrap, &mut self.weights);

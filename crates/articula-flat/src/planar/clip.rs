@@ -11,6 +11,8 @@ use std::collections::BTreeMap;
 pub const MAX_TRIANGLES: usize = 20_000;
 /// Most frames of a clip that is converted.
 pub const MAX_FRAMES: usize = 20_000;
+/// Most triangles times frames; about 2 GB on the way.
+const MAX_CORNERS: usize = 1 << 26;
 
 /// What triangles of one material look like.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,6 +125,11 @@ impl PlanarClip {
         if self.triangles.len() > MAX_TRIANGLES {
             let (found, most) = (self.triangles.len(), MAX_TRIANGLES);
             return Err(PlanarError::TooManyTriangles { found, most });
+        }
+        if self.frames.len() * self.triangles.len() > MAX_CORNERS {
+            let most = MAX_CORNERS / self.triangles.len();
+            let found = self.frames.len();
+            return Err(PlanarError::TooManyFrames { found, most });
         }
         let mismatch = |at, what: String| Err(PlanarError::Mismatch { at, what });
         let vertices = self.vertices();

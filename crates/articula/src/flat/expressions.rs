@@ -27,13 +27,23 @@ pub(crate) fn expressions(prepared: &Prepared) -> Vec<PortraitExpression> {
             let Ok(slot) = u16::try_from(first + target) else {
                 continue;
             };
+            let name = if name.is_empty() {
+                format!("{}.{target}", mesh.name)
+            } else {
+                name.clone()
+            };
             // Meshes of one face (skin, lashes, teeth) share names and move together.
-            match all.iter_mut().find(|e| e.name == *name) {
+            let is_own = |e: &PortraitExpression| {
+                e.morphs
+                    .iter()
+                    .any(|(s, _)| (*first..first + target).contains(&usize::from(*s)))
+            };
+            match all.iter_mut().find(|e| e.name == name && !is_own(e)) {
                 Some(known) if !known.morphs.iter().any(|(s, _)| *s == slot) => {
                     known.morphs.push((slot, 1.0));
                 }
                 Some(_) => {}
-                None => all.push(PortraitExpression::of_morph(name.clone(), slot)),
+                None => all.push(PortraitExpression::of_morph(name, slot)),
             }
         }
     }

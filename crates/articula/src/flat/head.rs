@@ -18,6 +18,8 @@ use glam::Vec3;
 const AROUND: f32 = 0.12;
 /// A vertex is of the head if the joints of the head move it by more than this.
 const OF_HEAD: f32 = 0.5;
+/// How many times an error at the head counts when a figure is made coarser.
+const HEAD_WEIGHT: f32 = 3.0;
 /// The joints of the neck and the skull in H-Anim, and the vertebrae between.
 const NECK: [&str; 9] = [
     "vc7",
@@ -53,7 +55,7 @@ impl<'a> HeadShot<'a> {
         let asset = &prepared.asset;
         if asset.mesh.triangles.is_empty() {
             return Err(anyhow!(
-                "no mesh to show; give a file with one, or keep one with --only"
+                "no mesh to show; give a file with one, or hide fewer of them"
             ));
         }
         let character = &prepared.loaded.character;
@@ -71,6 +73,7 @@ impl<'a> HeadShot<'a> {
         let mut model = ModelPose::new(asset.rig.len());
         local_to_model(&asset.rig, asset.rig.rest_pose(), &mut model);
         let camera = before(&bounds, facing(&asset.rig, &model), viewport);
+        let has_joints = !joints.is_empty();
         let head = if joints.is_empty() {
             let low = bounds.low.y;
             let middle = bounds.middle();
@@ -80,8 +83,12 @@ impl<'a> HeadShot<'a> {
             Head::Joints(joints)
         };
         let expressions = expressions(prepared);
+        if expressions.is_empty() && !has_joints {
+            let what = "no face: no joint of a head and no morph target; give a file with one";
+            return Err(anyhow!(what));
+        }
         let kept = in_picture(prepared, &rest, &camera);
-        let triangles = decimate(asset, &kept, clip, triangles)?;
+        let triangles = decimate(asset, &kept, clip, triangles, &[])?;
         let sampled = clip.map(|c| {
             let weights = &asset.mesh.morph_weights;
             PortraitClip::sample(&asset.clips[c], &asset.rig, weights, &head, &expressions)
@@ -120,6 +127,19 @@ fn head_joints(prepared: &Prepared) -> Vec<usize> {
     found.sort_unstable();
     found.dedup();
     found
+}
+
+/// How much an error at each vertex counts: people look at faces. Empty if no head is known.
+pub(super) fn head_weights(prepared: &Prepared) -> Vec<f32> {
+    let joints = head_joints(prepared);
+    if joints.is_empty() {
+        return Vec::new();
+    }
+    let of_head = vertices_of(prepared, &joints);
+    of_head
+        .into_iter()
+        .map(|is| if is { HEAD_WEIGHT } else { 1.0 })
+        .collect()
 }
 
 /// Which vertices the head's last joint and those below it move; all of them without such a

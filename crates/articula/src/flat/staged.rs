@@ -1,6 +1,7 @@
 //! One character, one motion, one camera: what is seen of it, at the triangles that were asked
 //! for.
 
+use super::head::head_weights;
 use crate::console::Console;
 use crate::facing::facing;
 use crate::prepared::Prepared;
@@ -11,8 +12,9 @@ use articula_core::pose::ModelPose;
 use articula_core::view::Viewport;
 use articula_flat::appearance::Appearance;
 use articula_flat::planar::bake::{BakeOptions, Lamp, Subject, Turn, bake};
+use articula_flat::planar::clip::{MAX_FRAMES, MAX_TRIANGLES};
 use articula_flat::planar::stage;
-use articula_flat::planar::{Drawn, PlanarClip};
+use articula_flat::planar::{Drawn, PlanarClip, PlanarError};
 use articula_flat::projection::Projection;
 
 /// Moments at which bounds and hidden layers are looked for.
@@ -61,12 +63,12 @@ impl<'a> Staged<'a> {
     ) -> anyhow::Result<Self> {
         let character = &prepared.loaded.character;
         if prepared.asset.mesh.triangles.is_empty() {
-            return Err(anyhow!(
-                "no mesh to show; give a file with one, or keep one with --only"
-            ));
+            let place = prepared.loaded.place();
+            let what = "no mesh to show; give a file with one, or hide fewer of them";
+            return Err(anyhow!("{place}: {what}"));
         }
         let (look, _) = Appearance::new(&character.materials, &character.images);
-        let (moments_secs, fps) = moments(prepared, &shot);
+        let (moments_secs, fps) = moments(prepared, &shot)?;
         let length = moments_secs.last().copied().unwrap_or_default();
         let options = BakeOptions {
             camera: articula_core::view::Camera::looking_at(
@@ -122,10 +124,9 @@ impl<'a> Staged<'a> {
 
     /// The clip as the camera sees it at some frames, which may lie between two.
     pub(crate) fn at_frames(&self, frames: &[f64]) -> anyhow::Result<PlanarClip> {
-        let moments: Vec<f64> = frames
-            .iter()
-            .map(|f| f / f64::from(self.options.fps))
-            .collect();
+        let first = self.moments_secs.first().copied().unwrap_or_default();
+        let secs = |f: &f64| first + f / f64::from(self.options.fps);
+        let moments: Vec<f64> = frames.iter().map(secs).collect();
         self.at(&moments)
     }
 
@@ -176,8 +177,9 @@ impl<'a> Staged<'a> {
         let place = || self.prepared.loaded.place();
         let seen = stage::seen(&self.subject(), &looks, &self.options).with_context(place)?;
         let asset = &self.prepared.asset;
-        let all = self.shot.clip;
-        let mut triangles = decimate(asset, &seen, all, count).with_context(place)?;
+        let clip = self.shot.clip;
+        let weights = head_weights(self.prepared);
+        let mut triangles = decimate(asset, &seen, clip, count, &weights).with_context(place)?;
         let shown = Subject {
             triangles: &triangles,
             ..self.subject()
@@ -186,8 +188,8 @@ impl<'a> Staged<'a> {
         let drawn = Drawn::seen(&few).with_context(place)?.ever().len();
         let share = drawn as f64 / triangles.len().max(1) as f64;
         if share < 0.9 && share > 0.0 {
-            let more = (count as f64 / share) as usize;
-            triangles = decimate(asset, &seen, all, more).with_context(place)?;
+            let more = ((count as f64 / share) as usize).min(MAX_TRIANGLES);
+            triangles = decimate(asset, &seen, clip, more, &weights).with_context(place)?;
         }
         self.triangles = triangles;
         Ok(())
@@ -196,20 +198,25 @@ impl<'a> Staged<'a> {
 
 /// The moments of the frames and how many a second there are: as near to the wish as lets the
 /// last frame fall on the clip's end.
-fn moments(prepared: &Prepared, shot: &Shot) -> (Vec<f64>, f32) {
+fn moments(prepared: &Prepared, shot: &Shot) -> anyhow::Result<(Vec<f64>, f32)> {
     let Some(clip) = shot.clip else {
-        return (vec![0.0], shot.fps);
+        return Ok((vec![0.0], shot.fps));
     };
     let clip = &prepared.asset.clips[clip];
     if let Some(at) = shot.still_at {
-        return (vec![f64::from(at)], shot.fps);
+        return Ok((vec![f64::from(at)], shot.fps));
     }
     let length = f64::from(clip.duration_secs()) * f64::from(shot.cycles);
     let steps = (length * f64::from(shot.fps)).round().max(1.0);
     if length <= 0.0 {
-        return (vec![0.0], shot.fps);
+        return Ok((vec![0.0], shot.fps));
+    }
+    if steps >= MAX_FRAMES as f64 {
+        let most = MAX_FRAMES;
+        let found = steps as usize + 1;
+        return Err(PlanarError::TooManyFrames { found, most }).context(prepared.loaded.place());
     }
     let moment = |f: u32| length * f64::from(f) / steps;
     let moments = (0..=steps as u32).map(moment).collect();
-    (moments, (steps / length) as f32)
+    Ok((moments, (steps / length) as f32))
 }

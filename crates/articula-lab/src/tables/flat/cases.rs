@@ -50,7 +50,7 @@ pub(super) struct Case {
 pub(super) enum Kind {
     /// A speaking face: targets 1 to 5.
     Face,
-    /// A walk: targets 1, 4 and 5.
+    /// A body: targets 1, 4 and 5, with the bounds of a walk.
     Walk,
     /// Reported, with the order's target.
     Other,
@@ -91,7 +91,7 @@ const fn face(name: &'static str, clip: &'static str, kind: Kind) -> Case {
 /// All of them; the first is the small one.
 pub(super) const CASES: [Case; 8] = [
     face("face, talk", "talk", Kind::Face),
-    face("face, talk and turn", "talk_turn", Kind::Other),
+    face("face, talk and turn", "talk_turn", Kind::Face),
     knight("knight, walk", "Walking_A", 0.0, 0.0, Kind::Walk),
     knight("knight, walk, 20°", "Walking_A", 20.0, 0.0, Kind::Walk),
     knight(
@@ -99,14 +99,14 @@ pub(super) const CASES: [Case; 8] = [
         "Walking_A",
         0.0,
         360.0,
-        Kind::Other,
+        Kind::Walk,
     ),
     knight(
         "knight, attack",
         "1H_Melee_Attack_Slice_Diagonal",
         0.0,
         0.0,
-        Kind::Other,
+        Kind::Walk,
     ),
     Case {
         name: "woman, dance",
@@ -321,7 +321,7 @@ impl Staged {
     fn thin_out(&mut self, count: usize) -> Result<()> {
         if self.triangles.len() > count {
             let seen = stage::seen(&self.subject(), &self.looks(), &self.options)?;
-            self.triangles = decimate(&self.asset, &seen, Some(self.clip), count)?;
+            self.triangles = decimate(&self.asset, &seen, Some(self.clip), count, &[])?;
         }
         Ok(())
     }

@@ -11,7 +11,7 @@ const HEAD: &str = "# Conversion to 2D
 
 Made by `cargo run --release -p articula-lab -- flat`. Pictures of 400 x 400 pixels. The faces are the
 specification's (camera 4.5 half heights away); everyone else is framed as `articula flatten` does
-it and has as many triangles as that command gives by default (the woman dancing 1500). Only triangles that some
+it and has as many triangles as that command gives by default (the woman dancing 1500; heads do not count more here). Only triangles that some
 frame shows count.
 
 Errors are those of the file, read back: corners in pixels, the picture against an 8 x 8 supersampled one without

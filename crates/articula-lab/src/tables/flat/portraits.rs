@@ -67,7 +67,7 @@ pub(super) fn rows(run: &Run) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     for count in counts {
         let keep = vec![true; asset.mesh.triangles.len()];
-        let triangles = decimate(&asset, &keep, None, *count)?;
+        let triangles = decimate(&asset, &keep, None, *count, &[])?;
         let source = PortraitSource {
             mesh: &asset.mesh,
             rig: &asset.rig,

@@ -67,7 +67,6 @@ pub(super) fn of(
         let made = Made {
             triangles_of_character: scene.prepared.asset.mesh.triangles.len(),
             triangles: staged.triangles.len(),
-            fps: staged.options.fps,
             size_px: (SIDE, SIDE),
             max_bytes: None,
         };

@@ -280,11 +280,7 @@ fn flat(report: &Report) -> String {
     let mut rows = String::new();
     for flat in &report.flat {
         let file = escaped(&flat.out);
-        let shading = if flat.profile == "thesis" {
-            "flat"
-        } else {
-            flat.settings.shading
-        };
+        let shading = flat.settings.shading;
         let _ = writeln!(
             rows,
             "<tr><th scope=\"row\"><a href=\"{file}\">{file}</a></th><td>{}, {shading}</td><td>{:.1} kB</td>\

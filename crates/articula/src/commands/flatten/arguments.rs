@@ -114,10 +114,10 @@ pub(crate) struct QualityArgs {
     /// Largest file; the best setting that fits is searched
     #[arg(long, value_name = "B")]
     pub(crate) max_bytes: Option<u64>,
-    /// How far a corner may lie off, pixels [default: 0.5; player 0.1]
+    /// How far a corner may lie off, pixels [default: 0.35; player 0.1]
     #[arg(long, value_name = "PX", value_parser = positive)]
     pub(crate) pos_tol: Option<f32>,
-    /// How far a colour may lie off, levels of 255 [default: 8; player 1]
+    /// How far a colour may lie off, levels of 255 [default: 6; player 1]
     #[arg(long, value_name = "LEVELS", value_parser = positive)]
     pub(crate) col_tol: Option<f32>,
     /// One colour a triangle, or a gradient [default: gouraud]
@@ -256,6 +256,12 @@ impl ConvertArgs {
                 ..ReadArgs::default()
             },
         }
+    }
+
+    /// What a file is called that has no clip's name.
+    pub(crate) fn title(&self) -> String {
+        let file = self.file.as_deref().and_then(Path::file_stem);
+        file.unwrap_or_default().to_string_lossy().into_owned()
     }
 
     /// What is written: what was said, or what the file's name says.

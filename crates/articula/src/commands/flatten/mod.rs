@@ -41,6 +41,12 @@ pub(crate) fn run(args: &FlattenArgs, console: &Console) -> anyhow::Result<()> {
 fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let profile = args.profile()?;
     args.check(profile)?;
+    if files::same(&args.character().file, args.out()) {
+        let out = files::shown(args.out());
+        return Err(fault::usage(format!(
+            "{out}: this is the character itself; name another file"
+        )));
+    }
     if profile == ProfileName::Portrait {
         return portrait::run(args, console);
     }
@@ -48,7 +54,7 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let clip = prepared.clip(args.motion.clip.as_deref())?;
     let shot = args.shot(profile, clip);
     let staged = Staged::new(&prepared, shot, console)?;
-    let settings = args.settings(profile, &prepared, &staged)?;
+    let settings = args.settings(profile, &staged)?;
     let flat = if args.special.live {
         driven(&prepared, &staged, clip, args.prepare_options(), &settings)
     } else {
@@ -59,7 +65,6 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let made = Made {
         triangles_of_character: prepared.asset.mesh.triangles.len(),
         triangles: staged.triangles.len(),
-        fps: staged.options.fps,
         size_px: args.shot.size,
         max_bytes: settings.max_bytes,
     };
@@ -119,25 +124,41 @@ fn driven(
 
 impl ConvertArgs {
     fn check(&self, profile: ProfileName) -> anyhow::Result<()> {
-        let told = |is_given: bool, flag: &str, of: ProfileName| {
-            if is_given && profile != of {
-                let what = format!("{flag} belongs to another profile; see --help");
-                return Err(fault::usage(what));
+        use ProfileName as P;
+        let (motion, shot) = (&self.motion, &self.shot);
+        let (quality, special) = (&self.quality, &self.special);
+        let keyed = [P::Smil, P::Flipbook, P::Lottie];
+        let moving = [P::Smil, P::Flipbook, P::Lottie, P::Player, P::Thesis];
+        let ours = [P::Smil, P::Flipbook, P::Lottie, P::Player, P::Still];
+        let vector = [moving.as_slice(), &[P::Still]].concat();
+        let turned = motion.turn_deg != 0.0 || motion.cycles != 1;
+        let aside = shot.yaw_deg != 0.0 || shot.pitch_deg != 0.0;
+        // What was said, in which words, and which profiles listen to it.
+        for (is_given, flag, profiles) in [
+            (special.exact, "--exact", &[P::Still][..]),
+            (special.live, "--live", &[P::Player]),
+            (special.background.is_some(), "--background", &[P::Portrait]),
+            (special.audio.is_some(), "--audio", &[P::Portrait]),
+            (special.views != 3, "--views", &[P::Portrait]),
+            (special.optimise, "--optimise", &[P::Thesis]),
+            (motion.at != 0.0, "--at", &[P::Still, P::Thesis]),
+            (turned, "--turn-deg or --cycles", &moving),
+            (aside, "--yaw-deg or --pitch-deg", &vector),
+            (quality.max_bytes.is_some(), "--max-bytes", &ours),
+            (quality.col_tol.is_some(), "--col-tol", &ours),
+            (quality.shading.is_some(), "--shading", &ours),
+            (quality.merge.is_some(), "--merge", &keyed),
+        ] {
+            if is_given && !profiles.contains(&profile) {
+                let what = "does not belong to this profile; see --help";
+                return Err(fault::usage(format!("{flag} {what}")));
             }
-            Ok(())
-        };
-        told(self.special.exact, "--exact", ProfileName::Still)?;
-        told(self.special.live, "--live", ProfileName::Player)?;
-        told(
-            self.special.background.is_some(),
-            "--background",
-            ProfileName::Portrait,
-        )?;
-        told(
-            self.special.audio.is_some(),
-            "--audio",
-            ProfileName::Portrait,
-        )?;
+        }
+        if special.live && (turned || quality.max_bytes.is_some()) {
+            let what =
+                "--live plays the clip as it is; leave out --turn-deg, --cycles, --max-bytes";
+            return Err(fault::usage(what));
+        }
         if self.quality.merge.is_some() && self.quality.shading != Some(ShadingName::Flat) {
             return Err(fault::usage("--merge needs --shading flat"));
         }
@@ -178,12 +199,7 @@ impl ConvertArgs {
         }
     }
 
-    fn settings(
-        &self,
-        profile: ProfileName,
-        prepared: &Prepared,
-        staged: &Staged<'_>,
-    ) -> anyhow::Result<Settings> {
+    fn settings(&self, profile: ProfileName, staged: &Staged<'_>) -> anyhow::Result<Settings> {
         let clip = staged.subject().clip;
         let clip_secs = clip.map_or(0.0, |c| f64::from(c.duration_secs()));
         let length = clip_secs * f64::from(self.motion.cycles);
@@ -213,7 +229,7 @@ impl ConvertArgs {
                 },
                 optimise_hidden: self.special.optimise,
                 optimise_static: self.special.optimise,
-                neutral_frame: (at * f64::from(staged.options.fps)) as usize,
+                neutral_frame: (at * f64::from(staged.options.fps)).round() as usize,
             }),
         };
         let mut quality = Quality::of(profile);
@@ -227,7 +243,8 @@ impl ConvertArgs {
             };
         }
         let name = clip.map(|c| c.name.clone());
-        let name = name.unwrap_or_else(|| prepared.loaded.place());
+        // A title is published with the file; where it came from is not.
+        let name = name.unwrap_or_else(|| self.title());
         Ok(Settings {
             profile,
             quality,

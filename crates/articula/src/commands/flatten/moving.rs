@@ -13,18 +13,21 @@ use serde::Serialize;
 
 /// Most frames of a movie.
 const MOST_FRAMES: f64 = 5000.0;
+/// Most pixels of all frames; a gigabyte.
+const MOST_PIXELS: u64 = 1 << 28;
 
 #[derive(Debug, Serialize)]
 struct Movie {
     out: String,
     frames: usize,
-    fps: f32,
+    fps: f64,
     duration_secs: f64,
     bytes: usize,
 }
 
 /// Renders all frames and says what was written.
 pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
+    check_ending(args)?;
     let moving = frame::read(&args.file)?;
     let place = || files::shown(&args.file);
     let duration = moving.duration_secs();
@@ -33,8 +36,13 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
         let what = format!("{steps} frames are more than {MOST_FRAMES}; ask for fewer a second");
         return Err(fault::usage(format!("--fps {}: {what}", args.fps)));
     }
+    if duration <= 0.0 {
+        let what = "nothing moves in it; render it with flatten frame";
+        anyhow::bail!("{}: {what}", place());
+    }
     let background = args.background.unwrap_or([255; 4]);
     let bar = console.progress("drawing", steps as usize);
+    let mut pixels = 0;
     let mut moments: Vec<Moment> = Vec::with_capacity(steps as usize);
     // The last frame is left out, the first follows it when the movie repeats.
     for f in 0..steps as u32 {
@@ -42,6 +50,11 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
             .at(duration * f64::from(f) / steps)
             .with_context(place)?;
         let picture = raster(&text, background).with_context(place)?;
+        pixels += u64::from(picture.width()) * u64::from(picture.height());
+        if pixels > MOST_PIXELS {
+            let what = "more than 268 million pixels in all; ask for fewer frames a second";
+            return Err(fault::usage(format!("--fps {}: {what}", args.fps)));
+        }
         moments.push((picture, duration / steps));
         bar.inc(1);
     }
@@ -50,7 +63,7 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
     let movie = Movie {
         out: files::shown(&args.out),
         frames: moments.len(),
-        fps: args.fps,
+        fps: steps / duration,
         duration_secs: duration,
         bytes,
     };
@@ -65,6 +78,18 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
     })
 }
 
+/// Refuses a name that says neither a movie nor a folder, before anything is drawn.
+fn check_ending(args: &MovieArgs) -> anyhow::Result<()> {
+    let ending = args.out.extension().unwrap_or_default();
+    let ending = ending.to_ascii_lowercase();
+    if ["", "gif", "webp"].iter().any(|known| ending == *known) {
+        return Ok(());
+    }
+    let what = "name a .gif or .webp file, or a folder";
+    let out = files::shown(&args.out);
+    Err(fault::usage(format!("{out}: {what}")))
+}
+
 /// Writes the pictures as the name asks for; all bytes written.
 fn write(args: &MovieArgs, moments: &[Moment]) -> anyhow::Result<usize> {
     let place = || files::shown(&args.out);
@@ -76,7 +101,7 @@ fn write(args: &MovieArgs, moments: &[Moment]) -> anyhow::Result<usize> {
     let bytes = match ending.to_str().unwrap_or_default() {
         "gif" => moving_picture::gif(moments).with_context(place)?,
         "webp" => moving_picture::webp(moments).with_context(place)?,
-        "" => {
+        _ => {
             let mut all = 0;
             for (f, (picture, _)) in moments.iter().enumerate() {
                 let bytes = codec::png(picture).with_context(place)?;
@@ -84,10 +109,6 @@ fn write(args: &MovieArgs, moments: &[Moment]) -> anyhow::Result<usize> {
                 all += bytes.len();
             }
             return Ok(all);
-        }
-        _ => {
-            let what = "name a .gif or .webp file, or a folder";
-            return Err(fault::usage(format!("{}: {what}", place())));
         }
     };
     files::write(&args.out, &bytes)?;

@@ -50,6 +50,10 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let place = || prepared.loaded.place();
     let clip = prepared.clip(args.motion.clip.as_deref())?;
     let options = options(args)?;
+    if clip.is_none() && args.special.audio.is_some() {
+        let what = "--audio needs a clip that the face speaks by; name one with --clip";
+        return Err(fault::usage(what));
+    }
     let viewport = Viewport {
         width_px: args.shot.size.0 as f32,
         height_px: args.shot.size.1 as f32,
@@ -61,7 +65,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     bar.set_position(30);
     let portrait = build(&shot.source(), &options).with_context(place)?;
     bar.set_position(70);
-    let written = write(args, &portrait, &prepared)?;
+    let written = write(args, &portrait)?;
     let mut error = Vec::with_capacity(YAWS_DEG.len());
     for yaw_deg in YAWS_DEG {
         let pose = HeadPose::yaw(yaw_deg);
@@ -111,19 +115,22 @@ fn options(args: &ConvertArgs) -> anyhow::Result<PortraitOptions> {
         return Err(fault::usage(format!("--views {views}: expected 1, 3 or 5")));
     }
     let plain = PortraitOptions::default();
+    // Without pictures from above and below there is nothing to show of them.
+    let pitch_limit_degrees = if views == 5 {
+        plain.pitch_limit_degrees
+    } else {
+        10.0
+    };
     Ok(PortraitOptions {
         views,
+        pitch_limit_degrees,
         tolerance_px: args.quality.pos_tol.unwrap_or(plain.tolerance_px),
         ..plain
     })
 }
 
 /// Writes one page, or the document with its pictures beside it; names and bytes.
-fn write(
-    args: &ConvertArgs,
-    portrait: &Portrait,
-    prepared: &Prepared,
-) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+fn write(args: &ConvertArgs, portrait: &Portrait) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
     let place = || files::shown(args.out());
     let is_page = args
         .out()
@@ -131,9 +138,9 @@ fn write(
         .is_some_and(|e| e.eq_ignore_ascii_case("html"));
     let mut all = Vec::new();
     if is_page {
-        let title = args.motion.clip.clone();
+        let title = portrait.clips.first().map(|c| c.name.clone());
         let options = PageOptions {
-            title: title.unwrap_or_else(|| prepared.loaded.place()),
+            title: title.unwrap_or_else(|| args.title()),
             background: enclosed(args.special.background.as_deref())?,
             audio: enclosed(args.special.audio.as_deref())?,
             controls: true,

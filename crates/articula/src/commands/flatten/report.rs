@@ -88,7 +88,6 @@ pub(crate) struct TrialReport {
 pub(crate) struct Made {
     pub(crate) triangles_of_character: usize,
     pub(crate) triangles: usize,
-    pub(crate) fps: f32,
     pub(crate) size_px: (u32, u32),
     pub(crate) max_bytes: Option<u64>,
 }
@@ -108,8 +107,8 @@ impl Report {
             triangles: made.triangles,
             triangles_drawn: flat.triangles_drawn,
             frames: flat.frames,
-            fps: made.fps,
-            duration_secs: flat.frames.saturating_sub(1) as f64 / f64::from(made.fps),
+            fps: flat.fps,
+            duration_secs: flat.frames.saturating_sub(1) as f64 / f64::from(flat.fps),
             size_px: made.size_px,
             shapes: flat.shapes,
             keys: flat.keys,
@@ -139,7 +138,7 @@ impl Report {
         let mut text = format!(
             "{}: {}, {} x {} px, {} frames, {:.2} s\n\
              {:.1} kB ({:.1} gzip, {:.1} brotli): {:.2} bytes a triangle and frame ({:.2} brotli)\n\
-             {} of {} triangles drawn, {} shapes, {} keys, {} painting orders\n",
+             {} triangles, {} drawn once what pierces is cut; {} shapes, {} keys, {} painting orders\n",
             self.out,
             self.profile,
             self.size_px.0,
@@ -151,8 +150,8 @@ impl Report {
             bytes.brotli as f64 / 1e3,
             self.bytes_per_triangle_and_frame.raw,
             self.bytes_per_triangle_and_frame.brotli,
-            self.triangles_drawn,
             self.triangles,
+            self.triangles_drawn,
             self.shapes,
             self.keys,
             self.orders,
