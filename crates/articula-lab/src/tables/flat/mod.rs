@@ -62,7 +62,7 @@ fn found(run: &Run, case: &Case, choice: &Choice) -> Result<Found> {
         case: *case,
         triangles: staged.triangles.len(),
         orders: orders::Orders::of(&clip, &prepared)?,
-        profiles: profiles::rows(&staged, &prepared, files.as_deref())?,
+        profiles: profiles::rows(&staged, &prepared, run.small, files.as_deref())?,
         stills: profiles::stills(&staged, &clip)?,
     })
 }

@@ -34,6 +34,7 @@ pub(super) struct Stills {
 const FLIPBOOK_FRAMES: usize = 60;
 
 /// The names of the rows that targets are read from.
+const POLYGON: &str = "thesis, polygon";
 pub(super) const THESIS: &str = "thesis, path";
 pub(super) const FLAT: &str = "smil flat 0.5 px";
 pub(super) const GOURAUD: &str = "smil gouraud 0.5 px, 8 levels";
@@ -59,11 +60,7 @@ fn settings() -> Vec<(&'static str, Profile, Quality)> {
     let player = Profile::Player(Output::Svg);
     let of_flat = quality(flat, 0.5, 8.0, None);
     vec![
-        (
-            "thesis, polygon",
-            naive(ThesisForm::Polygon, false),
-            of_flat,
-        ),
+        (POLYGON, naive(ThesisForm::Polygon, false), of_flat),
         (THESIS, naive(ThesisForm::Path, false), of_flat),
         (
             "thesis, path, optimised",
@@ -109,12 +106,19 @@ fn settings() -> Vec<(&'static str, Profile, Quality)> {
 }
 
 /// Every profile of a case; the files go to a folder if one is given.
-pub(super) fn rows(staged: &Staged, prepared: &Prepared, files: Option<&Path>) -> Result<Vec<Row>> {
+pub(super) fn rows(
+    staged: &Staged,
+    prepared: &Prepared,
+    is_small: bool,
+    files: Option<&Path>,
+) -> Result<Vec<Row>> {
     let frames = sampled_frames(staged.moments_secs.len());
     let truth = Truth::new(&staged.at_frames(&frames)?, &frames)?;
     let mut rows = Vec::new();
     for (name, profile, quality) in settings() {
-        if profile == Profile::Flipbook && staged.moments_secs.len() > FLIPBOOK_FRAMES {
+        let is_long = staged.moments_secs.len() > FLIPBOOK_FRAMES;
+        let is_huge = name == POLYGON;
+        if (profile == Profile::Flipbook && is_long) || (is_small && is_huge) {
             continue;
         }
         let start = thread_ns();
