@@ -34,7 +34,7 @@ pub(super) fn of(
             height_px: SIDE as f32,
             fov_y_radians: 25.0f32.to_radians(),
         },
-        triangles: Some(600),
+        triangles: Some(1000),
     };
     let staged = Staged::new(scene.prepared, shot, console)?;
     let mut reports = Vec::new();
