@@ -72,6 +72,24 @@ mod tests {
     use super::*;
     use crate::data;
 
+    /// Three views hold a turning head within five levels up to 40 degrees (part 10).
+    #[test]
+    fn a_turning_portrait_holds_the_target() {
+        let Some(data) = data::folder(None).unwrap() else {
+            println!("skipped: no data");
+            return;
+        };
+        let run = Run {
+            data,
+            out: PathBuf::new(),
+            small: true,
+        };
+        for row in portraits::rows(&run).unwrap() {
+            let worst = row.rmse_levels.iter().copied().fold(0.0, f64::max);
+            assert!(worst <= 5.0, "{}: {worst} levels", row.head);
+        }
+    }
+
     /// What the page promises of a speaking face (targets 1 to 5 of the specification).
     #[test]
     fn a_speaking_face_holds_the_targets() {

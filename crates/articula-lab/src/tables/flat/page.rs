@@ -49,7 +49,7 @@ const PORTRAITS: &str = "
 ## Portraits
 
 Levels (root mean square over the head) that a warped portrait is off when the head turns, against a picture of the
-turned figure in full quality. One view is the thesis' portrait.
+turned figure in full quality, under light that turns with it. One view is the thesis' portrait.
 
 | head | triangles | views | document kB | pictures kB | 0° | 10° | 20° | 30° | 40° |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
