@@ -34,7 +34,6 @@ pub(super) struct Stills {
 const FLIPBOOK_FRAMES: usize = 60;
 
 /// The names of the rows that targets are read from.
-const POLYGON: &str = "thesis, polygon";
 pub(super) const THESIS: &str = "thesis, path";
 pub(super) const FLAT: &str = "smil flat 0.5 px";
 pub(super) const GOURAUD: &str = "smil gouraud 0.5 px, 8 levels";
@@ -60,7 +59,11 @@ fn settings() -> Vec<(&'static str, Profile, Quality)> {
     let player = Profile::Player(Output::Svg);
     let of_flat = quality(flat, 0.5, 8.0, None);
     vec![
-        (POLYGON, naive(ThesisForm::Polygon, false), of_flat),
+        (
+            "thesis, polygon",
+            naive(ThesisForm::Polygon, false),
+            of_flat,
+        ),
         (THESIS, naive(ThesisForm::Path, false), of_flat),
         (
             "thesis, path, optimised",
@@ -117,8 +120,8 @@ pub(super) fn rows(
     let mut rows = Vec::new();
     for (name, profile, quality) in settings() {
         let is_long = staged.moments_secs.len() > FLIPBOOK_FRAMES;
-        let is_huge = name == POLYGON;
-        if (profile == Profile::Flipbook && is_long) || (is_small && is_huge) {
+        let is_needed = [THESIS, FLAT, GOURAUD, PLAYER].contains(&name);
+        if (profile == Profile::Flipbook && is_long) || (is_small && !is_needed) {
             continue;
         }
         let start = thread_ns();
