@@ -6,7 +6,7 @@
 use crate::compare::{masked_rmse, share_off, ssim};
 use crate::item_buffer::Samples;
 use crate::picture::{Picture, Rgba};
-use crate::planar::reference::{object_mask, reference};
+use crate::planar::reference::reference_with_mask;
 use crate::planar::{PlanarClip, PlanarError};
 
 /// What is behind the character when pictures are compared.
@@ -76,10 +76,11 @@ impl Truth {
             });
         }
         let moment = |(f, frame): (usize, &f64)| {
+            let (picture, mask) = reference_with_mask(clip, f, Samples::Eight, BACKGROUND)?;
             Ok(Moment {
                 frame: *frame,
-                picture: reference(clip, f, Samples::Eight, BACKGROUND)?,
-                mask: object_mask(clip, f, Samples::Eight)?,
+                picture,
+                mask,
             })
         };
         let moments: Result<_, PlanarError> = frames.iter().enumerate().map(moment).collect();
@@ -119,6 +120,7 @@ impl Truth {
 mod tests {
     use super::*;
     use crate::planar::clip::fixture;
+    use crate::planar::reference::reference;
 
     #[test]
     fn every_tenth_frame_and_halves_between() {

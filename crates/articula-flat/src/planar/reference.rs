@@ -21,8 +21,45 @@ pub fn reference(
     samples: Samples,
     background: Rgba,
 ) -> Result<Picture, PictureError> {
+    let buffer = drawn(clip, frame, samples)?;
+    shaded(clip, frame, &buffer, background)
+}
+
+/// [`reference`] and [`object_mask`] at once, for the price of one.
+///
+/// # Errors
+/// [`PictureError::LimitExceeded`] if the clip's picture is too large.
+pub fn reference_with_mask(
+    clip: &PlanarClip,
+    frame: usize,
+    samples: Samples,
+    background: Rgba,
+) -> Result<(Picture, Vec<bool>), PictureError> {
+    let buffer = drawn(clip, frame, samples)?;
+    Ok((
+        shaded(clip, frame, &buffer, background)?,
+        mask(clip, &buffer),
+    ))
+}
+
+fn drawn(clip: &PlanarClip, frame: usize, samples: Samples) -> Result<ItemBuffer, PictureError> {
     let mut buffer = ItemBuffer::new(clip.width, clip.height, samples)?;
     draw_frame(clip, frame, &mut buffer);
+    Ok(buffer)
+}
+
+fn mask(clip: &PlanarClip, buffer: &ItemBuffer) -> Vec<bool> {
+    let places = (0..clip.height).flat_map(|y| (0..clip.width).map(move |x| (x, y)));
+    places.map(|(x, y)| !buffer.is_blank(x, y)).collect()
+}
+
+fn shaded(
+    clip: &PlanarClip,
+    frame: usize,
+    buffer: &ItemBuffer,
+    background: Rgba,
+) -> Result<Picture, PictureError> {
+    let samples = buffer.samples();
     let mut picture = Picture::new(clip.width, clip.height, background)?;
     let n = samples.per_side();
     for y in 0..clip.height {
@@ -33,7 +70,7 @@ pub fn reference(
             let mut sum = [0.0f32; 4];
             for j in 0..n {
                 for i in 0..n {
-                    let color = sample(clip, frame, &buffer, (x * n + i, y * n + j));
+                    let color = sample(clip, frame, buffer, (x * n + i, y * n + j));
                     let color = color.unwrap_or(background.map(f32::from));
                     for (k, total) in sum.iter_mut().enumerate() {
                         *total += color[k] * if k < 3 { color[3] } else { 1.0 };
@@ -58,10 +95,7 @@ pub fn object_mask(
     frame: usize,
     samples: Samples,
 ) -> Result<Vec<bool>, PictureError> {
-    let mut buffer = ItemBuffer::new(clip.width, clip.height, samples)?;
-    draw_frame(clip, frame, &mut buffer);
-    let places = (0..clip.height).flat_map(|y| (0..clip.width).map(move |x| (x, y)));
-    Ok(places.map(|(x, y)| !buffer.is_blank(x, y)).collect())
+    Ok(mask(clip, &drawn(clip, frame, samples)?))
 }
 
 fn sample(
