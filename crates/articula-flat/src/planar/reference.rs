@@ -25,7 +25,7 @@ pub fn reference(
     shaded(clip, frame, &buffer, background)
 }
 
-/// [`reference`] and [`object_mask`] at once, for the price of one.
+/// [`reference()`] and [`object_mask`] at once, for the price of one.
 ///
 /// # Errors
 /// [`PictureError::LimitExceeded`] if the clip's picture is too large.
