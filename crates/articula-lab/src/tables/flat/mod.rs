@@ -72,17 +72,24 @@ mod tests {
     use super::*;
     use crate::data;
 
+    /// A small run, if the data is here.
+    fn small() -> Option<Run> {
+        let data = data::folder(None).unwrap();
+        if data.is_none() {
+            println!("skipped: no data");
+        }
+        Some(Run {
+            data: data?,
+            out: PathBuf::new(),
+            small: true,
+        })
+    }
+
     /// Three views hold a turning head within five levels up to 40 degrees (part 10).
     #[test]
     fn a_turning_portrait_holds_the_target() {
-        let Some(data) = data::folder(None).unwrap() else {
-            println!("skipped: no data");
+        let Some(run) = small() else {
             return;
-        };
-        let run = Run {
-            data,
-            out: PathBuf::new(),
-            small: true,
         };
         for row in portraits::rows(&run).unwrap() {
             let worst = row.rmse_levels.iter().copied().fold(0.0, f64::max);
@@ -93,14 +100,8 @@ mod tests {
     /// What the page promises of a speaking face (targets 1 to 5 of the specification).
     #[test]
     fn a_speaking_face_holds_the_targets() {
-        let Some(data) = data::folder(None).unwrap() else {
-            println!("skipped: no data");
+        let Some(run) = small() else {
             return;
-        };
-        let run = Run {
-            data,
-            out: PathBuf::new(),
-            small: true,
         };
         let found = found(&run, &CASES[0], &Choice::default()).unwrap();
         for target in targets::of(&found) {
