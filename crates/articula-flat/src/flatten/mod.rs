@@ -3,7 +3,7 @@
 //!
 //! Source: `spec/vector.md` 1, 4 and 9.
 //!
-//! - [`prepared`]: painting order, sealed edges and what they leave wrong, worked out once
+//! - [`prepared`]: what is drawn, in which order, and what that leaves wrong, worked out once
 //! - [`settings`]: profiles and how near to the truth they come
 //! - [`written`]: a file of a profile, and what it shows at any moment
 //! - [`live`]: a file that a host drives

@@ -5,7 +5,7 @@
 use super::prepared::Prepared;
 use crate::planar::key_frames::{KeyOptions, keyed};
 use crate::planar::order::Layer;
-use crate::planar::underlap::Sealed;
+use crate::planar::underlap::{Sealed, seal};
 use crate::planar::{Drawn, PlanarClip, PlanarError};
 use crate::vector::{KeyedClip, KeyedPaint};
 
@@ -15,12 +15,13 @@ use crate::vector::{KeyedClip, KeyedPaint};
 /// What is wrong with the clip.
 pub fn pages(prepared: &Prepared, options: &KeyOptions) -> Result<Vec<KeyedClip>, PlanarError> {
     let clip = &prepared.clip;
+    let corners = seal(clip, &prepared.drawn, &prepared.painting, prepared.underlap).corners;
     let mut page = PlanarClip {
         frames: Vec::new(),
         ..clip.clone()
     };
     let mut all = Vec::with_capacity(clip.frames.len());
-    for (f, frame) in clip.frames.iter().enumerate() {
+    for (f, (frame, corners)) in clip.frames.iter().zip(corners).enumerate() {
         page.frames = vec![frame.clone()];
         let order = prepared.order_at(f);
         let mut drawn = Drawn::none(1, clip.triangles.len());
@@ -33,7 +34,7 @@ pub fn pages(prepared: &Prepared, options: &KeyOptions) -> Result<Vec<KeyedClip>
         };
         let layers: Vec<Layer> = order.into_iter().map(layer).collect();
         let sealed = Sealed {
-            corners: vec![prepared.sealed.corners[f].clone()],
+            corners: vec![corners],
         };
         all.push(keyed(&page, &drawn, &layers, &sealed, options)?.0);
     }

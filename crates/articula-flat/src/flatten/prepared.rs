@@ -1,8 +1,8 @@
-//! Painting order, sealed edges and what they leave wrong, worked out once for all settings.
+//! What is drawn, in which order, and what that leaves wrong, worked out once for all settings.
 
 use crate::planar::order::{Layer, OrderOptions, Painted, Painting, wrong_pixels};
 use crate::planar::split::{SplitOptions, split};
-use crate::planar::underlap::{Sealed, UnderlapOptions, seal};
+use crate::planar::underlap::UnderlapOptions;
 use crate::planar::{Drawn, PlanarClip, PlanarError};
 
 /// How a clip is prepared.
@@ -38,13 +38,11 @@ pub struct Prepared {
     pub painting: Painting,
     /// The order as one list with copies.
     pub layers: Vec<Layer>,
-    /// Corners that overlap without a gap.
-    pub sealed: Sealed,
     /// Wrong pixels, percent of the character's.
     pub wrong_percent: f64,
     /// The same if every frame were sorted by depth.
     pub wrong_percent_depth_sort: f64,
-    /// How edges were sealed.
+    /// How writers seal edges.
     pub underlap: UnderlapOptions,
 }
 
@@ -80,11 +78,9 @@ impl Prepared {
             }
         };
         done(0.9);
-        let sealed = seal(&clip, &drawn, &painting, options.underlap);
         done(1.0);
         Ok(Self {
             layers: painting.layers(&drawn),
-            sealed,
             painting,
             drawn,
             clip,

@@ -17,7 +17,8 @@ frame shows count.
 Errors are those of the file, read back: corners in pixels, the picture against an 8 x 8 supersampled one without
 a painting order, over the character's pixels, at every tenth frame and halfway between frames (mean / worst
 moment). *B/t/f* is bytes for each drawn triangle and frame. *x* is how many times smaller than the thesis'
-form (`path`) of the same clip a file is.
+form (`path`) of the same clip a file is. That form is written of the cut clip too, which on the face
+is 3 % more than uncut. Wrong pixels in the CSV are those of our orders, also in the thesis' rows.
 ";
 
 const ORDERS: &str = "
