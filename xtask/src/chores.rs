@@ -9,7 +9,7 @@ const DEMO_FOLDER: &str = "articula-demo";
 
 /// Runs the main job in its release form and says where to look.
 pub(crate) fn demo() -> Result<()> {
-    let words = ["run", "--release", "-p", "articula", "--"];
+    let words = ["run", "--release", "-p", "articula-cli", "--"];
     let demo = ["demo", "--out", DEMO_FOLDER];
     run(cargo().args(words).args(demo))?;
     let page = root().join(DEMO_FOLDER).join("index.html");

@@ -7,7 +7,7 @@
     reason = "a test may fail loudly, and so may its helpers"
 )]
 
-#[path = "../../articula/tests/judges/mod.rs"]
+#[path = "../../articula-cli/tests/judges/mod.rs"]
 mod judges;
 
 use articula_flat::Picture;

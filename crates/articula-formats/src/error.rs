@@ -89,6 +89,8 @@ pub enum Guess {
     UpAxis,
     /// Frames a second.
     Rate,
+    /// The skeleton of a motion.
+    Skeleton,
 }
 
 impl Warning {

@@ -3,9 +3,8 @@
 //! Source: `spec/motion-lod.md` 9. A table that was made for another rig, clip or mesh is an
 //! error, never a warning.
 
-use crate::console::Console;
-use crate::prepared::Prepared;
-use anyhow::Context;
+use crate::error::{Context, Result};
+use crate::figure::Figure;
 use articula_build::character::Asset;
 use articula_build::evaluate::Points;
 use articula_build::motion_error::levers::levers;
@@ -13,9 +12,9 @@ use articula_build::motion_error::pose_keys::pose_keys;
 use articula_build::motion_error::tables::{hashes, key_table};
 use articula_core::Mismatch;
 use articula_core::key_table::{KeyMode, KeyTable, PoseKeys};
+use articula_core::motion_error::JointLever;
 use articula_formats::Limits;
 use articula_formats::motion_table::{read_pose_keys, read_segs, write_pose_keys, write_segs};
-use rayon::prelude::*;
 use serde::Serialize;
 
 /// Names of the tables in the file.
@@ -26,76 +25,94 @@ const WATCHED: usize = 700;
 
 /// The tables of one clip, as bytes.
 #[derive(Debug)]
-pub(crate) struct ClipTables {
-    pub(crate) segs: Vec<u8>,
-    pub(crate) pose_keys: Vec<u8>,
+pub struct ClipTables {
+    /// Keys of every joint by tolerance, as `docs/formats` describes them.
+    pub segs: Vec<u8>,
+    /// Keys of the whole pose.
+    pub pose_keys: Vec<u8>,
     /// Keys of all joints at each level, from the finest.
-    pub(crate) keys: Vec<usize>,
+    pub keys: Vec<usize>,
 }
 
-/// Makes the tables of every clip; `seed` chooses the vertices that pose keys watch.
-pub(crate) fn made(asset: &Asset, seed: u64, console: &Console) -> Vec<ClipTables> {
-    let bar = console.progress("making motion tables", asset.clips.len());
-    let levers = levers(&asset.rig, &asset.mesh);
-    let points = Points::draw(asset, WATCHED, seed);
-    let of_clip = |clip| {
-        let table = key_table(asset, clip, &levers, KeyMode::Hold);
+/// What the tables of all clips of an asset are made from.
+#[derive(Debug)]
+pub(crate) struct TableMaker<'a> {
+    asset: &'a Asset,
+    levers: Vec<JointLever>,
+    points: Points,
+}
+
+impl<'a> TableMaker<'a> {
+    /// Chooses the vertices that pose keys watch by `seed`.
+    pub(crate) fn new(asset: &'a Asset, seed: u64) -> Self {
+        Self {
+            asset,
+            levers: levers(&asset.rig, &asset.mesh),
+            points: Points::draw(asset, WATCHED, seed),
+        }
+    }
+
+    /// The tables of one clip.
+    pub(crate) fn tables(&self, clip: usize) -> ClipTables {
+        let clip = &self.asset.clips[clip];
+        let table = key_table(self.asset, clip, &self.levers, KeyMode::Hold);
         let at = |level: usize| {
             let lists = table.keys.iter().filter_map(|joint| joint.get(level));
             lists.map(Vec::len).sum()
         };
-        let tables = ClipTables {
+        ClipTables {
             segs: write_segs(&table),
-            pose_keys: write_pose_keys(&pose_keys(asset, clip, &points)),
+            pose_keys: write_pose_keys(&pose_keys(self.asset, clip, &self.points)),
             keys: (0..table.levels()).map(at).collect(),
-        };
-        bar.inc(1);
-        tables
-    };
-    let tables = asset.clips.par_iter().map(of_clip).collect();
-    bar.finish_and_clear();
-    tables
+        }
+    }
 }
 
 /// Bytes of the tables that a clip has in its file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
-pub(crate) struct Stored {
-    pub(crate) segs: usize,
-    pub(crate) posekeys: usize,
+pub struct StoredTables {
+    /// Bytes of the key table.
+    pub segs: usize,
+    /// Bytes of the whole-pose keys.
+    pub posekeys: usize,
 }
 
-impl Stored {
+impl StoredTables {
     /// Whether the clip has any table.
-    pub(crate) fn any(self) -> bool {
+    pub fn any(self) -> bool {
         self.segs + self.posekeys > 0
     }
 }
 
 /// Reads and checks the tables of every clip of a file as it was stored; empty for files that
 /// have none.
-pub(crate) fn checked(prepared: &Prepared) -> anyhow::Result<Vec<Stored>> {
-    let asset = &prepared.asset;
-    let all = (0..asset.clips.len()).map(|clip| of_clip(prepared, clip));
-    all.collect::<anyhow::Result<_>>()
-        .with_context(|| prepared.loaded.place())
+///
+/// # Errors
+/// An [`Error`](crate::Error) that names the table that is malformed or was made for another rig,
+/// clip or mesh.
+pub fn stored_tables(figure: &Figure) -> Result<Vec<StoredTables>> {
+    let asset = &figure.asset;
+    let all = (0..asset.clips.len()).map(|clip| of_clip(figure, clip));
+    all.collect::<Result<_>>()
+        .with_context(|| &figure.opened.name)
 }
 
-fn of_clip(prepared: &Prepared, clip: usize) -> anyhow::Result<Stored> {
-    let Some(behind) = &prepared.loaded.behind else {
-        return Ok(Stored::default());
+fn of_clip(figure: &Figure, clip: usize) -> Result<StoredTables> {
+    let Some(gltf) = &figure.opened.gltf else {
+        return Ok(StoredTables::default());
     };
     let limits = Limits::default();
     let at =
         |name: &str| format!("animations[{clip}].extensions.ARTICULA_articulation.tables.{name}");
-    let mut stored = Stored::default();
-    if let Some(bytes) = behind.document.motion_table(clip, SEGS) {
+    let mut stored = StoredTables::default();
+    if let Some(bytes) = gltf.document.motion_table(clip, SEGS) {
         let table = read_segs(bytes, &limits).with_context(|| at(SEGS))?;
-        check_segs(&prepared.asset, clip, &table).with_context(|| at(SEGS))?;
+        check_segs(&figure.asset, clip, &table).with_context(|| at(SEGS))?;
         stored.segs = bytes.len();
     }
-    if let Some(bytes) = behind.document.motion_table(clip, POSE_KEYS) {
+    if let Some(bytes) = gltf.document.motion_table(clip, POSE_KEYS) {
         let keys = read_pose_keys(bytes, &limits).with_context(|| at(POSE_KEYS))?;
-        check_pose_keys(&prepared.asset, clip, &keys).with_context(|| at(POSE_KEYS))?;
+        check_pose_keys(&figure.asset, clip, &keys).with_context(|| at(POSE_KEYS))?;
         stored.posekeys = bytes.len();
     }
     Ok(stored)

@@ -1,69 +1,67 @@
 //! Mesh levels of an asset: what is asked for, what is made, how it is stored.
 
-mod arguments;
-pub(crate) mod report;
-mod transport;
+mod options;
+mod stream;
 
-pub(crate) use arguments::MeshLevelArgs;
+pub use options::MeshLevelOptions;
+pub use stream::MeshLevelStream;
 
-use crate::console::Console;
-use crate::load::Behind;
-use crate::prepared::Prepared;
-use anyhow::Context;
+use crate::error::{Error, Result};
+use crate::figure::Figure;
+use crate::open::GltfSource;
+use crate::work::Work;
 use articula_build::mesh_levels::{MeshLevels, mesh_levels};
 use articula_build::poses::SkinPose;
 use articula_flat::frame::Bounds;
 use articula_formats::gltf::Document;
 use articula_formats::gltf::clustered::{LevelNodes, MeshParts, PartLevels};
 use glam::Vec3;
-use transport::Transport;
 
-/// The levels of a character, and the same coded for the wire.
+/// The mesh levels of a character, and the same coded for the wire.
 #[derive(Debug)]
-pub(crate) struct Levels {
-    pub(crate) made: MeshLevels,
-    pub(crate) transport: Transport,
-    /// What was lost on the way.
-    pub(crate) warnings: Vec<String>,
+pub struct CodedMeshLevels {
+    /// The levels and what each loses.
+    pub levels: MeshLevels,
+    /// The levels as a stream of chunks.
+    pub stream: MeshLevelStream,
+    /// What was lost on the way, for people.
+    pub warnings: Vec<String>,
 }
 
-/// Makes the levels of a character that was read, and puts them into its document.
+/// Makes the levels of a figure, and puts them into its document.
 pub(crate) fn add(
-    prepared: &Prepared,
+    figure: &Figure,
+    gltf: &GltfSource,
     document: &mut Document,
-    args: &MeshLevelArgs,
-    targets: Vec<f64>,
-    console: &Console,
-) -> anyhow::Result<Levels> {
-    let behind = prepared.loaded.behind.as_ref();
-    let behind = behind.context("the character has no document")?;
-    let asset = &prepared.asset;
+    wanted: &MeshLevelOptions,
+    work: &Work<'_>,
+) -> Result<CodedMeshLevels> {
+    const WHAT: &str = "making mesh levels";
+    let asset = &figure.asset;
     if asset.mesh.triangles.is_empty() {
-        anyhow::bail!("no mesh with triangles to make levels of; leave --levels out");
+        let what = "no mesh with triangles to make levels of; leave mesh levels out";
+        return Err(Error::unsuited(what));
     }
-    let classes = vertex_classes(prepared, behind)?;
-    let options = args.options(targets, (&asset.mesh, &asset.rig), classes)?;
-    let bar = console.progress("making mesh levels", 3);
-    let mut made = mesh_levels(asset, &options)?;
-    made.table.regions = args.region_names();
-    bar.inc(1);
-    let transport = transport::coded(prepared, &made, &options.simplify.regions)?;
-    bar.inc(1);
-    store(document, prepared, &made, &behind.node_of_mesh)?;
-    if args.msft_lod {
+    work.step(WHAT, 0, 3)?;
+    let classes = vertex_classes(figure, gltf)?;
+    let options = wanted.of(&asset.mesh, &asset.rig, classes)?;
+    let mut levels = mesh_levels(asset, &options)?;
+    levels.table.regions = wanted.region_names();
+    work.step(WHAT, 1, 3)?;
+    let stream = stream::coded(figure, &levels, &options.simplify.regions)?;
+    work.step(WHAT, 2, 3)?;
+    store(document, figure, &levels, &gltf.node_of_mesh)?;
+    if wanted.msft_lod {
         let rest = SkinPose::rest(asset).positions(asset);
-        for (parts, node) in parts_of_meshes(prepared)
-            .into_iter()
-            .zip(&behind.node_of_mesh)
-        {
+        for (parts, node) in parts_of_meshes(figure).into_iter().zip(&gltf.node_of_mesh) {
             let parts = &asset.mesh.parts[parts];
             let vertices = parts.iter().flat_map(|p| &rest[p.vertices.clone()]);
             let nodes = LevelNodes::new(radius_metres(vertices));
-            document.add_level_nodes(*node, &made.table, &nodes)?;
+            document.add_level_nodes(*node, &levels.table, &nodes)?;
         }
     }
-    bar.finish_and_clear();
-    let meshes = &prepared.loaded.character.meshes;
+    work.step(WHAT, 3, 3)?;
+    let meshes = &figure.opened.character.meshes;
     let replaced =
         |m: &&articula_core::source::Mesh| !m.levels.is_empty() && m.clustered.is_empty();
     let warning = |m: &articula_core::source::Mesh| {
@@ -72,10 +70,10 @@ pub(crate) fn add(
             m.name
         )
     };
-    Ok(Levels {
+    Ok(CodedMeshLevels {
         warnings: meshes.iter().filter(replaced).map(warning).collect(),
-        made,
-        transport,
+        levels,
+        stream,
     })
 }
 
@@ -87,12 +85,12 @@ fn radius_metres<'a>(vertices: impl Iterator<Item = &'a Vec3>) -> f32 {
 
 /// For each vertex of the character's mesh the first that is like it in all that the document
 /// has; vertices of different parts are never alike.
-fn vertex_classes(prepared: &Prepared, behind: &Behind) -> anyhow::Result<Vec<u32>> {
-    let mut classes = Vec::with_capacity(prepared.asset.mesh.len());
-    for (m, parts) in parts_of_meshes(prepared).into_iter().enumerate() {
+fn vertex_classes(figure: &Figure, gltf: &GltfSource) -> Result<Vec<u32>> {
+    let mut classes = Vec::with_capacity(figure.asset.mesh.len());
+    for (m, parts) in parts_of_meshes(figure).into_iter().enumerate() {
         for (p, part) in parts.enumerate() {
-            let first = prepared.asset.mesh.parts[part].vertices.start as u32;
-            let of_part = behind.document.vertex_classes(behind.node_of_mesh[m], p)?;
+            let first = figure.asset.mesh.parts[part].vertices.start as u32;
+            let of_part = gltf.document.vertex_classes(gltf.node_of_mesh[m], p)?;
             classes.extend(of_part.iter().map(|class| first + class));
         }
     }
@@ -102,10 +100,10 @@ fn vertex_classes(prepared: &Prepared, behind: &Behind) -> anyhow::Result<Vec<u3
 /// Writes the levels into a document.
 fn store(
     document: &mut Document,
-    prepared: &Prepared,
+    figure: &Figure,
     made: &MeshLevels,
     node_of_mesh: &[usize],
-) -> anyhow::Result<()> {
+) -> Result<()> {
     let object = |part: usize| {
         let object = &made.objects[part];
         PartLevels {
@@ -114,7 +112,7 @@ fn store(
             clusters: &object.clusters,
         }
     };
-    let meshes: Vec<MeshParts<'_>> = parts_of_meshes(prepared)
+    let meshes: Vec<MeshParts<'_>> = parts_of_meshes(figure)
         .into_iter()
         .zip(node_of_mesh)
         .map(|(parts, node)| MeshParts {
@@ -127,9 +125,9 @@ fn store(
 }
 
 /// Parts of the character's mesh that each source mesh has.
-fn parts_of_meshes(prepared: &Prepared) -> Vec<std::ops::Range<usize>> {
+fn parts_of_meshes(figure: &Figure) -> Vec<std::ops::Range<usize>> {
     let mut first = 0;
-    let meshes = prepared.loaded.character.meshes.iter();
+    let meshes = figure.opened.character.meshes.iter();
     let range = |mesh: &articula_core::source::Mesh| {
         let range = first..first + mesh.primitives.len();
         first = range.end;

@@ -1,0 +1,155 @@
+//! The flags of `build` about mesh levels.
+
+use anyhow::Context;
+use articula::MeshLevelOptions;
+use articula_build::simplify::Weighting;
+use articula_core::articulation::{Region, Zone};
+use clap::{Args, ValueEnum};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use crate::{fault, files};
+
+/// How much heavier errors are near joints in the thesis' weighting.
+const JOINT_STRENGTH: f32 = 4.0;
+
+/// Most levels, as `--levels` has it.
+const MOST_LEVELS: usize = 16;
+/// Most bytes of a list of locked vertices.
+const LOCK_BYTES: u64 = 1 << 26;
+
+const HEADING: &str = "Mesh levels";
+
+/// Which mesh levels are made, and how they are written.
+#[derive(Debug, Clone, Args)]
+pub(crate) struct MeshLevelArgs {
+    /// Make so many mesh levels, from all triangles to 1.5 % of them
+    #[arg(long, value_name = "N", help_heading = HEADING, value_parser = clap::value_parser!(u16).range(1..=16))]
+    levels: Option<u16>,
+    /// Triangles of each level in percent, finest first
+    #[arg(long, value_name = "100,50,…", help_heading = HEADING, value_delimiter = ',', value_parser = percent)]
+    targets: Vec<f64>,
+    /// How much errors of a body region count, such as face=8,hands=4
+    #[arg(long, value_name = "REGION=X,…", help_heading = HEADING, value_delimiter = ',', value_parser = region_factor)]
+    region_weight: Vec<(String, f32)>,
+    /// Zones that may be shown at a level of their own, such as upper; the rest is one more
+    #[arg(long, value_name = "ZONE,…", help_heading = HEADING, value_delimiter = ',', value_parser = zone)]
+    split: Vec<(String, Zone)>,
+    /// Which errors count: of all poses (without it), of the rest pose, or at rest and more near joints
+    #[arg(long, value_enum, help_heading = HEADING)]
+    weighting: Option<Counted>,
+    /// Vertices that no level removes: a JSON file {"mesh name": [vertex, …], …}
+    #[arg(long, value_name = "FILE.json", help_heading = HEADING)]
+    lock: Option<PathBuf>,
+    /// Write the coarser levels as MSFT_lod nodes too, for engines that know those
+    #[arg(long, help_heading = HEADING)]
+    msft_lod: bool,
+    /// Write the levels as a stream of chunks beside the asset
+    #[arg(long, value_name = "FILE.ams", help_heading = HEADING)]
+    pub(super) mesh_stream: Option<PathBuf>,
+}
+
+/// Which errors count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Counted {
+    /// Those of poses of the character's own clips, summed.
+    Poses,
+    /// Those at rest.
+    Rest,
+    /// Those at rest, more near joints (the thesis' weighting).
+    Joint,
+}
+
+impl MeshLevelArgs {
+    /// Whether any level is wanted; options without a level are wrong usage.
+    pub(crate) fn wanted(&self) -> anyhow::Result<Option<MeshLevelOptions>> {
+        let has_twice = |i: usize| self.split[..i].iter().any(|z| z.1 == self.split[i].1);
+        if let Some(i) = (0..self.split.len()).find(|i| has_twice(*i)) {
+            let what = format!("--split: {} stands twice", self.split[i].0);
+            return Err(fault::usage(what));
+        }
+        let targets = match (self.levels, self.targets.as_slice()) {
+            (None, []) => {
+                let alone = [
+                    (!self.region_weight.is_empty(), "--region-weight"),
+                    (!self.split.is_empty(), "--split"),
+                    (self.weighting.is_some(), "--weighting"),
+                    (self.lock.is_some(), "--lock"),
+                    (self.msft_lod, "--msft-lod"),
+                    (self.mesh_stream.is_some(), "--mesh-stream"),
+                ];
+                if let Some((_, flag)) = alone.iter().find(|(is_set, _)| *is_set) {
+                    let what = format!("{flag} needs mesh levels; add --levels 5");
+                    return Err(fault::usage(what));
+                }
+                return Ok(None);
+            }
+            (Some(levels), []) => MeshLevelOptions::levels(usize::from(levels)).targets,
+            (levels, given) => {
+                if let Some(levels) = levels.filter(|l| usize::from(*l) != given.len()) {
+                    let what = format!("--levels {levels} with {} --targets", given.len());
+                    return Err(fault::usage(what));
+                }
+                if given.len() > MOST_LEVELS {
+                    let what = format!("--targets: {} levels, at most {MOST_LEVELS}", given.len());
+                    return Err(fault::usage(what));
+                }
+                let falls = given.windows(2).all(|w| w[0] > w[1]);
+                if given[0] != 100.0 || !falls {
+                    let what = "--targets: percentages that fall from 100 are needed";
+                    return Err(fault::usage(what));
+                }
+                given.iter().map(|p| p / 100.0).collect()
+            }
+        };
+        Ok(Some(MeshLevelOptions {
+            targets,
+            region_weights: self.region_weight.clone(),
+            split: self.split.clone(),
+            weighting: match self.weighting {
+                None | Some(Counted::Poses) => Weighting::PoseSummed,
+                Some(Counted::Rest) => Weighting::Rest,
+                Some(Counted::Joint) => Weighting::Joint {
+                    strength: JOINT_STRENGTH,
+                },
+            },
+            locked: self.locked()?,
+            msft_lod: self.msft_lod,
+        }))
+    }
+
+    fn locked(&self) -> anyhow::Result<BTreeMap<String, Vec<u32>>> {
+        let Some(path) = &self.lock else {
+            return Ok(BTreeMap::new());
+        };
+        let bytes = files::read(path, LOCK_BYTES)?;
+        let form = "{\"mesh name\": [vertex, …], …}";
+        serde_json::from_slice(&bytes)
+            .with_context(|| format!("{}: the form is {form}", files::shown(path)))
+    }
+}
+
+fn percent(text: &str) -> Result<f64, String> {
+    match text.trim().trim_end_matches('%').parse::<f64>() {
+        Ok(p) if p > 0.0 && p <= 100.0 => Ok(p),
+        _ => Err("a percentage above 0, at most 100".into()),
+    }
+}
+
+fn region_factor(text: &str) -> Result<(String, f32), String> {
+    let known = || Region::ALL.map(Region::name).join(", ");
+    let (name, factor) = text.split_once('=').ok_or("the form is face=8")?;
+    let region = Region::from_name(name).ok_or_else(|| format!("regions are {}", known()))?;
+    match factor.parse::<f32>() {
+        Ok(x) if x > 0.0 && x <= 1e6 => Ok((region.name().to_owned(), x)),
+        _ => Err("a factor above 0, at most 1000000".into()),
+    }
+}
+
+fn zone(text: &str) -> Result<(String, Zone), String> {
+    let named = Zone::from_name(text).map(|zone| (text.to_owned(), zone));
+    named.ok_or_else(|| {
+        let regions = Region::ALL.map(Region::name).join(", ");
+        format!("zones are upper, lower, face-shoulders and the regions {regions}")
+    })
+}

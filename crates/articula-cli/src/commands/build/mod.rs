@@ -1,0 +1,175 @@
+//! `articula build IN OUT.glb`: what is prepared once goes into the file.
+
+mod arguments;
+pub(crate) mod levels;
+
+use crate::arguments::ReadArgs;
+use crate::console::Console;
+use crate::fault::clean;
+use crate::open;
+use crate::table::{Table, counted};
+use crate::{fault, files};
+use arguments::MeshLevelArgs;
+use articula::{ClipTables, Format, PrepareOptions, Prepared, prepare};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Arguments of `build`.
+#[derive(Debug, Args)]
+pub(crate) struct BuildArgs {
+    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh)
+    input: PathBuf,
+    /// Asset to write (.glb)
+    out: PathBuf,
+    #[command(flatten)]
+    names: ReadArgs,
+    /// Seed of the choice of vertices that whole-pose keys watch
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    mesh_levels: MeshLevelArgs,
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    #[serde(rename = "in")]
+    input: String,
+    out: String,
+    bytes_in: usize,
+    bytes_out: usize,
+    joints: usize,
+    mapped: usize,
+    profile: String,
+    clips: Vec<Clip>,
+    /// Mesh levels, the finest first; none unless they are asked for.
+    levels: Vec<levels::Level>,
+    /// What they weigh.
+    bytes: Option<levels::Bytes>,
+    /// Poses that their errors in motion were measured on.
+    poses_measured: Option<usize>,
+    #[serde(skip)]
+    measured: String,
+    mesh_stream: Option<String>,
+    warnings: Vec<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct Clip {
+    name: String,
+    frames: usize,
+    segs_bytes: usize,
+    posekeys_bytes: usize,
+    /// Keys of all joints at each tolerance, from 0.5 mm, doubling.
+    keys: Vec<usize>,
+}
+
+/// Reads a character, works out its tables, writes the asset.
+pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
+    if files::format(&args.out) != Some(Format::Glb) {
+        let what = "an asset is a GLB; name the file .glb";
+        return Err(fault::usage(format!("{}: {what}", files::shown(&args.out))));
+    }
+    let options = PrepareOptions {
+        seed: args.seed,
+        mesh_levels: args.mesh_levels.wanted()?,
+    };
+    let opened = open::character(&args.input, &args.names)?;
+    let built = console.work(|work| prepare(opened, &options, work))?;
+    files::write(&args.out, &built.glb)?;
+    if let (Some(path), Some(levels)) = (&args.mesh_levels.mesh_stream, &built.mesh_levels) {
+        files::write(path, &levels.stream.bytes)?;
+    }
+    let report = Report::new(args, &built);
+    console.result(&report, Report::text)
+}
+
+impl Report {
+    fn new(args: &BuildArgs, built: &Prepared) -> Self {
+        let (figure, made) = (&built.figure, built.mesh_levels.as_ref());
+        let asset = &figure.asset;
+        let articulation = asset.rig.articulation();
+        let clip = |(clip, tables): (&articula_core::clip::Clip, &ClipTables)| Clip {
+            name: clip.name.clone(),
+            frames: clip.frames(),
+            segs_bytes: tables.segs.len(),
+            posekeys_bytes: tables.pose_keys.len(),
+            keys: tables.keys.clone(),
+        };
+        Self {
+            input: figure.opened.name.clone(),
+            out: files::shown(&args.out),
+            bytes_in: figure.opened.bytes,
+            bytes_out: built.glb.len(),
+            joints: asset.rig.skin_joints().len(),
+            mapped: articulation.mapped(),
+            profile: articulation.profile.clone(),
+            clips: asset.clips.iter().zip(&built.tables).map(clip).collect(),
+            levels: made.map(levels::levels).unwrap_or_default(),
+            bytes: made.map(|l| levels::bytes(l, built.mesh_bytes)),
+            poses_measured: made.map(|l| l.levels.measured.poses()),
+            measured: made.map(levels::measured).unwrap_or_default(),
+            mesh_stream: args.mesh_levels.mesh_stream.as_deref().map(files::shown),
+            warnings: {
+                let of_levels = made.map(|l| l.warnings.clone()).unwrap_or_default();
+                let mut warnings = open::warnings(&figure.opened);
+                warnings.extend(of_levels);
+                warnings
+            },
+        }
+    }
+
+    fn text(&self) -> String {
+        let profile = match self.profile.as_str() {
+            "" => "no profile fits".to_owned(),
+            name => format!("profile {}", clean(name)),
+        };
+        let mut text = format!(
+            "{} ({} bytes) -> {} ({} bytes)\n{}, {} mapped to H-Anim ({})\n",
+            clean(&self.input),
+            self.bytes_in,
+            clean(&self.out),
+            self.bytes_out,
+            counted(self.joints, "joint", "joints"),
+            self.mapped,
+            profile
+        );
+        let mut table = Table::new(&[
+            "clip",
+            "frames",
+            "segs bytes",
+            "posekeys bytes",
+            "keys at 0.5 mm",
+            "8 mm",
+            "128 mm",
+        ]);
+        for clip in &self.clips {
+            let keys = |level: usize| clip.keys.get(level).map_or("-".into(), usize::to_string);
+            table.row([
+                clip.name.clone(),
+                clip.frames.to_string(),
+                clip.segs_bytes.to_string(),
+                clip.posekeys_bytes.to_string(),
+                keys(0),
+                keys(4),
+                keys(8),
+            ]);
+        }
+        if table.is_empty() {
+            text.push_str("no clip: levels and regions only\n");
+        } else {
+            text.push_str(&table.text());
+        }
+        if let Some(bytes) = &self.bytes {
+            text.push('\n');
+            text.push_str(&levels::text(&self.levels, bytes, &self.measured));
+        }
+        if let Some(stream) = &self.mesh_stream {
+            text.push_str(&format!("mesh levels as a stream: {}\n", clean(stream)));
+        }
+        for warning in &self.warnings {
+            text.push_str(&format!("warning: {}\n", clean(warning)));
+        }
+        text
+    }
+}

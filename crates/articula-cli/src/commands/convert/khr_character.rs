@@ -1,0 +1,24 @@
+//! `convert --khr-character`: the draft extensions for characters, written into a GLB.
+
+use articula::Opened;
+use articula_formats::gltf::{Document, pose_kind};
+use articula_formats::profile::vrm_bones;
+
+/// Writes them into the document that becomes the file. `node_of_joint` is the way from the
+/// joints to its nodes.
+pub(super) fn write(
+    opened: &Opened,
+    document: &mut Document,
+    node_of_joint: &[usize],
+) -> anyhow::Result<()> {
+    let given = opened.gltf.as_ref().and_then(|b| b.humanoid.clone());
+    let bones = given.unwrap_or_else(|| vrm_bones(&opened.articulation()));
+    let character = &opened.character;
+    let kind = pose_kind(&character.skeleton, &bones);
+    let nodes = bones.into_iter();
+    let nodes: Vec<(usize, String)> = nodes
+        .map(|(joint, bone)| (node_of_joint[joint], bone))
+        .collect();
+    document.set_khr_character(&nodes, kind, character.credits.as_ref())?;
+    Ok(())
+}

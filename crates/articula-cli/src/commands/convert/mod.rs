@@ -1,0 +1,186 @@
+//! `articula convert IN... OUT`: between formats, onto another character, and to a reduced
+//! animation; one file or many.
+
+mod body;
+mod face;
+mod hygiene;
+mod job;
+mod khr_character;
+mod onto;
+mod plan;
+mod reduction;
+mod report;
+mod written;
+
+use crate::arguments::{ReadArgs, finite};
+use crate::console::Console;
+use crate::play::saved;
+use crate::table::counted;
+use crate::{fault, files};
+use articula::Format;
+use articula_core::joint_state::PassivePolicy;
+use clap::Args;
+use job::Done;
+use onto::{Hero, Pin};
+use plan::Plan;
+use rayon::prelude::*;
+use report::{Batch, Failure};
+use std::path::PathBuf;
+
+/// Arguments of `convert`.
+#[derive(Debug, Args)]
+pub(crate) struct ConvertArgs {
+    /// Files to read (.glb, .gltf, .vrm, .vrma, .bvh, .bap, ...), or folders of them
+    #[arg(value_name = "IN", required = true)]
+    inputs: Vec<PathBuf>,
+    /// File to write; its extension names the format (.glb, .vrm, .vrma, .bvh, ...). Or the
+    /// folder that receives one file for each that is read
+    out: PathBuf,
+    /// Format of the files in an output folder [default: glb]
+    #[arg(long, value_name = "FORMAT", value_parser = format)]
+    to: Option<Format>,
+    /// Put the motions onto this character, by the H-Anim map: OUT is the character's file with
+    /// them as its clips
+    #[arg(long, value_name = "CHARACTER")]
+    onto: Option<PathBuf>,
+    /// With --onto: keep the clips that the character already has
+    #[arg(long, requires = "onto")]
+    keep_clips: bool,
+    /// With --onto: what stays in place while the source's rests [default: feet]
+    #[arg(long, value_enum, requires = "onto")]
+    pin: Option<Pin>,
+    /// With --onto: height of the floor in the motion's own space [default: found from its feet]
+    #[arg(long, value_name = "M", requires = "onto", allow_negative_numbers = true, value_parser = finite)]
+    floor_metres: Option<f32>,
+    /// With --onto: list where the motion of every joint comes from
+    #[arg(long, requires = "onto")]
+    map: bool,
+    /// Keep this clip alone [default: all; .bvh the first]
+    #[arg(long, value_name = "NAME")]
+    clip: Option<String>,
+    /// Joints that may move, such as "loa(Low) + zone(hands)"; the others are held
+    #[arg(long, value_name = "EXPR")]
+    loa: Option<String>,
+    /// Let every joint above one that may move, move too
+    #[arg(long)]
+    close_up: bool,
+    /// The same from a saved selection
+    #[arg(long, value_name = "F.json", conflicts_with = "loa")]
+    loa_profile: Option<PathBuf>,
+    /// What held joints show: hold, rest, key-pose, blend-to-rest:SECS [default: key-pose]
+    #[arg(long, value_name = "POLICY", value_parser = saved::passive)]
+    passive: Option<PassivePolicy>,
+    /// Write the draft glTF extensions for characters: skeleton mapping and reference pose
+    /// (.glb only)
+    #[arg(long)]
+    khr_character: bool,
+    #[command(flatten)]
+    hygiene: hygiene::HygieneArgs,
+    #[command(flatten)]
+    names: ReadArgs,
+}
+
+/// Reads, changes what is asked for, and writes.
+pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
+    args.check()?;
+    if face::is_meant(args) {
+        return face::run(args, console);
+    }
+    let plan = Plan::of(args)?;
+    for job in &plan.jobs {
+        args.hygiene.check(job.format)?;
+    }
+    let hero = Hero::new(args)?;
+    let bar = console.progress("converting", plan.inputs());
+    let one = |job| job::run(job, args, hero.as_ref(), &bar);
+    let done: Vec<Done> = plan.jobs.par_iter().map(one).collect();
+    bar.finish_and_clear();
+    match &plan.folder {
+        None => one_file(args, &plan, done, console),
+        Some(folder) => many_files(args, files::shown(folder), done, console),
+    }
+}
+
+/// Says what was written, then which files could not be used and why.
+fn one_file(
+    args: &ConvertArgs,
+    plan: &Plan,
+    mut done: Vec<Done>,
+    console: &Console,
+) -> anyhow::Result<()> {
+    let Done { report, mut faults } = done.swap_remove(0);
+    let Some(mut report) = report else {
+        if faults.len() == 1 {
+            return Err(faults.swap_remove(0).1);
+        }
+        report_faults(&faults, console);
+        anyhow::bail!("none of the files could be used; nothing is written");
+    };
+    report.failed = failures(&faults);
+    console.result(&report, |r| r.text(args.map))?;
+    ended(&faults, plan.inputs(), console)
+}
+
+/// The same for a folder of files.
+fn many_files(
+    args: &ConvertArgs,
+    out: String,
+    done: Vec<Done>,
+    console: &Console,
+) -> anyhow::Result<()> {
+    let count = done.len();
+    let mut files = Vec::new();
+    let mut faults = Vec::new();
+    for done in done {
+        files.extend(done.report);
+        faults.extend(done.faults);
+    }
+    let batch = Batch {
+        out,
+        files,
+        failed: failures(&faults),
+    };
+    console.result(&batch, |b| b.text(args.map))?;
+    ended(&faults, count, console)
+}
+
+fn failures(faults: &[(PathBuf, anyhow::Error)]) -> Vec<Failure> {
+    let failure = |(path, fault): &(PathBuf, anyhow::Error)| Failure::new(path, fault);
+    faults.iter().map(failure).collect()
+}
+
+fn report_faults(faults: &[(PathBuf, anyhow::Error)], console: &Console) {
+    for (_, fault) in faults {
+        console.fault(fault);
+    }
+}
+
+/// One line for each fault, and an error if there is any.
+fn ended(
+    faults: &[(PathBuf, anyhow::Error)],
+    files: usize,
+    console: &Console,
+) -> anyhow::Result<()> {
+    if faults.is_empty() {
+        return Ok(());
+    }
+    report_faults(faults, console);
+    let files = counted(files, "file", "files");
+    anyhow::bail!("{} of {files} failed; the others are done", faults.len())
+}
+
+fn format(name: &str) -> Result<Format, String> {
+    Format::of_extension(name).ok_or_else(|| format!("converted are {}", articula::conversions()))
+}
+
+impl ConvertArgs {
+    fn check(&self) -> anyhow::Result<()> {
+        let reduces = self.loa.is_some() || self.loa_profile.is_some();
+        if (self.passive.is_some() || self.close_up) && !reduces {
+            return Err(fault::usage(
+                "--passive and --close-up need --loa EXPR or --loa-profile F.json",
+            ));
+        }
+        Ok(())
+    }
+}

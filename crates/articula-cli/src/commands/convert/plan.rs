@@ -1,0 +1,184 @@
+//! Which files a conversion reads, and into which files they go.
+
+use super::ConvertArgs;
+use crate::{fault, files};
+use anyhow::{Context, bail};
+use articula::Format;
+use std::collections::HashMap;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// The files to write.
+#[derive(Debug)]
+pub(super) struct Plan {
+    pub(super) jobs: Vec<Job>,
+    /// The folder that receives them, if it is not one file that was named.
+    pub(super) folder: Option<PathBuf>,
+}
+
+/// One file to write.
+#[derive(Debug, PartialEq)]
+pub(super) struct Job {
+    /// What is read, as the command line names it.
+    pub(super) named: String,
+    pub(super) inputs: Vec<Input>,
+    pub(super) out: PathBuf,
+    pub(super) format: Format,
+}
+
+/// One file to read.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Input {
+    pub(super) path: PathBuf,
+    /// Whether it was found in a folder, not named itself.
+    pub(super) found: bool,
+}
+
+impl Plan {
+    /// Looks into folders and decides what becomes of each file.
+    pub(super) fn of(args: &ConvertArgs) -> anyhow::Result<Self> {
+        match file_format(args)? {
+            Some(format) => into_one(args, format),
+            None => into_folder(args),
+        }
+    }
+
+    /// Files to read in all.
+    pub(super) fn inputs(&self) -> usize {
+        self.jobs.iter().map(|job| job.inputs.len()).sum()
+    }
+}
+
+/// The format of the file that is asked for; `None` if a folder is.
+fn file_format(args: &ConvertArgs) -> anyhow::Result<Option<Format>> {
+    let out = &args.out;
+    let as_folder = files::ends_with_separator(out);
+    match files::format(out) {
+        Some(_) if args.to.is_some() => Err(fault::usage(format!(
+            "--to names the format of the files of a folder; {} is a file, leave --to out",
+            files::shown(out)
+        ))),
+        Some(format) if !as_folder => Ok(Some(format)),
+        _ if as_folder || args.to.is_some() || out.is_dir() || reads_many(args) => Ok(None),
+        _ => Err(fault::usage(format!(
+            "{}: the extension names no format; converted are {}; \
+             for a folder of files give --to FORMAT or end the name with /",
+            files::shown(out),
+            articula::conversions()
+        ))),
+    }
+}
+
+/// Whether more than one file may be read.
+pub(super) fn reads_many(args: &ConvertArgs) -> bool {
+    args.inputs.len() > 1 || args.inputs.iter().any(|path| path.is_dir())
+}
+
+fn into_one(args: &ConvertArgs, format: Format) -> anyhow::Result<Plan> {
+    if reads_many(args) && args.onto.is_none() {
+        return Err(fault::usage(format!(
+            "several files fit into {} only as motions of one character, --onto CHARACTER; \
+             or name a folder, such as {}/ --to {}",
+            files::shown(&args.out),
+            files::shown(&args.out.with_extension("")),
+            format.name()
+        )));
+    }
+    let named = args.inputs.iter().map(|path| files::shown(path));
+    let job = Job {
+        named: named.collect::<Vec<_>>().join(", "),
+        inputs: inputs(args)?,
+        out: args.out.clone(),
+        format,
+    };
+    Ok(Plan {
+        jobs: vec![job],
+        folder: None,
+    })
+}
+
+fn into_folder(args: &ConvertArgs) -> anyhow::Result<Plan> {
+    let format = args.to.unwrap_or(Format::Glb);
+    let inputs = inputs(args)?;
+    let mut stems: HashMap<OsString, usize> = HashMap::new();
+    for input in &inputs {
+        *stems.entry(stem(&input.path)).or_default() += 1;
+    }
+    let job = |input: Input| {
+        let mut name = stem(&input.path);
+        if stems[&name] > 1 {
+            // walk.bvh and walk.amc must not become the same file.
+            name = input.path.file_name().unwrap_or_default().to_owned();
+        }
+        name.push(".");
+        name.push(format.name());
+        Job {
+            named: files::shown(&input.path),
+            inputs: vec![input],
+            out: args.out.join(name),
+            format,
+        }
+    };
+    let jobs: Vec<Job> = inputs.into_iter().map(job).collect();
+    let mut writers: HashMap<&Path, &Path> = HashMap::new();
+    for job in &jobs {
+        let from = &job.inputs[0].path;
+        if let Some(other) = writers.insert(&job.out, from) {
+            return Err(fault::usage(format!(
+                "{} and {} would both become {}; convert them into two folders",
+                files::shown(other),
+                files::shown(from),
+                files::shown(&job.out)
+            )));
+        }
+    }
+    Ok(Plan {
+        jobs,
+        folder: Some(args.out.clone()),
+    })
+}
+
+/// The name without folder and extension.
+pub(super) fn stem(path: &Path) -> OsString {
+    path.file_stem().unwrap_or_default().to_owned()
+}
+
+/// The files that are named, and those in folders that are named, sorted by name in each.
+fn inputs(args: &ConvertArgs) -> anyhow::Result<Vec<Input>> {
+    let mut all = Vec::new();
+    for path in &args.inputs {
+        if path.is_dir() {
+            all.extend(inside(path)?);
+        } else {
+            all.push(Input {
+                path: path.clone(),
+                found: false,
+            });
+        }
+    }
+    // What an earlier run wrote into the folder is not its own input, nor is the character.
+    let onto = args.onto.iter();
+    let apart: Vec<&PathBuf> = onto.chain([&args.out]).collect();
+    all.retain(|input| !input.found || !apart.iter().any(|a| files::same(&input.path, a)));
+    Ok(all)
+}
+
+fn inside(folder: &Path) -> anyhow::Result<Vec<Input>> {
+    let place = || files::shown(folder);
+    let mut paths = files::in_folder(folder).with_context(place)?;
+    paths.retain(|path| files::format(path).is_some());
+    // Beside motions, skeletons are not there for themselves.
+    let is = |path: &PathBuf, format| files::format(path) == Some(format);
+    if paths.iter().any(|path| is(path, Format::Amc)) {
+        paths.retain(|path| !is(path, Format::Asf));
+    }
+    if paths.is_empty() {
+        bail!(
+            "{}: no file in this folder is read; read are {}",
+            place(),
+            articula::readable()
+        );
+    }
+    let found = |path| Input { path, found: true };
+    Ok(paths.into_iter().map(found).collect())
+}

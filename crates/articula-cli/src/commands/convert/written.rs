@@ -1,0 +1,154 @@
+//! The files that a conversion makes, format by format.
+//!
+//! **A new format is one arm of [`written`] and one function below it.**
+
+use super::{body, khr_character};
+use crate::table::counted;
+use articula::{Format, Opened};
+use articula_build::clip::source_rate_hz;
+use articula_formats::gltf::Document;
+use articula_formats::x3d::{self, Site};
+use articula_formats::{acclaim, bvh};
+use std::path::{Path, PathBuf};
+
+/// What will be written.
+#[derive(Debug)]
+pub(super) struct Written {
+    /// The file that was asked for, then those that must lie beside it.
+    pub(super) files: Vec<(PathBuf, Vec<u8>)>,
+    /// What the format cannot hold.
+    pub(super) left_out: Vec<String>,
+}
+
+/// Whether a file of the format holds a single clip.
+pub(super) fn holds_one_clip(format: Format) -> bool {
+    needs_a_clip(format) || format == Format::Asf
+}
+
+/// Whether a file of the format is nothing without a clip.
+pub(super) fn needs_a_clip(format: Format) -> bool {
+    matches!(format, Format::Bvh | Format::Amc | Format::Bap)
+}
+
+/// What is asked of a container beside the character.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Asked {
+    /// Whether the clips are other than the document has.
+    pub(super) clips_changed: bool,
+    /// Whether the draft extensions for characters are written.
+    pub(super) khr_character: bool,
+}
+
+/// Whether a file of the format holds every joint in every frame.
+pub(super) fn holds_frames(format: Format) -> bool {
+    holds_one_clip(format)
+}
+
+/// Makes the files.
+pub(super) fn written(
+    opened: &Opened,
+    out: &Path,
+    format: Format,
+    asked: Asked,
+) -> anyhow::Result<Written> {
+    let (bytes, left_out) = match format {
+        Format::Bvh => motion(opened)?,
+        Format::Bap => body::written(opened, asked.clips_changed)?,
+        Format::X3d => humanoid(opened)?,
+        Format::Asf | Format::Amc => return acclaim_pair(opened, out, format),
+        _ => container(opened, asked)?,
+    };
+    Ok(Written {
+        files: vec![(out.to_owned(), bytes)],
+        left_out,
+    })
+}
+
+/// A skeleton and, if there is a clip, a motion; the one that was asked for stands first.
+fn acclaim_pair(opened: &Opened, out: &Path, format: Format) -> anyhow::Result<Written> {
+    let clips = &opened.character.clips;
+    let options = acclaim::WriteOptions {
+        rate_hz: clips.first().map_or(30.0, source_rate_hz),
+        end_sites: opened.end_sites.clone(),
+    };
+    let clip = (!clips.is_empty()).then_some(0);
+    let made = acclaim::write(&opened.character, clip, &options)?;
+    let motion = made.amc.map(|amc| (out.with_extension("amc"), amc));
+    let skeleton = Some((out.with_extension("asf"), made.asf));
+    let files = match format {
+        Format::Amc => [motion, skeleton],
+        _ => [skeleton, motion],
+    };
+    let mut files: Vec<_> = files.into_iter().flatten().collect();
+    // The name that was given may be in capitals.
+    files[0].0 = out.to_owned();
+    let meshes = opened.character.meshes.len();
+    let meshes = left(
+        (meshes, "mesh", "meshes"),
+        "ASF and AMC hold joints and one clip",
+    );
+    Ok(Written {
+        files,
+        left_out: meshes.into_iter().chain(made.left_out).collect(),
+    })
+}
+
+/// A BVH file of the first clip.
+fn motion(opened: &Opened) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
+    let rate_hz = opened.character.clips.first().map_or(30.0, source_rate_hz);
+    let options = bvh::WriteOptions {
+        rate_hz,
+        end_sites: opened.end_sites.clone(),
+        ..bvh::WriteOptions::default()
+    };
+    let bytes = bvh::write(&opened.character, 0, &options)?;
+    let meshes = opened.character.meshes.len();
+    let meshes = left((meshes, "mesh", "meshes"), "BVH holds joints and one clip");
+    Ok((bytes, meshes.into_iter().collect()))
+}
+
+/// An H-Anim figure with everything that X3D holds.
+fn humanoid(opened: &Opened) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
+    let site = |(joint, offset): &(usize, glam::Vec3)| Site {
+        joint: *joint,
+        name: String::new(),
+        offset: *offset,
+    };
+    let options = x3d::WriteOptions {
+        sites: opened.end_sites.iter().map(site).collect(),
+    };
+    let written = x3d::write(&opened.character, &opened.articulation(), &options)?;
+    let notes = written.warnings.into_iter();
+    let notes = notes.map(|note| format!("{}: {}", note.at, note.what));
+    Ok((written.bytes, notes.collect()))
+}
+
+/// The document as it was but for its clips, or a new one.
+fn container(opened: &Opened, asked: Asked) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
+    let (mut document, nodes, left_out) = match &opened.gltf {
+        None => {
+            let document = Document::from_character(&opened.character)?;
+            let sites = opened.end_sites.len();
+            let sites = left((sites, "end site", "end sites"), "GLB has no such thing");
+            let nodes = (0..opened.character.skeleton.joints.len()).collect();
+            (document, nodes, sites)
+        }
+        Some(behind) => {
+            let mut document = behind.document.clone();
+            if asked.clips_changed {
+                let (joints, meshes) = (&behind.node_of_joint, &behind.node_of_mesh);
+                document.replace_clips(&opened.character.clips, joints, meshes)?;
+            }
+            (document, behind.node_of_joint.clone(), None)
+        }
+    };
+    if asked.khr_character {
+        khr_character::write(opened, &mut document, &nodes)?;
+    }
+    Ok((document.write_glb()?, left_out.into_iter().collect()))
+}
+
+/// How many of something are left out, and why; `None` if none is.
+pub(super) fn left((count, one, many): (usize, &str, &str), why: &str) -> Option<String> {
+    (count > 0).then(|| format!("{} ({why})", counted(count, one, many)))
+}

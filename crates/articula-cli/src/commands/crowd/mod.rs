@@ -1,0 +1,515 @@
+//! `articula crowd FILE`: run a crowd; what it costs, how far it is off, and at which levels.
+
+mod report;
+
+use crate::arguments::{CharacterArgs, field_of_view, not_negative, positive, size};
+use crate::console::Console;
+use crate::crowd::cast::{Cast, CastOptions, Levels, Matrices};
+use crate::crowd::figure::MOST_MESH_LEVELS;
+use crate::crowd::run::{self, Run};
+use crate::crowd::stage::{DISPLAY_HZ, Settings, Wanted};
+use crate::crowd::{picture, scene_file};
+use crate::open;
+use crate::play::camera_path;
+use crate::play::plots::{Plot, stacked};
+use crate::{fault, files};
+use anyhow::Context;
+use articula::Figure;
+use articula::Opened;
+use articula_build::character::Asset;
+use articula_build::scene::{PLAZA_COUNT, Phases, Scene, Way, plaza, plaza_2, put_in_place};
+use articula_core::Backend;
+use articula_core::clip_set::Storage;
+use articula_core::crowd::CacheUse;
+use articula_core::loa::Expression;
+use articula_core::palette::PaletteForm;
+use articula_flat::codec;
+use articula_flat::plot::{PlotOptions, Series, line_plot};
+use clap::{Args, ValueEnum};
+use report::Report;
+use std::path::{Path, PathBuf};
+
+/// Seconds that are played where the scene has no camera path of its own.
+const USUAL_SECS: f64 = 2.0;
+
+/// Longest camera path that is played whole without being asked for.
+const LONGEST_LAP_SECS: f64 = 60.0;
+
+/// Most frames of a run.
+const MOST_FRAMES: f64 = 36_000.0;
+
+/// Most threads.
+const MOST_THREADS: usize = 256;
+
+/// Size of the picture that `--picture` writes.
+const PICTURE_PX: (u32, u32) = (1280, 720);
+
+/// Arguments of `crowd`.
+#[derive(Debug, Args)]
+pub(crate) struct CrowdArgs {
+    #[command(flatten)]
+    character: CharacterArgs,
+    /// Characters [default: 10000, or all of a scene file]
+    #[arg(long, value_name = "N", value_parser = count)]
+    count: Option<usize>,
+    /// full: every joint of everyone in every frame; auto: merged levels within the tolerance or
+    /// the budget; an expression such as "loa(Low) + zone(hands)": these joints of everyone in view
+    #[arg(long, value_name = "full|auto|EXPR", default_value = "auto")]
+    level: String,
+    /// Levels of the mesh, chosen with those of the joints: 100, 50, 25, 10 and 1.5 % of its
+    /// triangles; 1: everyone has the original
+    #[arg(long, value_name = "N", default_value = "1", value_parser = mesh_levels)]
+    mesh_levels: usize,
+    /// Who stands where; clips that travel are played on the spot: plaza, plaza-2 (moving camera, a fifth in cross-fades), plaza-2-in-step (the same with all
+    /// phases equal), or a scene file
+    #[arg(long, value_name = "NAME|F.json", default_value = "plaza")]
+    scene: String,
+    /// Milliseconds of processor time that a frame may take; the least visible error within it
+    #[arg(long, value_name = "MS", value_parser = positive)]
+    budget_ms: Option<f32>,
+    /// Error that nobody may see, pixels; with a budget: what is mended first
+    #[arg(long, value_name = "PX", default_value = "1", value_parser = not_negative)]
+    epsilon_px: f32,
+    /// Threads
+    #[arg(long, value_name = "T", default_value = "1", value_parser = threads)]
+    threads: usize,
+    /// Seconds to play at 60 frames a second [default: one lap of the scene's camera, else 2]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    seconds: Option<f32>,
+    /// Another camera path: a JSON list of key frames with t, eye and target
+    #[arg(long, value_name = "F.json")]
+    camera_path: Option<PathBuf>,
+    /// Let characters share poses where nobody can see the difference
+    #[arg(long)]
+    share: bool,
+    /// Also work out everyone's way over the ground, of clips that travel; nobody takes it here
+    #[arg(long)]
+    root_steps: bool,
+    /// Which clips are played (repeatable) [default: all]
+    #[arg(long, value_name = "NAME|all")]
+    clip: Vec<String>,
+    #[command(flatten)]
+    storage: StorageArgs,
+    /// Size of the picture that pixels are counted in [default: the scene's, 1920x1080]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    viewport: Option<(u32, u32)>,
+    /// Vertical field of view, degrees [default: the scene's, 45]
+    #[arg(long, value_name = "DEG", value_parser = field_of_view)]
+    fov_deg: Option<f32>,
+    /// Seed of the scene and of all choices
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Write the scene to a file to start from
+    #[arg(long, value_name = "F.json")]
+    save_scene: Option<PathBuf>,
+    /// Write frame time and error over time
+    #[arg(long, value_name = "F.svg")]
+    plot: Option<PathBuf>,
+    /// Write a picture of the first frame, everyone in the colour of the level
+    #[arg(long, value_name = "F.png")]
+    picture: Option<PathBuf>,
+}
+
+/// How clips are held and palettes written.
+#[derive(Debug, Clone, Args)]
+struct StorageArgs {
+    /// Numbers of the clips: 32-bit floats, or 16-bit integers
+    #[arg(long, value_enum, default_value = "float")]
+    storage: StorageName,
+    /// How palettes are written: 48, 24, 32 or 16 bytes a matrix
+    #[arg(long, value_enum, default_value = "matrix")]
+    form: FormName,
+    /// Which matrices: of joints, or of the skin's bindings with their inverse bind [default:
+    /// joints; skin with a cache]
+    #[arg(long, value_enum)]
+    palette: Option<MatricesName>,
+    /// Poses cached for all characters of a clip and level: blended by the CPU, or left to the
+    /// GPU as 16-byte records
+    #[arg(long, value_enum, default_value = "never")]
+    cache: CacheName,
+    /// Instruction set; all give the same bits [default: the best]
+    #[arg(long, value_name = "NAME", value_parser = backend)]
+    backend: Option<Backend>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum StorageName {
+    Float,
+    Short,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FormName {
+    Matrix,
+    Half,
+    Rigid,
+    HalfRigid,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MatricesName {
+    Joints,
+    Skin,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum CacheName {
+    Never,
+    Cpu,
+    Gpu,
+}
+
+impl StorageArgs {
+    /// Which matrices; a cache holds those of the skin.
+    fn palette(&self) -> MatricesName {
+        let usual = match self.cache {
+            CacheName::Never => MatricesName::Joints,
+            _ => MatricesName::Skin,
+        };
+        self.palette.unwrap_or(usual)
+    }
+
+    fn cache(&self) -> CacheUse {
+        match self.cache {
+            CacheName::Never => CacheUse::Never,
+            CacheName::Cpu => CacheUse::Cpu,
+            CacheName::Gpu => CacheUse::Gpu,
+        }
+    }
+}
+
+/// What is played: everything that was asked for, read and checked.
+struct Piece {
+    cast: Cast,
+    scene: Scene,
+    scene_name: String,
+    in_place: Vec<String>,
+    settings: Settings,
+}
+
+/// Plays the crowd and prints the report.
+pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
+    let wanted = args.wanted()?;
+    args.check_outputs()?;
+    args.check_cache()?;
+    args.check_mesh_levels()?;
+    let mut figure = open::figure(&args.character)?;
+    let place = figure.opened.name.clone();
+    let mut warnings = open::warnings(&figure.opened);
+    let articulation = figure.opened.articulation();
+    let Opened {
+        character,
+        end_sites,
+        ..
+    } = &mut figure.opened;
+    let (ways, faults) = put_in_place(character, articulation, end_sites);
+    warnings.extend(faults);
+    if ways.iter().any(Option::is_some) {
+        figure = Figure::new(figure.opened)?;
+    }
+    let (asset, ways) = args.asset(figure, ways).context(place.clone())?;
+    let options = args.options()?;
+    let paths = if args.root_steps { &ways[..] } else { &[] };
+    let cast = Cast::new(asset, paths, &options, console).context(place.clone())?;
+    warnings.extend(cast.warnings.iter().cloned());
+    if args.picture.is_some() && !cast.has_mesh {
+        anyhow::bail!("{place}: no mesh, so there is nothing to draw; leave --picture out");
+    }
+    let scene = args.scene(&cast)?;
+    let settings = Settings {
+        wanted,
+        share: args.share,
+        cache: args.storage.cache(),
+        threads: args.threads,
+        frames: args.frames(&scene)?,
+    };
+    let travels = cast.asset.clips.iter().zip(&ways);
+    let travels = travels.filter(|(_, way)| way.is_some());
+    let piece = Piece {
+        in_place: travels.map(|(clip, _)| clip.name.clone()).collect(),
+        cast,
+        scene,
+        scene_name: args.scene.clone(),
+        settings,
+    };
+    let found = run::run(&piece.cast, &piece.scene, settings, args.seed, console)?;
+    let mut report = Report::new(args, &piece, &found, place);
+    report.warnings.extend(warnings);
+    args.write(&piece, &found, &mut report)?;
+    console.result(&report, Report::text)
+}
+
+impl CrowdArgs {
+    /// How much detail is asked for.
+    fn wanted(&self) -> anyhow::Result<Wanted> {
+        match (self.level.as_str(), self.budget_ms) {
+            ("auto", None) => Ok(Wanted::Tolerance(self.epsilon_px)),
+            ("auto", Some(ms)) => Ok(Wanted::Budget {
+                ms,
+                cap_px: self.epsilon_px,
+            }),
+            (level, Some(_)) => Err(fault::usage(format!(
+                "--budget-ms chooses levels itself; leave --level {level} out"
+            ))),
+            ("full", None) => Ok(Wanted::Full),
+            // Level 0 is every joint, the named level comes after it.
+            (_, None) => Ok(Wanted::Level(1)),
+        }
+    }
+
+    fn check_outputs(&self) -> anyhow::Result<()> {
+        let wanted = [
+            ("--plot", &self.plot, "svg", "plots are SVG"),
+            ("--picture", &self.picture, "png", "pictures are PNG"),
+            ("--save-scene", &self.save_scene, "json", "scenes are JSON"),
+        ];
+        for (flag, path, ending, what) in wanted {
+            let Some(path) = path else { continue };
+            let found = path.extension().unwrap_or_default();
+            if !found.eq_ignore_ascii_case(ending) {
+                let path = files::shown(path);
+                let mend = format!("name a .{ending} file");
+                return Err(fault::usage(format!("{flag} {path}: {what}; {mend}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// The character with the clips that are played, in the order of the file.
+    fn asset(
+        &self,
+        figure: Figure,
+        mut ways: Vec<Option<Way>>,
+    ) -> anyhow::Result<(Asset, Vec<Option<Way>>)> {
+        let mut asset = figure.asset;
+        let names: Vec<String> = asset.clips.iter().map(|c| c.name.clone()).collect();
+        let names = || names.iter().map(String::as_str);
+        let all = |name: &String| name == "all" && !names().any(|n| n == "all");
+        if self.clip.is_empty() || self.clip.iter().any(all) {
+            return Ok((asset, ways));
+        }
+        let mut kept = vec![false; asset.clips.len()];
+        for name in &self.clip {
+            kept[open::choose("clip", name, names())?] = true;
+        }
+        let mut each = kept.iter().copied();
+        asset.clips.retain(|_| each.next().unwrap_or(false));
+        let mut each = kept.iter().copied();
+        ways.retain(|_| each.next().unwrap_or(false));
+        Ok((asset, ways))
+    }
+
+    fn options(&self) -> anyhow::Result<CastOptions> {
+        let levels = match self.level.as_str() {
+            "full" => Levels::Whole,
+            "auto" => Levels::Merged,
+            text => {
+                let parsed = Expression::parse(text).map_err(|e| fault::usage(e.to_string()));
+                Levels::Named(parsed.with_context(|| format!("--level \"{text}\""))?)
+            }
+        };
+        Ok(CastOptions {
+            levels,
+            matrices: match self.storage.palette() {
+                MatricesName::Joints => Matrices::Joints,
+                MatricesName::Skin => Matrices::Skin,
+            },
+            form: match self.storage.form {
+                FormName::Matrix => PaletteForm::Matrix,
+                FormName::Half => PaletteForm::HalfMatrix,
+                FormName::Rigid => PaletteForm::Rigid,
+                FormName::HalfRigid => PaletteForm::HalfRigid,
+            },
+            storage: match self.storage.storage {
+                StorageName::Float => Storage::Float,
+                StorageName::Short => Storage::Short,
+            },
+            backend: self.storage.backend.unwrap_or_else(Backend::best),
+            seed: self.seed,
+            is_cached: self.storage.cache() != CacheUse::Never,
+            mesh_levels: self.mesh_levels,
+        })
+    }
+
+    /// Coarser meshes are chosen by their error.
+    fn check_mesh_levels(&self) -> anyhow::Result<()> {
+        if self.mesh_levels > 1 && self.level != "auto" {
+            let what = format!("--mesh-levels goes with --level auto, not {}", self.level);
+            return Err(fault::usage(what));
+        }
+        Ok(())
+    }
+
+    /// A cache is of whole matrices of the skin, and its error is weighed against a tolerance.
+    fn check_cache(&self) -> anyhow::Result<()> {
+        if self.storage.cache() == CacheUse::Never {
+            return Ok(());
+        }
+        let mend = if self.level != "auto" || self.budget_ms.is_some() {
+            "goes with --level auto and no budget"
+        } else if self.storage.palette() == MatricesName::Joints {
+            "holds matrices of the skin; leave --palette out"
+        } else if !matches!(self.storage.form, FormName::Matrix | FormName::Half) {
+            "blends --form matrix or half"
+        } else {
+            return Ok(());
+        };
+        Err(fault::usage(format!("--cache {mend}")))
+    }
+
+    fn scene(&self, cast: &Cast) -> anyhow::Result<Scene> {
+        let clips = &cast.asset.clips;
+        let count = self.count.unwrap_or(PLAZA_COUNT);
+        let moving = |phases| plaza_2(count, clips.len(), self.seed, phases);
+        let mut scene = match self.scene.as_str() {
+            "plaza" => plaza(count, clips.len(), self.seed),
+            "plaza-2" => moving(Phases::Distinct),
+            "plaza-2-in-step" => moving(Phases::Equal),
+            path => self.scene_file(Path::new(path), cast)?,
+        };
+        if let Some((width, height)) = self.viewport {
+            scene.viewport.width_px = width as f32;
+            scene.viewport.height_px = height as f32;
+        }
+        if let Some(fov_deg) = self.fov_deg {
+            scene.viewport.fov_y_radians = fov_deg.to_radians();
+        }
+        if let Some(path) = &self.camera_path {
+            scene.camera = camera_path::read(path, DISPLAY_HZ)?;
+            scene.camera_loops = false;
+        }
+        Ok(scene)
+    }
+
+    fn scene_file(&self, path: &Path, cast: &Cast) -> anyhow::Result<Scene> {
+        if path.extension().is_none() && !path.exists() {
+            let known = "give plaza, plaza-2, plaza-2-in-step or a .json file";
+            return Err(fault::usage(format!("--scene {}: {known}", self.scene)));
+        }
+        let mut scene = scene_file::read(path, &cast.asset.clips, DISPLAY_HZ)?;
+        let there = scene.members.len();
+        match self.count {
+            Some(count) if count > there => Err(fault::usage(format!(
+                "--count {count}: {} has {there} characters",
+                files::shown(path)
+            ))),
+            count => {
+                scene.members.truncate(count.unwrap_or(there));
+                Ok(scene)
+            }
+        }
+    }
+
+    /// Frames that count.
+    fn frames(&self, scene: &Scene) -> anyhow::Result<usize> {
+        let lap = scene.lap_secs();
+        let usual = if lap > 0.0 {
+            lap.min(LONGEST_LAP_SECS)
+        } else {
+            USUAL_SECS
+        };
+        let secs = self.seconds.map_or(usual, f64::from);
+        let frames = (secs * DISPLAY_HZ).round().max(1.0);
+        if frames > MOST_FRAMES {
+            let most = MOST_FRAMES / DISPLAY_HZ;
+            let what = format!("--seconds {secs}: at most {most} seconds");
+            return Err(fault::usage(what));
+        }
+        Ok(frames as usize)
+    }
+
+    /// Writes what was asked for beside the report.
+    fn write(&self, piece: &Piece, found: &Run, report: &mut Report) -> anyhow::Result<()> {
+        if let Some(path) = &self.save_scene {
+            scene_file::save(path, &piece.scene, &piece.cast.asset.clips)?;
+            report.written.push(files::shown(path));
+        }
+        if let Some(path) = &self.plot {
+            let svg = stacked(&plots(found, self.budget_ms));
+            files::write(path, svg.as_bytes())?;
+            report.written.push(files::shown(path));
+        }
+        if let Some(path) = &self.picture {
+            let picture = picture::draw(&piece.cast, &piece.scene, piece.settings, PICTURE_PX)?;
+            let png = codec::png(&picture).with_context(|| files::shown(path))?;
+            files::write(path, &png)?;
+            report.written.push(files::shown(path));
+        }
+        Ok(())
+    }
+}
+
+/// Frame time and error over the time of the scene.
+pub(crate) fn plots(found: &Run, budget_ms: Option<f32>) -> Vec<Plot> {
+    let options = |title: &str, y: &str, target| PlotOptions {
+        title: title.into(),
+        x_label: "time (s)".into(),
+        y_label: y.into(),
+        target,
+        ..PlotOptions::default()
+    };
+    let target = budget_ms.map(|ms| (f64::from(ms), format!("budget {ms} ms")));
+    let time = Series {
+        points: found.over_time.clone(),
+        ..Series::default()
+    };
+    let line = |name: &str, of: &dyn Fn(&crate::crowd::pixel_error::Summary) -> f64| Series {
+        name: name.into(),
+        points: found
+            .looks
+            .iter()
+            .map(|l| {
+                let one = std::slice::from_ref(l);
+                (l.secs, of(&crate::crowd::pixel_error::Summary::of(one)))
+            })
+            .collect(),
+        dashed: name != "p95 of visible",
+    };
+    let errors = [
+        line("p95 of visible", &|s| s.p95),
+        line("max", &|s| s.max),
+        line("max nearer than 20 m", &|s| s.near_max),
+    ];
+    vec![
+        Plot {
+            name: "frame-time.svg",
+            svg: line_plot(
+                &options("Processor time of a frame", "time (ms)", target),
+                &[time],
+            ),
+        },
+        Plot {
+            name: "crowd-error.svg",
+            svg: line_plot(&options("Error of the crowd", "error (px)", None), &errors),
+        },
+    ]
+}
+
+fn count(text: &str) -> Result<usize, String> {
+    let most = scene_file::MOST_MEMBERS;
+    let number = text.parse::<usize>().ok();
+    let number = number.filter(|n| (1..=most).contains(n));
+    number.ok_or_else(|| format!("expected a whole number of 1 to {most}"))
+}
+
+fn mesh_levels(text: &str) -> Result<usize, String> {
+    let number = text.parse::<usize>().ok();
+    let number = number.filter(|n| (1..=MOST_MESH_LEVELS).contains(n));
+    number.ok_or_else(|| format!("expected a whole number of 1 to {MOST_MESH_LEVELS}"))
+}
+
+fn threads(text: &str) -> Result<usize, String> {
+    let number = text.parse::<usize>().ok();
+    let number = number.filter(|n| (1..=MOST_THREADS).contains(n));
+    number.ok_or_else(|| format!("expected a whole number of 1 to {MOST_THREADS}"))
+}
+
+fn backend(text: &str) -> Result<Backend, String> {
+    let here: Vec<&str> = Backend::ALL
+        .into_iter()
+        .filter(|b| b.is_available())
+        .map(Backend::name)
+        .collect();
+    let found = Backend::from_name(text).filter(|b| b.is_available());
+    found.ok_or_else(|| format!("this machine has {}", here.join(", ")))
+}

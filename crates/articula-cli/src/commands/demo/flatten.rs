@@ -1,0 +1,76 @@
+//! The 2D section of the demo: the walking human as pictures that play without 3D.
+
+use super::Folder;
+use crate::commands::flatten::converted;
+use crate::commands::flatten::report::{Made, Report};
+use crate::console::Console;
+use crate::flat::{Shot, Staged};
+use crate::play::Scene;
+use articula_core::view::Viewport;
+use articula_flat::flatten::{PrepareOptions, Profile, Quality, Settings};
+use articula_flat::planar::shading::Shading;
+use articula_flat::vector::player::Output;
+use articula_flat::vector::thesis::ThesisOptions;
+
+/// Side of the pictures, pixels.
+const SIDE: u32 = 360;
+
+/// The thesis' form first, then ours.
+pub(super) fn of(
+    folder: &Folder,
+    scene: &Scene<'_>,
+    console: &Console,
+) -> anyhow::Result<Vec<Report>> {
+    let shot = Shot {
+        clip: Some(scene.clip),
+        still_at: None,
+        cycles: 1,
+        fps: 25.0,
+        yaw_deg: 30.0,
+        pitch_deg: 5.0,
+        turn_deg: 0.0,
+        viewport: Viewport {
+            width_px: SIDE as f32,
+            height_px: SIDE as f32,
+            fov_y_radians: 25.0f32.to_radians(),
+        },
+        triangles: Some(1000),
+    };
+    let staged = Staged::new(scene.figure, shot, console)?;
+    let mut reports = Vec::new();
+    for (file, profile, shading) in [
+        (
+            "walk-thesis.svg",
+            Profile::Thesis(ThesisOptions::default()),
+            Shading::Flat,
+        ),
+        ("walk.svg", Profile::Smil, Shading::Gouraud),
+        ("walk-flat.svg", Profile::Smil, Shading::Flat),
+        (
+            "walk-player.svg",
+            Profile::Player(Output::Svg),
+            Shading::Gouraud,
+        ),
+        ("walk.json", Profile::Lottie, Shading::Gouraud),
+    ] {
+        let settings = Settings {
+            profile,
+            quality: Quality {
+                shading,
+                ..Quality::of(profile)
+            },
+            name: "walk".into(),
+            max_bytes: None,
+        };
+        let flat = converted(&staged, PrepareOptions::default(), &settings, console)?;
+        folder.write(file, &flat.bytes)?;
+        let made = Made {
+            triangles_of_character: scene.figure.asset.mesh.triangles.len(),
+            triangles: staged.triangles.len(),
+            size_px: (SIDE, SIDE),
+            max_bytes: None,
+        };
+        reports.push(Report::new(file.into(), &flat, made));
+    }
+    Ok(reports)
+}

@@ -1,0 +1,97 @@
+//! The mesh levels of the demo: what they weigh, and how they look in motion.
+
+use super::Folder;
+use crate::commands::build::levels as report;
+use crate::play::Scene;
+use crate::play::artist::Artist;
+use anyhow::Context;
+use articula::{CodedMeshLevels, Figure};
+use articula_core::articulation::Region;
+use articula_core::sample::{Wrap, sample};
+use articula_core::source;
+use articula_flat::codec;
+use articula_flat::contact_sheet::{Cell, ContactSheet, Row, Tile};
+use serde::Serialize;
+
+/// What the levels of the asset show, lose and weigh.
+#[derive(Debug, Serialize)]
+pub(super) struct MeshLevels {
+    /// The finest first.
+    pub(super) levels: Vec<report::Level>,
+    pub(super) bytes: report::Bytes,
+    pub(super) poses_measured: usize,
+}
+
+impl MeshLevels {
+    /// Of an asset whose meshes take so many bytes.
+    pub(super) fn new(levels: &CodedMeshLevels, mesh_bytes: usize) -> Self {
+        Self {
+            levels: report::levels(levels),
+            bytes: report::bytes(levels, mesh_bytes),
+            poses_measured: levels.levels.measured.poses(),
+        }
+    }
+}
+
+/// Draws every level in a moment of the clip: the whole figure, its face and a hand.
+pub(super) fn draw(folder: &Folder, scene: &Scene<'_>) -> anyhow::Result<()> {
+    let meshes = &scene.figure.opened.character.meshes;
+    let count = meshes.iter().flat_map(|m| m.clustered.first());
+    let count = count.map(|c| c.clusters.levels()).max().unwrap_or(0);
+    let mut rows = Vec::with_capacity(count);
+    for level in (0..count).rev() {
+        rows.push(row(scene, level)?);
+    }
+    let sheet = ContactSheet {
+        title: "Mesh levels in motion".into(),
+        rows,
+        ..ContactSheet::default()
+    };
+    let picture = sheet.draw().context("the picture of mesh levels")?;
+    folder.write("mesh-levels.png", &codec::png(&picture)?)
+}
+
+fn row(scene: &Scene<'_>, level: usize) -> anyhow::Result<Row> {
+    let figure = at_level(scene.figure, level)?;
+    let clip = &figure.asset.clips[scene.clip];
+    let mut pose = figure.asset.rig.rest_pose().clone();
+    let secs = f64::from(clip.duration_secs()) / 4.0;
+    let all = figure.asset.rig.all();
+    sample(clip, secs, Wrap::Clamp, &all, &mut pose);
+    let morphs = figure.asset.mesh.morph_weights.clone();
+    let mut artist = Artist::new(&figure, (230, 300));
+    artist.frame_pose(&pose, &morphs);
+    let mut pictures = vec![("in motion", artist.figure(&pose, morphs.clone())?)];
+    for (caption, region, azimuth) in [("face", Region::Face, 0.4), ("hand", Region::Hands, 1.2)] {
+        artist.azimuth = azimuth;
+        artist.frame_region(&pose, region);
+        pictures.push((caption, artist.figure(&pose, morphs.clone())?));
+    }
+    let triangles = figure.asset.mesh.triangles.len();
+    let cell = |(caption, picture): (&str, _)| Cell {
+        tiles: vec![Tile {
+            picture,
+            caption: caption.into(),
+        }],
+    };
+    Ok(Row {
+        label: format!("{triangles} triangles"),
+        cells: pictures.into_iter().map(cell).collect(),
+    })
+}
+
+/// A character that was read, showing one of its mesh levels.
+fn at_level(figure: &Figure, level: usize) -> anyhow::Result<Figure> {
+    let mut opened = figure.opened.clone();
+    for mesh in &mut opened.character.meshes {
+        show(mesh, level);
+    }
+    Ok(Figure::new(opened)?)
+}
+
+fn show(mesh: &mut source::Mesh, level: usize) {
+    for (primitive, levels) in mesh.primitives.iter_mut().zip(&mesh.clustered) {
+        primitive.triangles = levels.level(level).collect();
+    }
+    mesh.clustered.clear();
+}

@@ -1,0 +1,211 @@
+//! `articula demo`: the main job on the embedded reference human, told as a page.
+//!
+//! Human → asset → every method over distance → a crowd → pictures, plots, page. All numbers on the page
+//! are those of this run.
+
+mod crowd;
+mod flatten;
+mod mesh_levels;
+mod page;
+mod pictures;
+mod report;
+
+use crate::arguments::ReadArgs;
+use crate::commands::human;
+use crate::commands::lod::DISTANCES_M;
+use crate::console::Console;
+use crate::open;
+use crate::play::methods::{self, Chosen};
+use crate::play::rows::{self, Table, Tuning};
+use crate::play::{Scene, costs, plots};
+use crate::{fault, files};
+use anyhow::Context;
+use articula::{Figure, MeshLevelOptions, PrepareOptions, prepare, stored_tables};
+use articula_build::evaluate::{MethodOptions, Setup};
+use articula_build::human::HumanOptions;
+use articula_formats::gltf::Document;
+use clap::Args;
+use mesh_levels::MeshLevels;
+use report::{ClipRows, Found, Level, Report};
+use std::path::{Path, PathBuf};
+
+/// The error that every method is calibrated to, pixels.
+const TARGET_PX: f32 = 1.0;
+/// The clip that all methods play.
+const CLIP: &str = "walk";
+/// Index of the distance that pictures of all methods show: 9.05 m.
+const MIDDLE: usize = 2;
+
+/// Arguments of `demo`.
+#[derive(Debug, Args)]
+pub(crate) struct DemoArgs {
+    /// Folder to write
+    #[arg(long, value_name = "DIR", default_value = "articula-demo")]
+    out: PathBuf,
+    /// Open the studio as well (not yet there)
+    #[arg(long)]
+    serve: bool,
+}
+
+/// Runs everything and prints where the page is.
+pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
+    if args.serve {
+        return Err(fault::usage(
+            "--serve: there is no server yet, it comes with the studio; without --serve the page is written as files",
+        ));
+    }
+    let folder = Folder::new(&args.out);
+    let (asset, mesh_levels) = make_asset(&folder, console)?;
+    let figure = Figure::new(open::character(&asset, &ReadArgs::default())?)?;
+    stored_tables(&figure)?;
+    let scene = scene_of(&figure, CLIP)?;
+    let chosen = methods::all(&figure.asset.rig);
+    let tuning = Tuning::Calibrated(TARGET_PX);
+    let tables = rows::of(&scene, &chosen, &DISTANCES_M, tuning, console);
+    let clips = over_clips(&figure, &chosen, console)?;
+    let levels = levels_of(&figure);
+    let costs = costs::of(&scene);
+    draw(&folder, &scene, &tables, console)?;
+    plot(&folder, &scene, &tables, &costs)?;
+    mesh_levels::draw(&folder, &scene)?;
+    let flat = flatten::of(&folder, &scene, console)?;
+    let crowd = crowd::of(&figure.asset, TARGET_PX, &folder, console)?;
+    let found = Found {
+        clips,
+        levels,
+        costs,
+        crowd,
+        mesh_levels,
+        flat,
+    };
+    let report = Report::new(&folder, &figure, &tables, found);
+    folder.write("report.json", &serde_json::to_vec_pretty(&report)?)?;
+    folder.write("index.html", page::of(&report).as_bytes())?;
+    console.result(&report, Report::text)
+}
+
+/// Where everything goes.
+pub(super) struct Folder(PathBuf);
+
+impl Folder {
+    fn new(path: &Path) -> Self {
+        Self(path.to_owned())
+    }
+
+    fn file(&self, name: &str) -> PathBuf {
+        self.0.join(name)
+    }
+
+    fn write(&self, name: &str, bytes: &[u8]) -> anyhow::Result<()> {
+        files::write(&self.file(name), bytes)
+    }
+}
+
+/// Writes the human and the asset made of it; gives the asset's path.
+fn make_asset(folder: &Folder, console: &Console) -> anyhow::Result<(PathBuf, MeshLevels)> {
+    let character = human::made(HumanOptions::default().triangles, console)?;
+    let document = Document::from_character(&character).context("the reference human")?;
+    folder.write("human.glb", &document.write_glb()?)?;
+    let opened = open::character(&folder.file("human.glb"), &ReadArgs::default())?;
+    let options = PrepareOptions {
+        mesh_levels: Some(MeshLevelOptions::levels(5)),
+        ..PrepareOptions::default()
+    };
+    let built = console.work(|work| prepare(opened, &options, work))?;
+    folder.write("asset.glb", &built.glb)?;
+    let levels = built
+        .mesh_levels
+        .as_ref()
+        .context("the asset has no mesh levels")?;
+    Ok((
+        folder.file("asset.glb"),
+        MeshLevels::new(levels, built.mesh_bytes),
+    ))
+}
+
+fn scene_of<'a>(figure: &'a Figure, clip: &str) -> anyhow::Result<Scene<'a>> {
+    let clip = figure.clip(Some(clip))?;
+    Ok(Scene {
+        figure,
+        clip: clip.unwrap_or(0),
+        setup: Setup::default(),
+        options: MethodOptions::default(),
+    })
+}
+
+/// Our metric on every clip of the character.
+fn over_clips(
+    figure: &Figure,
+    chosen: &[Chosen],
+    console: &Console,
+) -> anyhow::Result<Vec<ClipRows>> {
+    let ours = &chosen[..1];
+    let mut all = Vec::new();
+    for clip in &figure.asset.clips {
+        let scene = scene_of(figure, &clip.name)?;
+        let tuning = Tuning::Calibrated(TARGET_PX);
+        let tables = rows::of(&scene, ours, &DISTANCES_M, tuning, console);
+        all.push(ClipRows {
+            clip: clip.name.clone(),
+            rows: tables.into_iter().flat_map(|t| t.rows).collect(),
+        });
+    }
+    Ok(all)
+}
+
+/// What each level of articulation leaves of the stored animation.
+fn levels_of(figure: &Figure) -> Vec<Level> {
+    let rig = &figure.asset.rig;
+    let clips = &figure.opened.character.clips;
+    articula_core::articulation::Complexity::ALL
+        .into_iter()
+        .rev()
+        .map(|level| Level::new(level, rig, clips))
+        .collect()
+}
+
+fn draw(
+    folder: &Folder,
+    scene: &Scene<'_>,
+    tables: &[Table],
+    console: &Console,
+) -> anyhow::Result<()> {
+    let bar = console.progress("drawing", 4);
+    for (name, picture) in [
+        ("character.png", pictures::character as pictures::Draw),
+        ("distances.png", pictures::distances),
+        ("methods.png", pictures::methods),
+        ("levels.png", pictures::levels),
+    ] {
+        let png = articula_flat::codec::png(&picture(scene, tables)?)?;
+        folder.write(name, &png)?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(())
+}
+
+fn plot(
+    folder: &Folder,
+    scene: &Scene<'_>,
+    tables: &[Table],
+    costs: &costs::Costs,
+) -> anyhow::Result<()> {
+    let clip = &scene.figure.asset.clips[scene.clip].name;
+    let heading = format!("clip {clip}, calibrated to {TARGET_PX} px");
+    let mut all = vec![
+        plots::gain(tables, &heading),
+        plots::error(tables, &heading, Some(TARGET_PX)),
+        plots::over_the_clip(
+            scene,
+            tables,
+            MIDDLE,
+            &format!("clip {clip}, {} m", DISTANCES_M[MIDDLE]),
+        ),
+    ];
+    all.extend(plots::costs(costs, &format!("clip {clip}")));
+    for plot in all {
+        folder.write(plot.name, plot.svg.as_bytes())?;
+    }
+    Ok(())
+}

@@ -1,0 +1,157 @@
+//! What the demo found: `report.json`, and what the page tells.
+
+use super::crowd::Crowd;
+use super::mesh_levels::MeshLevels;
+use super::{Folder, MIDDLE, TARGET_PX};
+use crate::commands::flatten::report as flatten;
+use crate::files;
+use crate::play::costs::Costs;
+use crate::play::rows::{Row, Table};
+use crate::play::saved::{Amount, Saving};
+use articula::Figure;
+use articula_core::articulation::Complexity;
+use articula_core::joint_state::PassivePolicy;
+use articula_core::loa::selection;
+use articula_core::rig::Rig;
+use articula_core::source;
+use serde::Serialize;
+
+/// Everything that one run of the demo found.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    pub(super) version: &'static str,
+    pub(super) page: String,
+    pub(super) human: Human,
+    pub(super) clip: String,
+    pub(super) target_px: f32,
+    pub(super) joints_moving: usize,
+    pub(super) frames: usize,
+    /// Every method at every distance, on one clip.
+    pub(super) methods: Vec<MethodRows>,
+    /// Our metric on every clip.
+    pub(super) clips: Vec<ClipRows>,
+    /// The stored animation under each level of articulation.
+    pub(super) levels: Vec<Level>,
+    pub(super) costs: Costs,
+    pub(super) crowd: Crowd,
+    pub(super) mesh_levels: MeshLevels,
+    /// The walk as 2D content, the thesis' form first.
+    pub(super) flat: Vec<flatten::Report>,
+}
+
+/// What stands beside the methods.
+pub(super) struct Found {
+    pub(super) clips: Vec<ClipRows>,
+    pub(super) levels: Vec<Level>,
+    pub(super) costs: Costs,
+    pub(super) crowd: Crowd,
+    pub(super) mesh_levels: MeshLevels,
+    /// The walk as 2D content, the thesis' form first.
+    pub(super) flat: Vec<flatten::Report>,
+}
+
+/// The character.
+#[derive(Debug, Serialize)]
+pub(super) struct Human {
+    pub(super) joints: usize,
+    pub(super) triangles: usize,
+    pub(super) vertices: usize,
+    pub(super) bytes: usize,
+}
+
+/// One method over distance.
+#[derive(Debug, Serialize)]
+pub(super) struct MethodRows {
+    pub(super) label: String,
+    pub(super) rows: Vec<Row>,
+}
+
+/// One clip over distance.
+#[derive(Debug, Serialize)]
+pub(super) struct ClipRows {
+    pub(super) clip: String,
+    pub(super) rows: Vec<Row>,
+}
+
+/// One level of articulation of all clips, passive joints in their key pose.
+#[derive(Debug, Serialize)]
+pub(super) struct Level {
+    pub(super) name: &'static str,
+    pub(super) joints: usize,
+    pub(super) stored: Amount,
+    /// Share of the animation's bytes that is gone, 0 to 1.
+    pub(super) saved: f64,
+}
+
+impl Level {
+    /// What the level leaves of some clips.
+    pub(super) fn new(level: Complexity, rig: &Rig, clips: &[source::Clip]) -> Self {
+        let active = selection::complexity(rig, level);
+        let saving = Saving::new(rig, clips, &active, PassivePolicy::KeyPose);
+        Self {
+            name: level.name(),
+            joints: active.intersection(rig.skin_joints()).len(),
+            stored: saving.after,
+            saved: saving.share(),
+        }
+    }
+}
+
+impl Report {
+    /// Gathers what was found.
+    pub(super) fn new(folder: &Folder, figure: &Figure, tables: &[Table], found: Found) -> Self {
+        let asset = &figure.asset;
+        let clip = asset.clips.iter().find(|c| c.name == super::CLIP);
+        let moving = clip.map(|c| articula_build::motion_error::bounds::moving_joints(asset, c));
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            page: files::shown(&folder.file("index.html")),
+            human: Human {
+                joints: asset.rig.skin_joints().len(),
+                triangles: asset.mesh.triangles.len(),
+                vertices: asset.mesh.len(),
+                bytes: figure.opened.bytes,
+            },
+            clip: super::CLIP.to_owned(),
+            target_px: TARGET_PX,
+            joints_moving: moving.map_or(0, |m| m.len()),
+            frames: clip.map_or(0, articula_core::clip::Clip::frames),
+            methods: tables
+                .iter()
+                .map(|t| MethodRows {
+                    label: t.chosen.label(),
+                    rows: t.rows.clone(),
+                })
+                .collect(),
+            clips: found.clips,
+            levels: found.levels,
+            costs: found.costs,
+            crowd: found.crowd,
+            mesh_levels: found.mesh_levels,
+            flat: found.flat,
+        }
+    }
+
+    /// The row of a method at the distance that pictures of all methods show.
+    pub(super) fn middle(&self, label: &str) -> Option<&Row> {
+        let method = self.methods.iter().find(|m| m.label == label)?;
+        method.rows.get(MIDDLE)
+    }
+
+    /// The headline for people, and where to look.
+    pub(super) fn text(&self) -> String {
+        let mut text = String::new();
+        if let (Some(ours), Some(thesis)) = (self.middle("skin-px hold"), self.middle("thesis")) {
+            text.push_str(&format!(
+                "clip {} at {} m within {} px: {:.0}% of the joint updates saved (thesis metric: {:.0}%)\n",
+                self.clip,
+                ours.distance_m,
+                self.target_px,
+                100.0 * ours.joint_update_gain,
+                100.0 * thesis.joint_update_gain
+            ));
+        }
+        text.push_str(&format!("{}\n", self.page));
+        text
+    }
+}

@@ -1,0 +1,256 @@
+//! `articula flatten FILE OUT`: a character in motion as 2D content, with its size and error.
+
+mod arguments;
+mod frame;
+mod moving;
+mod portrait;
+pub(crate) mod report;
+
+pub(crate) use arguments::FlattenArgs;
+
+use crate::console::Console;
+use crate::flat::{Shot, Staged, live_source};
+use crate::open;
+use crate::{fault, files};
+use anyhow::Context;
+use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName, Switch};
+use articula::Figure;
+use articula_core::view::Viewport;
+use articula_flat::flatten::{
+    self, Flattened, PrepareOptions, Profile, Quality, Settings, Truth, flatten, flatten_live,
+    sampled_frames,
+};
+use articula_flat::planar::order::OrderOptions;
+use articula_flat::planar::shading::Shading;
+use articula_flat::planar::split::SplitOptions;
+use articula_flat::vector::player::{LiveSource, Output};
+use articula_flat::vector::thesis::{ThesisForm, ThesisOptions};
+use report::{Made, Report};
+
+/// Steps of the progress bar.
+const STEPS: f64 = 100.0;
+
+/// Converts, or renders what was converted.
+pub(crate) fn run(args: &FlattenArgs, console: &Console) -> anyhow::Result<()> {
+    match &args.command {
+        Some(FlattenCommand::Frame(args)) => frame::run(args, console),
+        Some(FlattenCommand::Movie(args)) => moving::run(args, console),
+        None => convert(&args.convert, console),
+    }
+}
+
+fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
+    let profile = args.profile()?;
+    args.check(profile)?;
+    if files::same(&args.character().file, args.out()) {
+        let out = files::shown(args.out());
+        return Err(fault::usage(format!(
+            "{out}: this is the character itself; name another file"
+        )));
+    }
+    if profile == ProfileName::Portrait {
+        return portrait::run(args, console);
+    }
+    let figure = open::figure(&args.character())?;
+    let clip = figure.clip(args.motion.clip.as_deref())?;
+    let shot = args.shot(profile, clip);
+    let staged = Staged::new(&figure, shot, console)?;
+    let settings = args.settings(profile, &staged)?;
+    let flat = if args.special.live {
+        driven(&figure, &staged, clip, args.prepare_options(), &settings)
+    } else {
+        converted(&staged, args.prepare_options(), &settings, console)
+    };
+    let flat = flat.with_context(|| figure.opened.name.clone())?;
+    files::write(args.out(), &flat.bytes)?;
+    let made = Made {
+        triangles_of_character: figure.asset.mesh.triangles.len(),
+        triangles: staged.triangles.len(),
+        size_px: args.shot.size,
+        max_bytes: settings.max_bytes,
+    };
+    let report = Report::new(files::shown(args.out()), &flat, made);
+    console.result(&report, Report::text)
+}
+
+/// Bakes, prepares and writes, with a bar.
+pub(crate) fn converted(
+    staged: &Staged<'_>,
+    options: PrepareOptions,
+    settings: &Settings,
+    console: &Console,
+) -> anyhow::Result<Flattened> {
+    let bar = console.progress("projecting", STEPS as usize);
+    let clip = staged.clip()?;
+    let frames = sampled_frames(clip.frames.len());
+    let truth = Truth::new(&staged.at_frames(&frames)?, &frames)?;
+    bar.set_message("painting order");
+    let mut done = |share: f64| bar.set_position((0.5 * STEPS * share) as u64);
+    let figure = flatten::Prepared::new(clip, &options, &mut done)?;
+    bar.set_message("writing");
+    let mut done = |share: f64| bar.set_position((0.5 * STEPS * (1.0 + share)) as u64);
+    let flat = flatten(&figure, settings, &truth, &mut done)?;
+    bar.finish_and_clear();
+    Ok(flat)
+}
+
+/// Writes a file that a host drives.
+fn driven(
+    figure: &Figure,
+    staged: &Staged<'_>,
+    clip: Option<usize>,
+    options: PrepareOptions,
+    settings: &Settings,
+) -> anyhow::Result<Flattened> {
+    let source = live_source(figure, staged, clip)?;
+    let frames = sampled_frames(source.weights.len().max(1));
+    let fps = f64::from(source.shapes.fps);
+    let moments: Vec<f64> = frames.iter().map(|f| f / fps).collect();
+    let truth = Truth::new(&staged.at(&moments)?, &frames)?;
+    // Whatever is driven is painted in one order.
+    let options = PrepareOptions {
+        order: OrderOptions {
+            max_epochs: 1,
+            ..options.order
+        },
+        ..options
+    };
+    let shapes = flatten::Prepared::new(source.shapes, &options, &mut |_| {})?;
+    let source = LiveSource {
+        shapes: shapes.clip.clone(),
+        ..source
+    };
+    Ok(flatten_live(&source, &shapes, settings, &truth)?)
+}
+
+impl ConvertArgs {
+    fn check(&self, profile: ProfileName) -> anyhow::Result<()> {
+        use ProfileName as P;
+        let (motion, shot) = (&self.motion, &self.shot);
+        let (quality, special) = (&self.quality, &self.special);
+        let keyed = [P::Smil, P::Flipbook, P::Lottie];
+        let moving = [P::Smil, P::Flipbook, P::Lottie, P::Player, P::Thesis];
+        let ours = [P::Smil, P::Flipbook, P::Lottie, P::Player, P::Still];
+        let vector = [moving.as_slice(), &[P::Still]].concat();
+        let turned = motion.turn_deg != 0.0 || motion.cycles != 1;
+        let aside = shot.yaw_deg != 0.0 || shot.pitch_deg != 0.0;
+        // What was said, in which words, and which profiles listen to it.
+        for (is_given, flag, profiles) in [
+            (special.exact, "--exact", &[P::Still][..]),
+            (special.live, "--live", &[P::Player]),
+            (special.background.is_some(), "--background", &[P::Portrait]),
+            (special.audio.is_some(), "--audio", &[P::Portrait]),
+            (special.views != 3, "--views", &[P::Portrait]),
+            (special.optimise, "--optimise", &[P::Thesis]),
+            (motion.at != 0.0, "--at", &[P::Still, P::Thesis]),
+            (turned, "--turn-deg or --cycles", &moving),
+            (aside, "--yaw-deg or --pitch-deg", &vector),
+            (quality.max_bytes.is_some(), "--max-bytes", &ours),
+            (quality.col_tol.is_some(), "--col-tol", &ours),
+            (quality.shading.is_some(), "--shading", &ours),
+            (quality.merge.is_some(), "--merge", &keyed),
+        ] {
+            if is_given && !profiles.contains(&profile) {
+                let what = "does not belong to this profile; see --help";
+                return Err(fault::usage(format!("{flag} {what}")));
+            }
+        }
+        if special.live && (turned || quality.max_bytes.is_some()) {
+            let what =
+                "--live plays the clip as it is; leave out --turn-deg, --cycles, --max-bytes";
+            return Err(fault::usage(what));
+        }
+        if self.quality.merge.is_some() && self.quality.shading != Some(ShadingName::Flat) {
+            return Err(fault::usage("--merge needs --shading flat"));
+        }
+        Ok(())
+    }
+
+    fn shot(&self, profile: ProfileName, clip: Option<usize>) -> Shot {
+        let triangles = match profile {
+            ProfileName::Player => 1500,
+            ProfileName::Portrait => 1000,
+            _ => 600,
+        };
+        Shot {
+            clip,
+            still_at: (profile == ProfileName::Still).then_some(self.motion.at),
+            cycles: self.motion.cycles,
+            fps: self.motion.fps,
+            yaw_deg: self.shot.yaw_deg,
+            pitch_deg: self.shot.pitch_deg,
+            turn_deg: self.motion.turn_deg,
+            viewport: Viewport {
+                width_px: self.shot.size.0 as f32,
+                height_px: self.shot.size.1 as f32,
+                fov_y_radians: self.shot.fov_deg.to_radians(),
+            },
+            triangles: Some(self.shot.triangles.unwrap_or(triangles) as usize),
+        }
+    }
+
+    fn prepare_options(&self) -> PrepareOptions {
+        PrepareOptions {
+            order: OrderOptions {
+                order_tol: f64::from(self.quality.order_tol) / 100.0,
+                ..OrderOptions::default()
+            },
+            split: (self.quality.split == Switch::On).then(SplitOptions::default),
+            ..PrepareOptions::default()
+        }
+    }
+
+    fn settings(&self, profile: ProfileName, staged: &Staged<'_>) -> anyhow::Result<Settings> {
+        let clip = staged.subject().clip;
+        let clip_secs = clip.map_or(0.0, |c| f64::from(c.duration_secs()));
+        let length = clip_secs * f64::from(self.motion.cycles);
+        let at = f64::from(self.motion.at);
+        if at > length {
+            let what = format!("--at {at}: the motion ends at {length:.3} s");
+            return Err(fault::usage(what));
+        }
+        let is_module = self
+            .out()
+            .extension()
+            .is_some_and(|e| e.eq_ignore_ascii_case("js"));
+        let profile = match profile {
+            ProfileName::Smil | ProfileName::Portrait => Profile::Smil,
+            ProfileName::Flipbook => Profile::Flipbook,
+            ProfileName::Player if is_module => Profile::Player(Output::Module),
+            ProfileName::Player => Profile::Player(Output::Svg),
+            ProfileName::Lottie => Profile::Lottie,
+            ProfileName::Still => Profile::Still {
+                frame: 0,
+                exact: self.special.exact,
+            },
+            ProfileName::Thesis => Profile::Thesis(ThesisOptions {
+                form: match self.special.form {
+                    FormName::Polygon => ThesisForm::Polygon,
+                    FormName::Path => ThesisForm::Path,
+                },
+                optimise_hidden: self.special.optimise,
+                optimise_static: self.special.optimise,
+                neutral_frame: (at * f64::from(staged.options.fps)).round() as usize,
+            }),
+        };
+        let mut quality = Quality::of(profile);
+        quality.pos_tol_px = self.quality.pos_tol.unwrap_or(quality.pos_tol_px);
+        quality.col_tol_levels = self.quality.col_tol.unwrap_or(quality.col_tol_levels);
+        quality.merge_levels = self.quality.merge;
+        if let Some(shading) = self.quality.shading {
+            quality.shading = match shading {
+                ShadingName::Flat => Shading::Flat,
+                ShadingName::Gouraud => Shading::Gouraud,
+            };
+        }
+        let name = clip.map(|c| c.name.clone());
+        // A title is published with the file; where it came from is not.
+        let name = name.unwrap_or_else(|| self.title());
+        Ok(Settings {
+            profile,
+            quality,
+            name,
+            max_bytes: self.quality.max_bytes,
+        })
+    }
+}

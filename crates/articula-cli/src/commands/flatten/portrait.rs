@@ -1,0 +1,218 @@
+//! `articula flatten --profile portrait`: a face as pictures on a 2D mesh, with its player.
+
+use super::STEPS;
+use super::arguments::ConvertArgs;
+use super::report::{BytesReport, EntryReport};
+use crate::console::Console;
+use crate::flat::HeadShot;
+use crate::open;
+use crate::{fault, files};
+use anyhow::Context;
+use articula_core::view::Viewport;
+use articula_flat::flatten::{Entry, Sizes};
+use articula_flat::portrait::document::PictureFormat;
+use articula_flat::portrait::page::{Enclosed, PageOptions, page};
+use articula_flat::portrait::{HeadPose, Portrait, PortraitOptions, build};
+use serde::Serialize;
+use std::path::Path;
+
+/// Turns of the head at which the portrait is compared with the figure, degrees.
+const YAWS_DEG: [f32; 5] = [0.0, 10.0, 20.0, 30.0, 40.0];
+/// Largest picture or sound that goes into a page.
+const MOST_BYTES: u64 = 64 << 20;
+
+#[derive(Debug, Serialize)]
+struct Report {
+    out: String,
+    profile: &'static str,
+    bytes: BytesReport,
+    views: usize,
+    triangles: usize,
+    vertices: usize,
+    expressions: usize,
+    frames: usize,
+    size_px: (u32, u32),
+    error: Vec<YawError>,
+    entry: EntryReport,
+    written: Vec<String>,
+}
+
+/// How far the portrait is off when its head is turned.
+#[derive(Debug, Serialize)]
+struct YawError {
+    yaw_deg: f32,
+    image_rmse_levels: f64,
+}
+
+/// Makes the portrait, writes it, and says how far it is off.
+pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
+    let figure = open::figure(&args.character())?;
+    let place = || figure.opened.name.clone();
+    let clip = figure.clip(args.motion.clip.as_deref())?;
+    let options = options(args)?;
+    if clip.is_none() && args.special.audio.is_some() {
+        let what = "--audio needs a clip that the face speaks by; name one with --clip";
+        return Err(fault::usage(what));
+    }
+    let viewport = Viewport {
+        width_px: args.shot.size.0 as f32,
+        height_px: args.shot.size.1 as f32,
+        fov_y_radians: args.shot.fov_deg.to_radians(),
+    };
+    let bar = console.progress("making the portrait", STEPS as usize);
+    let count = args.shot.triangles.unwrap_or(1000) as usize;
+    let shot = HeadShot::new(&figure, clip, count, viewport).with_context(place)?;
+    bar.set_position(30);
+    let portrait = build(&shot.source(), &options).with_context(place)?;
+    bar.set_position(70);
+    let written = write(args, &portrait)?;
+    let mut error = Vec::with_capacity(YAWS_DEG.len());
+    for yaw_deg in YAWS_DEG {
+        let pose = HeadPose::yaw(yaw_deg);
+        let image_rmse_levels = portrait.error(&shot.source(), &options, &pose, &[]);
+        error.push(YawError {
+            yaw_deg,
+            image_rmse_levels: image_rmse_levels.with_context(place)?,
+        });
+        bar.inc(5);
+    }
+    bar.finish_and_clear();
+    let all: Vec<u8> = written
+        .iter()
+        .flat_map(|(_, bytes)| bytes)
+        .copied()
+        .collect();
+    let sizes = Sizes::of(&all)?;
+    let report = Report {
+        out: files::shown(args.out()),
+        profile: "portrait",
+        bytes: BytesReport {
+            raw: sizes.raw,
+            gzip: sizes.gzip,
+            brotli: sizes.brotli,
+        },
+        views: portrait.views.len(),
+        triangles: portrait.mesh.triangles.len(),
+        vertices: portrait.mesh.vertices.len(),
+        expressions: portrait.grid.expressions.len(),
+        frames: portrait.clips.first().map_or(0, |c| c.poses.len()),
+        size_px: portrait.size,
+        error,
+        entry: EntryReport::new(Entry {
+            modality: "portrait".into(),
+            bytes: sizes.raw,
+            error_px: f64::from(options.tolerance_px),
+            needs: vec!["script", "canvas", "webp"],
+        }),
+        written: written.iter().map(|(name, _)| name.clone()).collect(),
+    };
+    console.result(&report, Report::text)
+}
+
+fn options(args: &ConvertArgs) -> anyhow::Result<PortraitOptions> {
+    let views = args.special.views as usize;
+    if ![1, 3, 5].contains(&views) {
+        return Err(fault::usage(format!("--views {views}: expected 1, 3 or 5")));
+    }
+    let plain = PortraitOptions::default();
+    // Without pictures from above and below there is nothing to show of them.
+    let pitch_limit_degrees = if views == 5 {
+        plain.pitch_limit_degrees
+    } else {
+        10.0
+    };
+    Ok(PortraitOptions {
+        views,
+        pitch_limit_degrees,
+        tolerance_px: args.quality.pos_tol.unwrap_or(plain.tolerance_px),
+        ..plain
+    })
+}
+
+/// Writes one page, or the document with its pictures beside it; names and bytes.
+fn write(args: &ConvertArgs, portrait: &Portrait) -> anyhow::Result<Vec<(String, Vec<u8>)>> {
+    let place = || files::shown(args.out());
+    let is_page = args
+        .out()
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("html"));
+    let mut all = Vec::new();
+    if is_page {
+        let title = portrait.clips.first().map(|c| c.name.clone());
+        let options = PageOptions {
+            title: title.unwrap_or_else(|| args.title()),
+            background: enclosed(args.special.background.as_deref())?,
+            audio: enclosed(args.special.audio.as_deref())?,
+            controls: true,
+        };
+        let text = page(portrait, &options).with_context(place)?;
+        all.push((place(), args.out().to_owned(), text.into_bytes()));
+    } else {
+        let folder = args.out().parent().unwrap_or(Path::new(""));
+        for (name, bytes) in portrait.to_files(PictureFormat::WebP).with_context(place)? {
+            let is_document = name == "portrait.json";
+            let path = if is_document {
+                args.out().to_owned()
+            } else {
+                folder.join(&name)
+            };
+            all.push((files::shown(&path), path, bytes));
+        }
+    }
+    for (_, path, bytes) in &all {
+        files::write(path, bytes)?;
+    }
+    Ok(all
+        .into_iter()
+        .map(|(shown, _, bytes)| (shown, bytes))
+        .collect())
+}
+
+fn enclosed(path: Option<&Path>) -> anyhow::Result<Option<Enclosed>> {
+    let Some(path) = path else {
+        return Ok(None);
+    };
+    let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+    let media_type = match ending.to_str().unwrap_or_default() {
+        "png" => "image/png",
+        "jpg" | "jpeg" => "image/jpeg",
+        "webp" => "image/webp",
+        "mp3" => "audio/mpeg",
+        "wav" => "audio/wav",
+        "ogg" | "opus" => "audio/ogg",
+        "m4a" => "audio/mp4",
+        _ => {
+            let what = "expected a .png, .jpg or .webp picture, or .mp3, .wav, .ogg or .m4a sound";
+            return Err(fault::usage(format!("{}: {what}", files::shown(path))));
+        }
+    };
+    Ok(Some(Enclosed {
+        media_type: media_type.into(),
+        bytes: files::read(path, MOST_BYTES)?,
+    }))
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let errors: Vec<String> = self
+            .error
+            .iter()
+            .map(|e| format!("{:.1} at {}°", e.image_rmse_levels, e.yaw_deg))
+            .collect();
+        format!(
+            "{}: portrait, {} views, {} triangles, {} expressions, {} frames\n\
+             {:.1} kB ({:.1} gzip, {:.1} brotli) in {} files\n\
+             levels off when turned: {}\n",
+            self.out,
+            self.views,
+            self.triangles,
+            self.expressions,
+            self.frames,
+            self.bytes.raw as f64 / 1e3,
+            self.bytes.gzip as f64 / 1e3,
+            self.bytes.brotli as f64 / 1e3,
+            self.written.len(),
+            errors.join(", "),
+        )
+    }
+}

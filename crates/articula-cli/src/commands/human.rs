@@ -1,0 +1,79 @@
+//! `articula human OUT.glb`: the procedural reference human as a file.
+
+use crate::console::Console;
+use crate::{fault, files};
+use anyhow::Context;
+use articula::Format;
+use articula_build::human::{HumanOptions, TRIANGLES, human};
+use articula_core::source::Character;
+use articula_formats::gltf::Document;
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Arguments of `human`.
+#[derive(Debug, Args)]
+pub(crate) struct HumanArgs {
+    /// File to write (.glb)
+    out: PathBuf,
+    /// Triangles of all meshes together, 2000 to 70000
+    #[arg(long, value_name = "N", default_value_t = HumanOptions::default().triangles)]
+    triangles: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct Written {
+    out: String,
+    triangles: usize,
+    vertices: usize,
+    joints: usize,
+    clips: Vec<String>,
+    bytes: usize,
+}
+
+/// Makes the human and writes it.
+pub(crate) fn run(args: &HumanArgs, console: &Console) -> anyhow::Result<()> {
+    if files::format(&args.out) != Some(Format::Glb) {
+        let what = "the reference human is written as GLB; name the file .glb";
+        return Err(fault::usage(format!("{}: {what}", files::shown(&args.out))));
+    }
+    let character = made(args.triangles, console)?;
+    let document = Document::from_character(&character).context("the reference human")?;
+    let bytes = document.write_glb().context("the reference human")?;
+    files::write(&args.out, &bytes)?;
+    let primitives = || character.meshes.iter().flat_map(|m| &m.primitives);
+    let written = Written {
+        out: files::shown(&args.out),
+        triangles: primitives().map(|p| p.triangles.len()).sum(),
+        vertices: primitives().map(|p| p.positions.len()).sum(),
+        joints: character.skeleton.joints.len(),
+        clips: character.clips.iter().map(|c| c.name.clone()).collect(),
+        bytes: bytes.len(),
+    };
+    console.result(&written, |w| {
+        format!(
+            "{}: {} triangles, {} vertices, {} joints, clips {}; {:.1} kB\n",
+            w.out,
+            w.triangles,
+            w.vertices,
+            w.joints,
+            w.clips.join(", "),
+            w.bytes as f64 / 1e3
+        )
+    })
+}
+
+/// The reference human with about so many triangles.
+pub(crate) fn made(triangles: usize, console: &Console) -> anyhow::Result<Character> {
+    if !TRIANGLES.contains(&triangles) {
+        return Err(fault::usage(format!(
+            "--triangles {triangles}: the reference human has {} to {} triangles",
+            TRIANGLES.start(),
+            TRIANGLES.end()
+        )));
+    }
+    let bar = console.progress("shaping the human", 1);
+    let character = human(&HumanOptions { triangles }).context("the reference human")?;
+    bar.finish_and_clear();
+    Ok(character)
+}

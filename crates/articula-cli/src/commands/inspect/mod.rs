@@ -1,0 +1,59 @@
+//! `articula inspect FILE`: what is in a file, and what is odd about it.
+
+mod data;
+mod extent;
+mod findings;
+mod human;
+mod mesh_levels;
+mod skeletons;
+mod stream;
+mod text;
+
+use crate::arguments::CharacterArgs;
+use crate::console::Console;
+use crate::open;
+use crate::{fault, files};
+use articula::stored_tables;
+use clap::Args;
+
+/// Arguments of `inspect`.
+#[derive(Debug, Args)]
+pub(crate) struct InspectArgs {
+    #[command(flatten)]
+    character: CharacterArgs,
+    /// List every joint with its H-Anim name, level and region; of a FAP file every parameter
+    #[arg(long)]
+    map: bool,
+    /// Say more of this clip only
+    #[arg(long, value_name = "NAME")]
+    clip: Option<String>,
+}
+
+/// Reads the file and prints what was found.
+pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
+    if let Some(format) = files::data_format(&args.character.file) {
+        if args.clip.is_some() {
+            return Err(fault::usage(format!(
+                "--clip chooses a motion of joints; a .{} file has none",
+                format.name()
+            )));
+        }
+        return data::run(&args.character, format, args.map, console);
+    }
+    if stream::is_one(&args.character.file) {
+        return stream::run(&args.character, console);
+    }
+    let figure = open::figure(&args.character)?;
+    let clips: Vec<usize> = match &args.clip {
+        Some(name) => figure.clip(Some(name))?.into_iter().collect(),
+        None => (0..figure.asset.clips.len()).collect(),
+    };
+    let mut findings = findings::of(&figure, &clips, console);
+    if !args.character.leaves_out() {
+        let tables = stored_tables(&figure)?;
+        for (clip, found) in clips.iter().zip(&mut findings.clips) {
+            found.motion_tables = tables.get(*clip).copied();
+        }
+    }
+    console.result(&findings, |found| text::of(found, args.map))
+}

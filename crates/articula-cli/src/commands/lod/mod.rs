@@ -1,0 +1,272 @@
+//! `articula lod FILE`: play a clip under motion level of detail; what it saves, what it costs.
+
+mod moving_camera;
+mod report;
+
+use crate::arguments::{CharacterArgs, ViewArgs, not_negative, positive};
+use crate::console::Console;
+use crate::open;
+use crate::play::methods::{Chosen, MethodArgs};
+use crate::play::rows::{self, Table, Tuning};
+use crate::play::{Scene, costs, plots, sheet};
+use crate::{fault, files};
+use anyhow::Context;
+use articula::Figure;
+use articula::{StoredTables, stored_tables};
+use articula_build::evaluate::{Method, Setup};
+use articula_flat::{Picture, codec};
+use clap::Args;
+use report::Report;
+use std::path::{Path, PathBuf};
+
+/// The distances of the spec's tables, metres.
+pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
+
+/// Frames of a clip that is played under a method: the truth of all of them is kept.
+const MOST_FRAMES: usize = 100_000;
+
+/// Arguments of `lod`.
+#[derive(Debug, Args)]
+pub(crate) struct LodArgs {
+    #[command(flatten)]
+    character: CharacterArgs,
+    /// Which clip to play [default: the first]
+    #[arg(long, value_name = "NAME")]
+    clip: Option<String>,
+    #[command(flatten)]
+    method: MethodArgs,
+    /// Distances of the camera to the root, metres, separated by commas
+    #[arg(long, value_name = "M,…", value_delimiter = ',', value_parser = distance,
+          conflicts_with = "camera_path", default_values_t = DISTANCES_M)]
+    distances: Vec<f32>,
+    /// Find the method's parameter with the greatest gain at so many pixels of p95 error
+    #[arg(long, value_name = "PX", value_parser = positive, conflicts_with = "parameter")]
+    calibrate: Option<f32>,
+    /// The method's own parameter: metres (skin-px, ahn), threshold (thesis), every n-th frame
+    /// (skip), index of the level (loa), pixels (along a camera path)
+    #[arg(long, value_name = "P", value_parser = not_negative)]
+    parameter: Option<f32>,
+    /// Play before a moving camera: a JSON list of key frames with t, eye and target
+    #[arg(long, value_name = "F.json")]
+    camera_path: Option<PathBuf>,
+    /// Frames a second of the display (with --camera-path)
+    #[arg(long, value_name = "HZ", default_value_t = 60.0, value_parser = positive,
+          requires = "camera_path")]
+    display_hz: f32,
+    /// Write plots: FILE.svg gets gain and error, a folder (lod-plots without a name) all of them
+    #[arg(long, value_name = "FILE.svg|DIR", num_args = 0..=1, default_missing_value = "lod-plots")]
+    plot: Option<PathBuf>,
+    /// Write a page of pictures (lod-sheet.png without a name): each distance, some frames, joints
+    /// marked
+    #[arg(long, value_name = "FILE.png", num_args = 0..=1, default_missing_value = "lod-sheet.png")]
+    contact_sheet: Option<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
+    /// Seed of the choice of watched vertices
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// Plays the clip and prints the report.
+pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
+    args.check()?;
+    let figure = open::figure(&args.character)?;
+    let stored = args.stored_tables(&figure)?;
+    let Some(clip) = figure.clip(args.clip.as_deref())? else {
+        return at_rest(args, &figure, console);
+    };
+    let (name, frames) = (
+        &figure.asset.clips[clip].name,
+        figure.asset.clips[clip].frames(),
+    );
+    if frames > MOST_FRAMES {
+        let what = format!("{frames} frames, the limit is {MOST_FRAMES}; trim the clip");
+        anyhow::bail!("{}: clip \"{name}\": {what}", figure.opened.name.clone());
+    }
+    let scene = Scene {
+        clip,
+        setup: args.setup(),
+        options: args.method.options(),
+        figure: &figure,
+    };
+    if let Some(path) = &args.camera_path {
+        return moving_camera::run(args, &scene, path, console);
+    }
+    let methods = args.method.chosen(&figure.asset.rig);
+    let methods = methods.with_context(|| figure.opened.name.clone())?;
+    args.check_parameter(&methods)?;
+    let tables = rows::of(&scene, &methods, &args.distances, args.tuning(), console);
+    let mut report = Report::new(&scene, args, &tables);
+    report.motion_tables = stored.get(clip).copied();
+    if let Some(path) = &args.plot {
+        write_plots(&scene, &tables, path, &mut report)?;
+    }
+    if let Some(path) = &args.contact_sheet {
+        let notes = report.notes();
+        let sheet = draw_sheet(&scene, &tables, &report.heading(), notes)?;
+        report.written.push(write_png(&sheet, path)?);
+    }
+    console.result(&report, Report::text)
+}
+
+impl LodArgs {
+    fn check(&self) -> anyhow::Result<()> {
+        use crate::play::methods::MethodName;
+        if self.parameter.is_some() && self.method.method() == MethodName::All {
+            let what = "--parameter belongs to one method; compare methods with --calibrate PX";
+            return Err(fault::usage(what));
+        }
+        self.method.check()?;
+        let ends_with = |path: &PathBuf, endings: &[&str]| {
+            let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+            endings.iter().any(|e| ending == *e)
+        };
+        if let Some(path) = self
+            .contact_sheet
+            .as_ref()
+            .filter(|p| !ends_with(p, &["png"]))
+        {
+            let path = files::shown(path);
+            let what = format!("--contact-sheet {path}: sheets are PNG; name the file .png");
+            return Err(fault::usage(what));
+        }
+        let pictures = ["png", "jpg", "jpeg", "pdf", "html"];
+        if let Some(path) = self.plot.as_ref().filter(|p| ends_with(p, &pictures)) {
+            let path = files::shown(path);
+            let what = format!("--plot {path}: plots are SVG; name a .svg file or a folder");
+            return Err(fault::usage(what));
+        }
+        if self.distances.is_empty() || self.distances.len() > 100 {
+            return Err(fault::usage("--distances takes 1 to 100 distances"));
+        }
+        Ok(())
+    }
+
+    /// A number that counts frames or levels is whole and within their range.
+    fn check_parameter(&self, methods: &[Chosen]) -> anyhow::Result<()> {
+        let (Some(parameter), [chosen]) = (self.parameter, methods) else {
+            return Ok(());
+        };
+        let what = match &chosen.method {
+            Method::SkipHold | Method::SkipLerp if parameter < 1.0 || parameter.fract() != 0.0 => {
+                "every how many frames, a whole number from 1".to_owned()
+            }
+            Method::Loa(sets) if parameter.fract() != 0.0 || parameter >= sets.len() as f32 => {
+                let last = sets.len() - 1;
+                format!("the index of a level, from 0 (the most joints) to {last}")
+            }
+            _ => return Ok(()),
+        };
+        let name = chosen.method.name();
+        Err(fault::usage(format!(
+            "--parameter {parameter}: {name} takes {what}"
+        )))
+    }
+
+    /// What the file brings along, checked; not where meshes are left out, since the tables are
+    /// those of the whole skin.
+    fn stored_tables(&self, figure: &Figure) -> anyhow::Result<Vec<StoredTables>> {
+        if self.character.leaves_out() {
+            return Ok(Vec::new());
+        }
+        Ok(stored_tables(figure)?)
+    }
+
+    fn tuning(&self) -> Tuning {
+        match (self.calibrate, self.parameter) {
+            (Some(limit), _) => Tuning::Calibrated(limit),
+            (None, Some(parameter)) => Tuning::Fixed(parameter),
+            (None, None) => Tuning::Usual,
+        }
+    }
+
+    fn setup(&self) -> Setup {
+        Setup {
+            viewport: self.view.viewport(),
+            seed: self.seed,
+            ..Setup::default()
+        }
+    }
+}
+
+/// A distance at which something can still be seen, metres.
+fn distance(text: &str) -> Result<f32, String> {
+    let number = positive(text).ok();
+    let number = number.filter(|d| (0.01..=100_000.0).contains(d));
+    number.ok_or_else(|| "expected a distance of 0.01 to 100000 m".into())
+}
+
+fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result<()> {
+    let mut report = Report::at_rest(figure, args);
+    if args.plot.is_some() {
+        let what = "no clip, so there is nothing to plot; leave --plot out";
+        anyhow::bail!("{}: {what}", figure.opened.name.clone());
+    }
+    if let Some(path) = &args.contact_sheet {
+        let sheet = sheet::at_rest(figure, &report.heading())?;
+        report.written.push(write_png(&sheet, path)?);
+    }
+    console.result(&report, Report::text)
+}
+
+/// By distance for one method; by method at the middle distance for several.
+fn draw_sheet(
+    scene: &Scene<'_>,
+    tables: &[Table],
+    title: &str,
+    mut notes: Vec<String>,
+) -> anyhow::Result<Picture> {
+    let lines = match tables {
+        [table] => sheet::lines_by_distance(table),
+        _ => {
+            let middle = tables.first().map_or(0, |t| (t.rows.len() - 1) / 2);
+            let row = tables.first().and_then(|t| t.rows.get(middle));
+            notes.extend(row.map(|r| format!("All methods at {} m.", r.distance_m)));
+            sheet::lines_by_method(tables, middle)
+        }
+    };
+    sheet::played(scene, &lines, sheet::Format::LARGE, title, notes)
+}
+
+/// A file gets gain and error over distance; a folder everything, costs too.
+fn write_plots(
+    scene: &Scene<'_>,
+    tables: &[Table],
+    path: &Path,
+    report: &mut Report,
+) -> anyhow::Result<()> {
+    let clip = &scene.figure.asset.clips[scene.clip].name;
+    let heading = format!("clip {clip}");
+    let mut all = vec![
+        plots::gain(tables, &heading),
+        plots::error(tables, &heading, report.calibrate_px),
+    ];
+    if path
+        .extension()
+        .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
+    {
+        files::write(path, plots::stacked(&all).as_bytes())?;
+        report.written.push(files::shown(path));
+        return Ok(());
+    }
+    let rows = tables.first().map_or(&[][..], |t| &t.rows);
+    let middle = rows.len().saturating_sub(1) / 2;
+    let distance = rows.get(middle).map_or(0.0, |r| r.distance_m);
+    let at = format!("{heading}, {distance} m");
+    all.push(plots::over_the_clip(scene, tables, middle, &at));
+    let costs = costs::of(scene);
+    all.extend(plots::costs(&costs, &heading));
+    report.costs = Some(costs);
+    for plot in all {
+        let file = path.join(plot.name);
+        files::write(&file, plot.svg.as_bytes())?;
+        report.written.push(files::shown(&file));
+    }
+    Ok(())
+}
+
+fn write_png(picture: &Picture, path: &Path) -> anyhow::Result<String> {
+    let bytes = codec::png(picture).with_context(|| files::shown(path))?;
+    files::write(path, &bytes)?;
+    Ok(files::shown(path))
+}

@@ -1,0 +1,244 @@
+//! The report of `lod`: its fields are a promise to scripts (`docs/commands.md`).
+
+use super::LodArgs;
+use crate::fault::clean;
+use crate::open;
+use crate::play::Scene;
+use crate::play::camera_path::PathReport;
+use crate::play::costs::Costs;
+use crate::play::rows::{Row, Table};
+use crate::table::Table as Text;
+use articula::Figure;
+use articula::StoredTables;
+use clap::ValueEnum;
+use serde::Serialize;
+
+/// One clip played under one method or all.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    pub(super) file: String,
+    pub(super) clip: Option<String>,
+    pub(super) method: String,
+    pub(super) calibrate_px: Option<f32>,
+    pub(super) frames: usize,
+    pub(super) rate_hz: f32,
+    /// Joints of the skin.
+    pub(super) joints: usize,
+    /// Joints that the clip turns, the root left out.
+    pub(super) joints_moving: usize,
+    pub(super) viewport_px: [f32; 2],
+    pub(super) fov_deg: f32,
+    pub(super) azimuths_deg: Vec<f32>,
+    pub(super) vertices_watched: usize,
+    pub(super) seed: u64,
+    pub(super) rows: Vec<Row>,
+    /// What belongs to a moving camera alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) camera_path: Option<PathReport>,
+    /// Costs by zone, depth and complexity, where they are plotted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) costs: Option<Costs>,
+    /// Bytes of the tables that the clip has in the file, checked; null where meshes are left out.
+    pub(super) motion_tables: Option<StoredTables>,
+    /// Files that were written.
+    pub(super) written: Vec<String>,
+    pub(super) warnings: Vec<String>,
+}
+
+impl Report {
+    /// What was played and how it went.
+    pub(super) fn new(scene: &Scene<'_>, args: &LodArgs, tables: &[Table]) -> Self {
+        let asset = &scene.figure.asset;
+        let clip = &asset.clips[scene.clip].at_key_rate();
+        let moving = articula_build::motion_error::bounds::moving_joints(asset, clip);
+        let mut report = Self {
+            clip: Some(clip.name.clone()),
+            frames: clip.frames(),
+            rate_hz: clip.rate_hz(),
+            joints_moving: moving.len(),
+            azimuths_deg: scene.setup.azimuths_deg.clone(),
+            rows: tables.iter().flat_map(|t| t.rows.clone()).collect(),
+            warnings: open::warnings(&scene.figure.opened),
+            ..Self::at_rest(scene.figure, args)
+        };
+        if moving.is_empty() {
+            let what = "no joint turns in this clip: there is nothing to save";
+            report.warnings.push(what.into());
+        }
+        if asset.mesh.is_empty() {
+            let what = "no mesh: the error is that of the joints";
+            report.warnings.push(what.into());
+        }
+        if report.rows.iter().any(|r| r.meets_target == Some(false)) {
+            let what = "some rows miss the target: the method has no parameter that meets it";
+            report.warnings.push(what.into());
+        }
+        report
+    }
+
+    /// The report on a character without a clip.
+    pub(super) fn at_rest(figure: &Figure, args: &LodArgs) -> Self {
+        let asset = &figure.asset;
+        let setup = args.setup();
+        let method = args.method.method().to_possible_value();
+        Self {
+            file: figure.opened.name.clone(),
+            clip: None,
+            method: method.map_or(String::new(), |m| m.get_name().to_owned()),
+            calibrate_px: args.calibrate,
+            frames: 0,
+            rate_hz: 0.0,
+            joints: asset.rig.skin_joints().len(),
+            joints_moving: 0,
+            viewport_px: [setup.viewport.width_px, setup.viewport.height_px],
+            fov_deg: args.view.fov_deg,
+            azimuths_deg: setup.azimuths_deg,
+            vertices_watched: setup.points.min(asset.mesh.len()),
+            seed: args.seed,
+            rows: Vec::new(),
+            camera_path: None,
+            costs: None,
+            motion_tables: None,
+            written: Vec::new(),
+            warnings: std::iter::once("the file has no clip: rest pose only".into())
+                .chain(open::warnings(&figure.opened))
+                .collect(),
+        }
+    }
+
+    /// Character, clip and method on one line.
+    pub(super) fn heading(&self) -> String {
+        let name = self.file.rsplit(['/', '\\']).next().unwrap_or(&self.file);
+        let clip = self.clip.as_ref();
+        let clip = clip.map_or("rest pose".to_owned(), |c| format!("clip \"{c}\""));
+        clean(&format!("{name}, {clip}, {}", self.method))
+    }
+
+    /// What a page of pictures says below its heading.
+    pub(super) fn notes(&self) -> Vec<String> {
+        let tuned = match self.calibrate_px {
+            Some(px) => format!("calibrated to {px} px of p95 error"),
+            None => "at the method's own parameter".into(),
+        };
+        vec![
+            format!(
+                "{} frames at {} Hz, {} joints, {} of them moving; {tuned}.",
+                self.frames, hundredths(self.rate_hz), self.joints, self.joints_moving
+            ),
+            "Left: the clip as it is. Right: what is shown; in the corner its true size on the screen.".into(),
+        ]
+    }
+
+    /// The report as tables for people.
+    pub(super) fn text(&self) -> String {
+        let mut text = format!("{}\n", self.heading());
+        if self.clip.is_some() {
+            text.push_str(&format!(
+                "{} frames at {} Hz, {} joints, {} moving; {} x {} px, {} degrees\n",
+                self.frames,
+                hundredths(self.rate_hz),
+                self.joints,
+                self.joints_moving,
+                self.viewport_px[0],
+                self.viewport_px[1],
+                self.fov_deg
+            ));
+        }
+        if let Some(tables) = self.motion_tables.filter(|t| t.any()) {
+            text.push_str(&format!(
+                "motion tables in the file fit: segs {} bytes, posekeys {} bytes\n",
+                tables.segs, tables.posekeys
+            ));
+        }
+        let rows = self.rows();
+        if !rows.is_empty() {
+            text.push('\n');
+            text.push_str(&rows.text());
+        }
+        if let Some(path) = &self.camera_path {
+            text.push_str(&format!(
+                "moving camera: {} frames at {} Hz, {:.1} to {:.1} m; greatest error of a joint {:.2} px, its bound {:.2} px\n",
+                path.frames,
+                path.display_hz,
+                path.distance_m_min,
+                path.distance_m_max,
+                path.joint_error_px_max,
+                path.bound_px
+            ));
+        }
+        for warning in &self.warnings {
+            text.push_str(&format!("warning: {}\n", clean(warning)));
+        }
+        for file in &self.written {
+            text.push_str(&format!("wrote {}\n", clean(file)));
+        }
+        text
+    }
+
+    fn rows(&self) -> Text {
+        let mut table = Text::new(&[
+            "method",
+            "distance",
+            "gain",
+            "frames free",
+            "parameter",
+            "p50 px",
+            "p95 px",
+            "max px",
+            "sampled",
+            "FK",
+        ]);
+        for row in &self.rows {
+            let variant = row.variant.map_or(String::new(), |v| format!(" {v}"));
+            let parameter = row
+                .level
+                .clone()
+                .unwrap_or_else(|| significant(row.parameter));
+            let missed = if row.meets_target == Some(false) {
+                " !"
+            } else {
+                ""
+            };
+            table.row([
+                format!("{}{variant}", row.method),
+                format!("{} m", hundredths(row.distance_m)),
+                format!("{:.1}%", 100.0 * row.joint_update_gain),
+                format!("{:.1}%", 100.0 * row.evaluations_saved),
+                parameter,
+                format!("{:.2}", row.error_px.p50),
+                format!("{:.2}{missed}", row.error_px.p95),
+                format!("{:.2}", row.error_px.max),
+                format!("{:.1}", row.joints_sampled),
+                format!("{:.1}", row.fk_joints),
+            ]);
+        }
+        table
+    }
+}
+
+/// A value rounded to what people read.
+fn hundredths(value: f32) -> f32 {
+    (value * 100.0).round() / 100.0
+}
+
+/// Four significant digits.
+fn significant(value: f32) -> String {
+    if value == 0.0 || value.fract() == 0.0 {
+        return format!("{value}");
+    }
+    let digits = (3 - value.abs().log10().floor() as i32).clamp(0, 8);
+    format!("{value:.*}", digits as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn four_digits_count() {
+        assert_eq!(significant(0.001_234_56), "0.001235");
+        assert_eq!(significant(0.25), "0.2500");
+        assert_eq!(significant(3.0), "3");
+        assert_eq!(significant(0.0), "0");
+    }
+}

@@ -1,0 +1,123 @@
+//! What the user sees: results on standard output, progress and errors on standard error.
+
+use crate::fault;
+use anyhow::Context;
+use articula::{Job, Step, Work};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::io::{ErrorKind, IsTerminal, Write};
+use std::ops::ControlFlow;
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+/// How results are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Answer {
+    /// As text for people.
+    Text,
+    /// As JSON for programs.
+    Json,
+}
+
+/// Whether progress bars may show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Progress {
+    /// On a terminal.
+    Shown,
+    /// Nowhere.
+    Hidden,
+}
+
+/// How the user wants to be talked to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Console {
+    answer: Answer,
+    progress: Progress,
+}
+
+impl Console {
+    /// A console that answers and shows progress like this.
+    pub(crate) fn new(answer: Answer, progress: Progress) -> Self {
+        Self { answer, progress }
+    }
+
+    /// Prints a result, as JSON or as the text made from it.
+    pub(crate) fn result<T: Serialize>(
+        &self,
+        value: &T,
+        text: impl FnOnce(&T) -> String,
+    ) -> anyhow::Result<()> {
+        let out = if self.answer == Answer::Json {
+            let mut json = serde_json::to_string_pretty(value).context("standard output")?;
+            json.push('\n');
+            json
+        } else {
+            text(value)
+        };
+        print(&out)
+    }
+
+    /// Prints an error on one line.
+    pub(crate) fn fault(&self, error: &anyhow::Error) {
+        complain(&fault::line(error));
+    }
+
+    /// Does a work of the library: its steps as bars, its jobs on all processors.
+    pub(crate) fn work<T>(
+        &self,
+        make: impl FnOnce(&Work<'_>) -> articula::Result<T>,
+    ) -> articula::Result<T> {
+        let shown: Mutex<Option<(&'static str, ProgressBar)>> = Mutex::new(None);
+        let on_step = |step: Step| {
+            let mut shown = shown.lock().unwrap_or_else(PoisonError::into_inner);
+            if shown.as_ref().is_none_or(|(what, _)| *what != step.what) {
+                if let Some((_, bar)) = shown.take() {
+                    bar.finish_and_clear();
+                }
+                *shown = Some((step.what, self.progress(step.what, step.of)));
+            }
+            if let Some((_, bar)) = &*shown {
+                bar.set_position(step.done as u64);
+            }
+            ControlFlow::Continue(())
+        };
+        let run_jobs = |jobs: &mut [Job<'_>]| jobs.par_iter_mut().for_each(Job::run);
+        let made = make(&Work::default().on_step(&on_step).run_jobs(&run_jobs));
+        if let Some((_, bar)) = shown.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            bar.finish_and_clear();
+        }
+        made
+    }
+
+    /// A bar of `steps` steps on standard error; invisible if that is no terminal, or quiet.
+    pub(crate) fn progress(&self, what: &str, steps: usize) -> ProgressBar {
+        let hidden = self.progress == Progress::Hidden || !std::io::stderr().is_terminal();
+        let target = if hidden {
+            ProgressDrawTarget::hidden()
+        } else {
+            ProgressDrawTarget::stderr()
+        };
+        let bar = ProgressBar::with_draw_target(Some(steps as u64), target);
+        if let Ok(style) = ProgressStyle::with_template("{msg:22} {wide_bar} {pos}/{len} {eta}") {
+            bar.set_style(style);
+        }
+        bar.set_message(what.to_owned());
+        bar.enable_steady_tick(Duration::from_millis(200));
+        bar
+    }
+}
+
+/// Writes to standard output. A reader that has seen enough (`| head`) is no error.
+pub(crate) fn print(text: &str) -> anyhow::Result<()> {
+    let mut out = std::io::stdout().lock();
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(e).context("standard output"),
+        _ => Ok(()),
+    }
+}
+
+fn complain(text: &str) {
+    // There is nowhere left to report that standard error is gone.
+    let _ = writeln!(std::io::stderr().lock(), "{text}");
+}

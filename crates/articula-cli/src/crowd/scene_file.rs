@@ -1,0 +1,264 @@
+//! A scene as a file: who stands where, what everyone plays, where the camera goes.
+//!
+//! JSON, described in `docs/formats/scene.md`. Clips are named, angles are degrees; both end here.
+//! Every number is checked at the door, so what follows needs no more care than with the plaza.
+
+use crate::files;
+use crate::open;
+use crate::play::camera_path::{self, Key};
+use anyhow::{Context, bail, ensure};
+use articula_build::scene::{CrossFade, Member, Play, Scene};
+use articula_core::clip::Clip;
+use articula_core::view::Viewport;
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+use std::path::Path;
+
+/// Most characters of a scene.
+pub(crate) const MOST_MEMBERS: usize = 1_000_000;
+
+/// Bytes of the largest scene file.
+const MOST_BYTES: u64 = 512 << 20;
+
+/// Farthest from the origin that someone may stand: beyond it single precision shows.
+const FARTHEST_METRES: f32 = 1e5;
+
+/// Fastest that a clip is played, either way.
+const MOST_SPEED: f32 = 100.0;
+
+/// A scene as files have it.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SceneFile {
+    #[serde(default = "usual_viewport")]
+    viewport: [u32; 2],
+    #[serde(default = "usual_fov_deg")]
+    fov_deg: f32,
+    camera: Vec<Key>,
+    #[serde(default)]
+    camera_loops: bool,
+    members: Vec<MemberFile>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct MemberFile {
+    position: [f32; 3],
+    #[serde(default)]
+    yaw_deg: f32,
+    clip: String,
+    #[serde(default)]
+    phase: f32,
+    #[serde(default = "one")]
+    speed: f32,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    cross_fade: Option<FadeFile>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FadeFile {
+    clip: String,
+    #[serde(default)]
+    phase: f32,
+    #[serde(default = "one")]
+    speed: f32,
+    secs: f32,
+    #[serde(default)]
+    start: f32,
+}
+
+fn usual_viewport() -> [u32; 2] {
+    [1920, 1080]
+}
+
+fn usual_fov_deg() -> f32 {
+    45.0
+}
+
+fn one() -> f32 {
+    1.0
+}
+
+/// Reads a scene for a character with these clips.
+pub(crate) fn read(path: &Path, clips: &[Clip], display_hz: f64) -> anyhow::Result<Scene> {
+    let bytes = files::read(path, MOST_BYTES)?;
+    parse(&bytes, clips, display_hz).with_context(|| files::shown(path))
+}
+
+fn parse(bytes: &[u8], clips: &[Clip], display_hz: f64) -> anyhow::Result<Scene> {
+    let file: SceneFile = serde_json::from_slice(bytes).map_err(|e| {
+        let mend = "docs/formats/scene.md has the form, --save-scene writes one to start from";
+        anyhow::anyhow!("line {} column {}: {e}; {mend}", e.line(), e.column())
+    })?;
+    let sides = file.viewport.iter().all(|s| (16..=16384).contains(s));
+    ensure!(sides, "viewport: give 16 to 16384 pixels a side");
+    let opening = (1.0..=170.0).contains(&file.fov_deg);
+    ensure!(opening, "fov_deg: give 1 to 170 degrees");
+    let camera = camera_path::checked(&file.camera, display_hz).context("camera")?;
+    ensure!(
+        camera[0].secs == 0.0,
+        "camera[0].t: {}; a path begins at 0 s",
+        camera[0].secs
+    );
+    let count = file.members.len();
+    if count == 0 || count > MOST_MEMBERS {
+        bail!("members: {count} characters; give 1 to {MOST_MEMBERS}");
+    }
+    let members = file.members.iter().enumerate();
+    let members = members.map(|(i, m)| member(m, clips).with_context(|| format!("members[{i}]")));
+    Ok(Scene {
+        members: members.collect::<anyhow::Result<_>>()?,
+        viewport: Viewport {
+            width_px: file.viewport[0] as f32,
+            height_px: file.viewport[1] as f32,
+            fov_y_radians: file.fov_deg.to_radians(),
+        },
+        camera,
+        camera_loops: file.camera_loops,
+    })
+}
+
+fn member(file: &MemberFile, clips: &[Clip]) -> anyhow::Result<Member> {
+    let near = file.position.iter().all(|p| p.abs() <= FARTHEST_METRES);
+    ensure!(
+        near,
+        "position: give metres within {FARTHEST_METRES} of the origin"
+    );
+    ensure!(file.yaw_deg.is_finite(), "yaw_deg: give degrees");
+    let cross_fade = file.cross_fade.as_ref().map(|fade| {
+        let play = play((&fade.clip, fade.phase, fade.speed), clips)?;
+        ensure!(
+            (0.0..=3600.0).contains(&fade.secs),
+            "secs: give 0 to 3600 seconds"
+        );
+        ensure!((0.0..=1.0).contains(&fade.start), "start: give 0 to 1");
+        Ok(CrossFade {
+            other: play,
+            fade_secs: fade.secs,
+            start: fade.start,
+        })
+    });
+    Ok(Member {
+        position: Vec3::from(file.position),
+        yaw_radians: file.yaw_deg.to_radians(),
+        play: play((&file.clip, file.phase, file.speed), clips)?,
+        cross_fade: cross_fade.transpose().context("cross_fade")?,
+    })
+}
+
+fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> anyhow::Result<Play> {
+    ensure!((0.0..=1.0).contains(&phase), "phase: give 0 to 1");
+    ensure!(
+        speed.abs() <= MOST_SPEED,
+        "speed: give at most {MOST_SPEED}, negative to play backwards"
+    );
+    let names = clips.iter().map(|c| c.name.as_str());
+    // A wrong name in a file is no wrong usage.
+    let found = open::choose("clip", clip, names).map_err(|e| anyhow::anyhow!("{e}"))?;
+    Ok(Play {
+        clip: found,
+        phase,
+        speed,
+    })
+}
+
+/// Writes a scene with the names of the clips.
+pub(crate) fn save(path: &Path, scene: &Scene, clips: &[Clip]) -> anyhow::Result<()> {
+    let name = |clip: usize| clips.get(clip).map_or(String::new(), |c| c.name.clone());
+    let members = scene.members.iter().map(|m| MemberFile {
+        position: m.position.to_array(),
+        yaw_deg: m.yaw_radians.to_degrees(),
+        clip: name(m.play.clip),
+        phase: m.play.phase,
+        speed: m.play.speed,
+        cross_fade: m.cross_fade.map(|f| FadeFile {
+            clip: name(f.other.clip),
+            phase: f.other.phase,
+            speed: f.other.speed,
+            secs: f.fade_secs,
+            start: f.start,
+        }),
+    });
+    let file = SceneFile {
+        viewport: [
+            scene.viewport.width_px as u32,
+            scene.viewport.height_px as u32,
+        ],
+        fov_deg: scene.viewport.fov_y_radians.to_degrees(),
+        camera: scene.camera.iter().map(Key::from).collect(),
+        camera_loops: scene.camera_loops,
+        members: members.collect(),
+    };
+    let mut json = serde_json::to_vec_pretty(&file).context("the scene")?;
+    json.push(b'\n');
+    files::write(path, &json)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::clip::Tracks;
+
+    fn clips() -> Vec<Clip> {
+        let clip = |name: &str| Clip::new(name, 30.0, 31, 1, Tracks::default()).unwrap();
+        vec![clip("idle"), clip("walk")]
+    }
+
+    const CAMERA: &str = r#""camera": [{"t": 0, "eye": [0, 1.7, 5], "target": [0, 1.7, 0]}]"#;
+
+    fn scene(members: &str) -> anyhow::Result<Scene> {
+        let text = format!("{{{CAMERA}, \"members\": [{members}]}}");
+        parse(text.as_bytes(), &clips(), 60.0)
+    }
+
+    #[test]
+    fn what_is_left_out_is_usual() {
+        let found = scene(r#"{"position": [1, 0, 2], "clip": "walk", "yaw_deg": 180}"#).unwrap();
+        assert_eq!(found.viewport.width_px, 1920.0);
+        assert!(!found.camera_loops);
+        let [member] = &found.members[..] else {
+            panic!("one member")
+        };
+        assert_eq!(member.position, Vec3::new(1.0, 0.0, 2.0));
+        assert!((member.yaw_radians - std::f32::consts::PI).abs() < 1e-6);
+        let expected = Play {
+            clip: 1,
+            phase: 0.0,
+            speed: 1.0,
+        };
+        assert_eq!(member.play, expected);
+    }
+
+    #[test]
+    fn mistakes_are_named_with_their_place() {
+        let why = |members: &str| format!("{:#}", scene(members).unwrap_err());
+        assert!(why("").contains("members: 0 characters"));
+        let walk = r#"{"position": [0, 0, 0], "clip": "walk"}"#;
+        let run = why(&format!(
+            r#"{walk}, {{"position": [0, 0, 0], "clip": "run"}}"#
+        ));
+        assert!(
+            run.contains("members[1]: ") && run.contains("\"idle\""),
+            "{run}"
+        );
+        for (field, value) in [
+            ("position", r#""position": [0, 1e9, 0]"#),
+            ("phase", r#""position": [0, 0, 0], "phase": 1.5"#),
+            ("speed", r#""position": [0, 0, 0], "speed": 1e30"#),
+            (
+                "cross_fade: secs",
+                r#""position": [0, 0, 0], "cross_fade": {"clip": "idle", "secs": -1}"#,
+            ),
+            ("NaN", r#""position": [NaN, 0, 0]"#),
+            ("unknown field", r#""position": [0, 0, 0], "colour": 1"#),
+        ] {
+            let found = why(&format!(r#"{{"clip": "walk", {value}}}"#));
+            let place = if field == "NaN" { "line 1" } else { field };
+            assert!(found.contains(place), "{field}: {found}");
+        }
+        let late = r#"{"camera": [{"t": 1, "eye": [0,0,1], "target": [0,0,0]}], "members": []}"#;
+        let late = parse(late.as_bytes(), &clips(), 60.0).unwrap_err();
+        assert!(format!("{late:#}").contains("camera[0].t"));
+    }
+}

@@ -1,0 +1,82 @@
+//! Errors of the program: `FILE: place: what; mend` on one line, and the exit status.
+//!
+//! Libraries give typed errors that name the place; here the file is put in front of them.
+
+use std::fmt;
+
+/// The command line itself is wrong: exit status 2.
+#[derive(Debug)]
+pub(crate) struct Usage(String);
+
+impl fmt::Display for Usage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for Usage {}
+
+/// An error that says how the command should have been called.
+pub(crate) fn usage(what: impl Into<String>) -> anyhow::Error {
+    anyhow::Error::new(Usage(what.into()))
+}
+
+/// The exit status that an error deserves.
+pub(crate) fn status(fault: &anyhow::Error) -> u8 {
+    let is_argument = |e: &articula::Error| e.is_argument();
+    let of_library = fault.downcast_ref().is_some_and(is_argument);
+    if of_library || fault.downcast_ref::<Usage>().is_some() {
+        2
+    } else {
+        1
+    }
+}
+
+/// The whole chain of an error on one line.
+pub(crate) fn line(fault: &anyhow::Error) -> String {
+    format!("error: {}", clean(&format!("{fault:#}")))
+}
+
+/// Longest text of a file that is shown; a longer one is cut.
+const LONGEST: usize = 2000;
+
+/// Text from a file, fit for a terminal: control characters are spelled out, so that a name
+/// can neither break a line nor steer the terminal, and a very long one is cut.
+pub(crate) fn clean(text: &str) -> String {
+    let mut out = String::with_capacity(text.len().min(LONGEST));
+    for c in text.chars() {
+        if out.len() >= LONGEST {
+            out.push('…');
+            break;
+        }
+        // Beside the controls: marks that turn the direction of writing.
+        let steers = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+        if c.is_control() || steers {
+            out.extend(c.escape_default());
+        } else {
+            out.push(c);
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use anyhow::Context;
+
+    #[test]
+    fn a_very_long_name_is_cut() {
+        assert_eq!(clean(&"x".repeat(1999)).len(), 1999);
+        assert_eq!(clean(&"é".repeat(100_000)).chars().count(), 1001);
+    }
+
+    #[test]
+    fn one_line_names_the_file_first_and_keeps_the_status() {
+        let inner: anyhow::Result<()> = Err(usage("no such clip\n\u{1b}[31mred"));
+        let outer = inner.context("a.glb").unwrap_err();
+        assert_eq!(line(&outer), "error: a.glb: no such clip\\n\\u{1b}[31mred");
+        assert_eq!(status(&outer), 2);
+        assert_eq!(status(&anyhow::anyhow!("gone")), 1);
+    }
+}

@@ -1,0 +1,184 @@
+//! The head of a character before the camera: what a portrait is made of.
+
+use super::expressions;
+use crate::facing::facing;
+use anyhow::{Context, anyhow};
+use articula::Figure;
+use articula_build::decimate::decimate;
+use articula_build::poses::SkinPose;
+use articula_core::hierarchy::local_to_model;
+use articula_core::pose::ModelPose;
+use articula_core::view::{Camera, Viewport};
+use articula_flat::appearance::Appearance;
+use articula_flat::frame::{Bounds, TightView};
+use articula_flat::portrait::{Head, PortraitClip, PortraitExpression, PortraitSource};
+use glam::Vec3;
+
+/// Part of the head's height that is shown beside it: hair above, neck and shoulders below.
+const AROUND: f32 = 0.12;
+/// A vertex is of the head if the joints of the head move it by more than this.
+const OF_HEAD: f32 = 0.5;
+/// How many times an error at the head counts when a figure is made coarser.
+const HEAD_WEIGHT: f32 = 3.0;
+/// The joints of the neck and the skull in H-Anim, and the vertebrae between.
+const NECK: [&str; 9] = [
+    "vc7",
+    "vc6",
+    "vc5",
+    "vc4",
+    "vc3",
+    "vc2",
+    "vc1",
+    "skullbase",
+    "skull",
+];
+
+/// A head that can be made a portrait of.
+pub(crate) struct HeadShot<'a> {
+    figure: &'a Figure,
+    look: Appearance,
+    head: Head,
+    expressions: Vec<PortraitExpression>,
+    clips: Vec<PortraitClip>,
+    camera: Camera,
+    pub(crate) triangles: Vec<[u32; 3]>,
+}
+
+impl<'a> HeadShot<'a> {
+    /// Frames the head, and simplifies what the picture shows to about `triangles`.
+    pub(crate) fn new(
+        figure: &'a Figure,
+        clip: Option<usize>,
+        triangles: usize,
+        viewport: Viewport,
+    ) -> anyhow::Result<Self> {
+        let asset = &figure.asset;
+        if asset.mesh.triangles.is_empty() {
+            return Err(anyhow!(
+                "no mesh to show; give a file with one, or hide fewer of them"
+            ));
+        }
+        let character = &figure.opened.character;
+        let (look, _) = Appearance::new(&character.materials, &character.images);
+        let rest = SkinPose::rest(asset).positions(asset);
+        let joints = head_joints(figure);
+        let of_head = vertices_of(figure, &joints);
+        let shown = rest
+            .iter()
+            .zip(&of_head)
+            .filter(|(_, is)| **is)
+            .map(|(p, _)| *p);
+        let bounds = Bounds::around(shown.map(|p| (p, p)))
+            .context("no vertex of the head at a finite place")?;
+        let mut model = ModelPose::new(asset.rig.len());
+        local_to_model(&asset.rig, asset.rig.rest_pose(), &mut model);
+        let camera = before(&bounds, facing(&asset.rig, &model), viewport);
+        let has_joints = !joints.is_empty();
+        let head = if joints.is_empty() {
+            let low = bounds.low.y;
+            let middle = bounds.middle();
+            let pivot = Vec3::new(middle.x, low + 0.3 * (bounds.high.y - low), middle.z);
+            Head::Whole { pivot }
+        } else {
+            Head::Joints(joints)
+        };
+        let expressions = expressions(figure);
+        if expressions.is_empty() && !has_joints {
+            let what = "no face: no joint of a head and no morph target; give a file with one";
+            return Err(anyhow!(what));
+        }
+        let kept = in_picture(figure, &rest, &camera);
+        let triangles = decimate(asset, &kept, clip, triangles, &[])?;
+        let sampled = clip.map(|c| {
+            let weights = &asset.mesh.morph_weights;
+            PortraitClip::sample(&asset.clips[c], &asset.rig, weights, &head, &expressions)
+        });
+        Ok(Self {
+            figure,
+            look,
+            head,
+            expressions,
+            clips: sampled.into_iter().collect(),
+            camera,
+            triangles,
+        })
+    }
+
+    /// What the portrait is made of.
+    pub(crate) fn source(&self) -> PortraitSource<'_> {
+        PortraitSource {
+            mesh: &self.figure.asset.mesh,
+            rig: &self.figure.asset.rig,
+            look: &self.look,
+            triangles: &self.triangles,
+            head: self.head.clone(),
+            expressions: &self.expressions,
+            clips: &self.clips,
+            camera: self.camera,
+        }
+    }
+}
+
+/// The joints that turn a head, from the lowest of the neck up; none if they are not known.
+fn head_joints(figure: &Figure) -> Vec<usize> {
+    let joints = &figure.asset.rig.articulation().joints;
+    let named = |name: &&str| joints.iter().position(|j| j.hanim.as_deref() == Some(name));
+    let mut found: Vec<usize> = NECK.iter().filter_map(named).collect();
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
+/// How much an error at each vertex counts: people look at faces. Empty if no head is known.
+pub(super) fn head_weights(figure: &Figure) -> Vec<f32> {
+    let joints = head_joints(figure);
+    if joints.is_empty() {
+        return Vec::new();
+    }
+    let of_head = vertices_of(figure, &joints);
+    of_head
+        .into_iter()
+        .map(|is| if is { HEAD_WEIGHT } else { 1.0 })
+        .collect()
+}
+
+/// Which vertices the head's last joint and those below it move; all of them without such a
+/// joint.
+fn vertices_of(figure: &Figure, joints: &[usize]) -> Vec<bool> {
+    let asset = &figure.asset;
+    let Some(head) = joints.last() else {
+        return vec![true; asset.mesh.len()];
+    };
+    let weight = |v: usize| -> f32 {
+        let influences = asset.mesh.influences_of(v);
+        let of_head = influences.filter(|(joint, _)| asset.rig.is_at_or_below(*joint, *head));
+        of_head.map(|(_, weight)| weight).sum()
+    };
+    (0..asset.mesh.len()).map(|v| weight(v) > OF_HEAD).collect()
+}
+
+/// A camera before the head, with something around it.
+fn before(bounds: &Bounds, azimuth_radians: f32, viewport: Viewport) -> Camera {
+    let around = Vec3::splat(AROUND * (bounds.high.y - bounds.low.y));
+    let wider = Bounds {
+        low: bounds.low - around,
+        high: bounds.high + around,
+    };
+    let mut view = TightView::new(azimuth_radians, 0.0, viewport);
+    wider.corners().into_iter().for_each(|p| view.add(p));
+    view.camera()
+        .unwrap_or_else(|| Camera::looking_at(wider.middle() + Vec3::Z, wider.middle(), viewport))
+}
+
+/// Which triangles the picture may show when the head turns.
+fn in_picture(figure: &Figure, rest: &[Vec3], camera: &Camera) -> Vec<bool> {
+    let viewport = camera.viewport;
+    let (width, height) = (viewport.width_px, viewport.height_px);
+    let is_near = |v: &u32| {
+        let (at, depth) = camera.project(rest[*v as usize]);
+        let across = (-0.1 * width..1.1 * width).contains(&at.x);
+        depth > 0.0 && across && (-0.1 * height..1.02 * height).contains(&at.y)
+    };
+    let triangles = &figure.asset.mesh.triangles;
+    triangles.iter().map(|t| t.iter().any(is_near)).collect()
+}

@@ -1,0 +1,35 @@
+//! The command line of Articula: reads its arguments, runs one command, prints the answer.
+//!
+//! Exit status: 0 done, 1 the input or the world is bad, 2 wrong usage. Results go to standard
+//! output, everything else to standard error; an error is one line there.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the program is where files are opened and the clock is read"
+)]
+
+mod arguments;
+mod commands;
+mod console;
+mod crowd;
+mod facing;
+mod fault;
+mod files;
+mod flat;
+mod open;
+mod play;
+mod table;
+
+use clap::Parser;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let line = arguments::CommandLine::parse();
+    let console = line.console();
+    match commands::run(&line.command, &console) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(fault) => {
+            console.fault(&fault);
+            ExitCode::from(fault::status(&fault))
+        }
+    }
+}

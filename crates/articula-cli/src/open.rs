@@ -1,0 +1,105 @@
+//! From the flags of a command to an opened file: profiles and skeletons are read here, the rest
+//! is the library's.
+
+use crate::arguments::{CharacterArgs, ReadArgs};
+use crate::files;
+use anyhow::Context;
+use articula::{DataFormat, Figure, OpenOptions, Opened, OpenedData, open_data};
+use articula_formats::profile::{self, Profile};
+use articula_formats::{Guess, Limits, Warning};
+use std::path::{Path, PathBuf};
+
+/// Opens a character; profiles of the user are asked before the built-in ones.
+pub(crate) fn character(path: &Path, args: &ReadArgs) -> anyhow::Result<Opened> {
+    Ok(articula::fs::open_with(path, &options(args)?)?)
+}
+
+/// Opens a character, leaves out the meshes that are not wanted, builds the rest.
+pub(crate) fn figure(args: &CharacterArgs) -> anyhow::Result<Figure> {
+    let mut opened = character(&args.file, &args.names)?;
+    opened.keep_meshes(&args.only, &args.hide)?;
+    Ok(Figure::new(opened)?)
+}
+
+/// Opens a file without a character in it.
+pub(crate) fn data(path: &Path, format: DataFormat, args: &ReadArgs) -> anyhow::Result<OpenedData> {
+    let options = options(args)?;
+    let bytes = files::read(path, options.limits.bytes)?;
+    Ok(open_data(&bytes, &files::shown(path), format, &options)?)
+}
+
+/// How a file is understood, as the flags say it.
+fn options(args: &ReadArgs) -> anyhow::Result<OpenOptions> {
+    let limits = Limits::default();
+    let skeleton = args.skeleton.as_ref();
+    Ok(OpenOptions {
+        profiles: profiles(&args.profile, &limits)?,
+        unit_metres: args.unit_metres,
+        up: args.up(),
+        skeleton: skeleton.map(|p| files::read(p, limits.bytes)).transpose()?,
+        amc_rate_hz: args.amc_rate_hz,
+        absent: args.absent(),
+        limits,
+    })
+}
+
+fn profiles(own: &[PathBuf], limits: &Limits) -> anyhow::Result<Vec<Profile>> {
+    let profile = |path: &PathBuf| {
+        let bytes = files::read(path, limits.bytes)?;
+        profile::parse(&bytes, limits).with_context(|| files::shown(path))
+    };
+    own.iter().map(profile).collect()
+}
+
+/// What the reader found odd, each with its place.
+pub(crate) fn warnings(opened: &Opened) -> Vec<String> {
+    let warnings = opened.warnings.iter();
+    warnings
+        .map(|w| format!("{}: {}", w.at, advised(w)))
+        .collect()
+}
+
+/// What a warning says, and where a reader had to guess, the flag that decides.
+pub(crate) fn advised(warning: &Warning) -> String {
+    let flag = match warning.guess {
+        None => return warning.what.clone(),
+        Some(Guess::Unit) => "--unit-metres M",
+        Some(Guess::UpAxis) => "--up y or --up z",
+        Some(Guess::Rate) => "--amc-rate-hz HZ",
+        Some(Guess::Skeleton) => "--skeleton F.asf",
+    };
+    format!("{}; give {flag} if that is wrong", warning.what)
+}
+
+/// Finds a name among others, or says which there are.
+pub(crate) fn choose<'a>(
+    what: &str,
+    wanted: &str,
+    names: impl Iterator<Item = &'a str> + Clone,
+) -> anyhow::Result<usize> {
+    Ok(articula::choose(what, wanted, names)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fault;
+
+    #[test]
+    fn a_guess_names_its_flag() {
+        let guessed = |guess| advised(&Warning::guess("file", "inches", guess));
+        let said = "inches; give --unit-metres M if that is wrong";
+        assert_eq!(guessed(Guess::Unit), said);
+        let said = "inches; give --up y or --up z if that is wrong";
+        assert_eq!(guessed(Guess::UpAxis), said);
+        let said = "inches; give --amc-rate-hz HZ if that is wrong";
+        assert_eq!(guessed(Guess::Rate), said);
+        assert_eq!(advised(&Warning::new("file", "odd")), "odd");
+    }
+
+    #[test]
+    fn a_wrong_name_is_wrong_usage() {
+        let why = choose("clip", "fly", ["walk"].into_iter()).unwrap_err();
+        assert_eq!(fault::status(&why), 2);
+    }
+}

@@ -1,0 +1,244 @@
+//! Files by their paths: opening what lies on disk with what lies beside it, and writing that
+//! never leaves half a file behind. Absent from wasm builds.
+
+#![allow(
+    clippy::disallowed_methods,
+    reason = "the one module of the library that opens files"
+)]
+
+use crate::error::{Context, Error, Result};
+use crate::open::{self, Format, OpenOptions, Opened};
+use articula_formats::{Guess, Warning};
+use std::fs::File;
+use std::io::{self, ErrorKind, Read};
+use std::path::{Component, Path, PathBuf};
+
+/// Opens a character file; buffers, pictures and the skeleton of a motion are looked for beside
+/// it.
+///
+/// # Errors
+/// See [`open_with`].
+pub fn open(path: impl AsRef<Path>) -> Result<Opened> {
+    open_with(path, &OpenOptions::default())
+}
+
+/// The same with options for what the file does not say.
+///
+/// # Errors
+/// An [`Error`] that names the file: it cannot be read, or see [`open()`](crate::open()).
+pub fn open_with(path: impl AsRef<Path>, options: &OpenOptions) -> Result<Opened> {
+    let path = path.as_ref();
+    let name = shown(path);
+    if let Some(data) = open::DataFormat::of_name(&name) {
+        return Err(Error::unsuited(data.advice())).context(name);
+    }
+    let limit = options.limits.bytes;
+    let bytes = read(path, limit)?;
+    let mut fetch = beside(path, limit);
+    if Format::of_bytes(&bytes, &name) == Some(Format::Amc) && options.skeleton.is_none() {
+        let (skeleton, how) = skeleton_beside(path).with_context(|| &name)?;
+        let options = OpenOptions {
+            skeleton: Some(read(&skeleton, limit)?),
+            ..options.clone()
+        };
+        let mut opened = open::open(&bytes, &name, &options, &mut fetch)?;
+        if let Some(how) = how {
+            let file = skeleton.file_name().unwrap_or_default().to_string_lossy();
+            let what = format!("{file} was taken, {how}");
+            let warning = Warning::guess("skeleton", what, Guess::Skeleton);
+            opened.warnings.insert(0, warning);
+        }
+        return Ok(opened);
+    }
+    open::open(&bytes, &name, options, &mut fetch)
+}
+
+/// The skeleton of a motion, and why it is that one if that is a guess.
+fn skeleton_beside(path: &Path) -> Result<(PathBuf, Option<&'static str>)> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let here = if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    };
+    let names: Vec<String> = in_folder(here)?
+        .iter()
+        .filter_map(|p| Some(p.file_name()?.to_string_lossy().into_owned()))
+        .collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let motion = path.file_name().unwrap_or_default().to_string_lossy();
+    let (found, how) = open::skeleton_of(&motion, &names)?;
+    Ok((folder.join(found), how))
+}
+
+/// Reads a whole file of at most `limit` bytes; a pipe or device is cut off there too.
+///
+/// # Errors
+/// An [`Error`] that names the file, what is wrong and the mend.
+pub fn read(path: &Path, limit: u64) -> Result<Vec<u8>> {
+    let place = || shown(path);
+    if path.is_dir() {
+        return Err(Error::Io("this is a folder; name a file in it".into())).with_context(place);
+    }
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(limit + 1).read_to_end(&mut bytes))
+        .map_err(unread)
+        .with_context(place)?;
+    if bytes.is_empty() {
+        return Err(Error::unsuited("the file is empty; save it again")).with_context(place);
+    }
+    if bytes.len() as u64 > limit {
+        let what = format!("more than {limit} bytes, which is the limit");
+        return Err(Error::unsuited(what)).with_context(place);
+    }
+    Ok(bytes)
+}
+
+/// Writes a file whole or not at all, and makes the folders above it.
+///
+/// # Errors
+/// An [`Error::Io`] that names the file, what is wrong and the mend.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    let place = || shown(path);
+    let Some(name) = path.file_name() else {
+        return Err(Error::Io("this names no file".into())).with_context(place);
+    };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    if !folder.as_os_str().is_empty() {
+        std::fs::create_dir_all(folder)
+            .map_err(unwritten)
+            .with_context(|| shown(folder))?;
+    }
+    // A device or pipe is written as it is; a plain file appears only when it is complete.
+    if path.exists() && !path.is_file() {
+        return std::fs::write(path, bytes)
+            .map_err(unwritten)
+            .with_context(place);
+    }
+    let mut part = name.to_owned();
+    part.push(format!(".{}.part", std::process::id()));
+    let part = folder.join(part);
+    let written = std::fs::write(&part, bytes).and_then(|()| std::fs::rename(&part, path));
+    if written.is_err() {
+        let _ = std::fs::remove_file(&part);
+    }
+    written.map_err(unwritten).with_context(place)
+}
+
+/// The plain files of a folder, sorted by name; hidden ones and folders in it are left out.
+///
+/// # Errors
+/// An [`Error::Io`] if the folder cannot be read.
+pub fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut all = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(unread)? {
+        let path = entry.map_err(unread)?.path();
+        let name = path.file_name().unwrap_or_default();
+        if path.is_file() && !name.to_string_lossy().starts_with('.') {
+            all.push(path);
+        }
+    }
+    all.sort();
+    Ok(all)
+}
+
+/// Why a file could not be read, and the mend.
+fn unread(error: io::Error) -> Error {
+    match error.kind() {
+        ErrorKind::NotFound => Error::Io("there is no such file; check its name and folder".into()),
+        ErrorKind::PermissionDenied => {
+            Error::Io("it may not be read; change its permissions".into())
+        }
+        _ => Error::Io(error.to_string()),
+    }
+}
+
+/// Why a file or folder could not be written, and the mend.
+fn unwritten(error: io::Error) -> Error {
+    match error.kind() {
+        ErrorKind::IsADirectory => Error::Io("this is a folder; name a file in it".into()),
+        ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
+            Error::Io("a file stands where a folder is needed; name another folder".into())
+        }
+        ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem | ErrorKind::NotFound => {
+            Error::Io("nothing may be written here; name a folder of your own".into())
+        }
+        ErrorKind::StorageFull => Error::Io("the disk is full; make room or name another".into()),
+        _ => Error::Io(error.to_string()),
+    }
+}
+
+/// Fetches what lies beside a file, and nothing else: no absolute path, no URL, no way out of
+/// the file's folder.
+pub fn beside(file: &Path, limit: u64) -> impl FnMut(&str) -> Result<Vec<u8>, String> {
+    let folder = file.parent().unwrap_or(Path::new("")).to_path_buf();
+    move |name: &str| {
+        let path = inside(&folder, name)?;
+        // Opening a pipe would wait for ever, so only plain files are opened.
+        if !path.is_file() {
+            return Err("there is no such file beside this one; put it there".into());
+        }
+        read(&path, limit).map_err(|e| e.cause().to_string())
+    }
+}
+
+fn inside(folder: &Path, name: &str) -> Result<PathBuf, String> {
+    let mend = "only files beside this one are read; put it there and name it without a path";
+    // Also catches a drive letter; a colon in a plain relative name is too rare to keep.
+    if name.contains(':') {
+        return Err(format!("a URL is not fetched; {mend}"));
+    }
+    if name.starts_with(['/', '\\']) {
+        return Err(format!("the path is absolute; {mend}"));
+    }
+    let name = name.replace('\\', "/");
+    let mut depth = 0usize;
+    for component in Path::new(&name).components() {
+        match component {
+            Component::Normal(_) => depth += 1,
+            Component::CurDir => {}
+            Component::ParentDir if depth > 0 => depth -= 1,
+            _ => return Err(format!("the path leaves the file's folder; {mend}")),
+        }
+    }
+    Ok(folder.join(name))
+}
+
+/// A path as errors and reports show it.
+pub fn shown(path: &Path) -> String {
+    path.display().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_what_lies_beside_is_fetched() {
+        let folder = Path::new("models");
+        let good = |name: &str| inside(folder, name).unwrap();
+        assert_eq!(good("a.bin"), Path::new("models/a.bin"));
+        assert_eq!(good("tex/a b.png"), Path::new("models/tex/a b.png"));
+        assert_eq!(good("tex/../a.bin"), Path::new("models/tex/../a.bin"));
+        for bad in [
+            "../a.bin",
+            "tex/../../a.bin",
+            "/etc/passwd",
+            "\\\\host\\share",
+            "..\\a.bin",
+            "https://example.org/a.bin",
+            "file:///etc/passwd",
+            "C:\\a.bin",
+        ] {
+            let why = inside(folder, bad).unwrap_err();
+            assert!(why.contains("beside this one"), "{bad}: {why}");
+        }
+    }
+
+    #[test]
+    fn a_missing_neighbour_names_the_mend() {
+        let mut fetch = beside(Path::new("nowhere/a.gltf"), 10);
+        assert!(fetch("a.bin").unwrap_err().contains("put it there"));
+    }
+}

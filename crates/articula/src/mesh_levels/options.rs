@@ -1,0 +1,156 @@
+//! What the caller wants of mesh levels.
+
+use crate::error::{Context, Error, Result};
+use articula_build::mesh_levels::MeshLevelOptions as BuildOptions;
+use articula_build::simplify::{SimplifyOptions, Weighting, region_weights};
+use articula_core::articulation::Zone;
+use articula_core::mesh::{Mesh, Part};
+use articula_core::rig::Rig;
+use std::collections::BTreeMap;
+
+/// Shares of the triangles of five levels; other numbers of levels run along them.
+const FIVE_LEVELS: [f64; 5] = [1.0, 0.5, 0.25, 0.1, 0.015];
+
+/// How the mesh levels of a character are made.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeshLevelOptions {
+    /// Share of the triangles of each level, 0..1, falling from 1.
+    pub targets: Vec<f64>,
+    /// How much errors of a body region count, by the region's name; 1 without an entry.
+    pub region_weights: Vec<(String, f32)>,
+    /// Zones that may be shown at a level of their own, with their names; the rest is one more.
+    pub split: Vec<(String, Zone)>,
+    /// Which errors count.
+    pub weighting: Weighting,
+    /// Vertices that no level removes, by the name of their mesh, numbered within it.
+    pub locked: BTreeMap<String, Vec<u32>>,
+    /// Whether the coarser levels are written as `MSFT_lod` nodes too.
+    pub msft_lod: bool,
+}
+
+impl MeshLevelOptions {
+    /// So many levels, from all triangles to 1.5 % of them.
+    pub fn levels(count: usize) -> Self {
+        Self {
+            targets: default_targets(count),
+            region_weights: Vec::new(),
+            split: Vec::new(),
+            weighting: Weighting::PoseSummed,
+            locked: BTreeMap::new(),
+            msft_lod: false,
+        }
+    }
+
+    /// The options of a character. `classes` tells vertices apart that look alike in all that a
+    /// [`Mesh`] holds.
+    pub(super) fn of(&self, mesh: &Mesh, rig: &Rig, classes: Vec<u32>) -> Result<BuildOptions> {
+        let factors = self.region_weights.iter().map(|(r, x)| (r.as_str(), *x));
+        let factors: Vec<(&str, f32)> = factors.collect();
+        let vertex_weights = match factors.is_empty() {
+            true => Vec::new(),
+            false => region_weights(mesh, rig, &factors).context("region weights")?,
+        };
+        let simplify = SimplifyOptions {
+            targets: self.targets.clone(),
+            weighting: self.weighting,
+            vertex_weights,
+            locked: self.locked(mesh).context("locked vertices")?,
+            regions: self.regions(mesh, rig),
+            wedges: classes,
+        };
+        Ok(BuildOptions {
+            simplify,
+            ..BuildOptions::default()
+        })
+    }
+
+    /// Which zone each vertex belongs to: the first that has its heaviest joint.
+    fn regions(&self, mesh: &Mesh, rig: &Rig) -> Vec<u8> {
+        if self.split.is_empty() {
+            return Vec::new();
+        }
+        let joints = &rig.articulation().joints;
+        let zone_of = |joint: usize| {
+            let region = joints.get(joint).map(|j| j.region);
+            let has = |(_, zone): &(String, Zone)| region.is_some_and(|r| zone.contains(r));
+            self.split.iter().position(has).unwrap_or(self.split.len()) as u8
+        };
+        let heaviest = |v| {
+            let all = mesh.influences_of(v);
+            all.reduce(|a, b| if b.1 > a.1 { b } else { a })
+        };
+        let region = |v| heaviest(v).map_or(self.split.len() as u8, |(joint, _)| zone_of(joint));
+        (0..mesh.len()).map(region).collect()
+    }
+
+    /// Names of the zones that may have levels of their own.
+    pub(super) fn region_names(&self) -> Vec<String> {
+        if self.split.is_empty() {
+            return Vec::new();
+        }
+        let names = self.split.iter().map(|(name, _)| name.clone());
+        names.chain(["rest".to_owned()]).collect()
+    }
+
+    fn locked(&self, mesh: &Mesh) -> Result<Vec<u32>> {
+        let mut locked = Vec::new();
+        for (name, vertices) in &self.locked {
+            let parts: Vec<&Part> = mesh.parts.iter().filter(|p| p.name == *name).collect();
+            let Some(first) = parts.first() else {
+                let mut names: Vec<&str> = mesh.parts.iter().map(|p| p.name.as_str()).collect();
+                names.dedup();
+                let what = format!("no mesh \"{name}\"; there are {}", names.join(", "));
+                return Err(Error::unsuited(what));
+            };
+            if parts.iter().any(|p| p.mesh != first.mesh) {
+                let what = format!("several meshes are called \"{name}\"; give them other names");
+                return Err(Error::unsuited(what));
+            }
+            // Parts of one mesh follow each other: its vertices are numbered through them.
+            let of_mesh: Vec<u32> = parts
+                .iter()
+                .flat_map(|p| p.vertices.clone())
+                .map(|v| v as u32)
+                .collect();
+            for v in vertices {
+                let Some(vertex) = of_mesh.get(*v as usize) else {
+                    let what = format!("{name}: vertex {v} of {}", of_mesh.len());
+                    return Err(Error::unsuited(what));
+                };
+                locked.push(*vertex);
+            }
+        }
+        Ok(locked)
+    }
+}
+
+/// Shares of the triangles of `levels` levels: those of five, or what lies between them.
+fn default_targets(levels: usize) -> Vec<f64> {
+    let last = FIVE_LEVELS.len() - 1;
+    let at = |i: usize| {
+        let x = (i * last) as f64 / (levels.max(2) - 1) as f64;
+        let below = (x as usize).min(last - 1);
+        let (a, b) = (100.0 * FIVE_LEVELS[below], 100.0 * FIVE_LEVELS[below + 1]);
+        let between = a * (b / a).powf(x - below as f64);
+        (between * 100.0).round() / 100.0 / 100.0
+    };
+    (0..levels).map(at).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_numbers_of_levels_run_along_the_five() {
+        assert_eq!(default_targets(5), FIVE_LEVELS);
+        assert_eq!(default_targets(1), [1.0]);
+        assert_eq!(default_targets(2), [1.0, 0.015]);
+        // Half way along: index 1 of 4 at three levels is 2 of 4.
+        assert_eq!(default_targets(3), [1.0, 0.25, 0.015]);
+        let nine = default_targets(9);
+        // Between 100 and 50 percent: their geometric mean, to a hundredth of a percent.
+        assert_eq!(nine[1], 0.7071);
+        assert!(nine.windows(2).all(|w| w[0] > w[1]));
+    }
+}

@@ -1,0 +1,25 @@
+//! BVA files: segments without a hierarchy, put together if their names are known.
+
+use super::{Input, Opened};
+use crate::error::Result;
+use articula_formats::{Warning, bva};
+
+/// Reads a BVA file.
+pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
+    let options = bva::ReadOptions {
+        scale_to_metres: input.options.unit_metres,
+        up: input.options.up,
+    };
+    let read = bva::read(input.bytes, &options, &input.options.limits)?;
+    let mut warnings = read.warnings;
+    let mut character = read.value.character.clone();
+    if let Some(tree) = bva::tree(&read.value, input.profiles) {
+        character = tree.character;
+        warnings.extend(tree.warnings);
+    } else {
+        let what = "the format has no hierarchy, and the segments are not called like those of a human \
+                    (a joint-name profile of your own maps them); they move side by side";
+        warnings.push(Warning::new("file", what));
+    }
+    Ok(input.opened(character, warnings, None))
+}

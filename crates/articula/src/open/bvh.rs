@@ -1,0 +1,17 @@
+//! BVH files.
+
+use super::{Input, Opened};
+use crate::error::Result;
+use articula_formats::bvh;
+
+/// Reads a BVH file; the unit and the up axis are the caller's or a guess.
+pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
+    let options = bvh::ReadOptions {
+        scale_to_metres: input.options.unit_metres,
+        up: input.options.up,
+    };
+    let read = bvh::read(input.bytes, &options, &input.options.limits)?;
+    let mut opened = input.opened(read.value.character, read.warnings, None);
+    opened.end_sites = read.value.end_sites;
+    Ok(opened)
+}

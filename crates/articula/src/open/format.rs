@@ -1,0 +1,277 @@
+//! Which formats there are, how their files are called and how their bytes begin.
+//!
+//! **A new format is one variant, one row of [`ROWS`] and one opener beside this file.**
+
+use super::{Opener, acclaim, bap, bva, bvh, document, x3d};
+use serde::Serialize;
+
+/// A format that is read or written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// Binary glTF 2.0.
+    Glb,
+    /// glTF 2.0 as JSON.
+    Gltf,
+    /// VRM 0.x or 1.0.
+    Vrm,
+    /// A VRM animation.
+    Vrma,
+    /// Biovision hierarchical motion.
+    Bvh,
+    /// H-Anim in X3D, XML encoding.
+    X3d,
+    /// H-Anim in X3D, classic encoding.
+    X3dv,
+    /// H-Anim in VRML97.
+    Wrl,
+    /// Biovision animation without a hierarchy.
+    Bva,
+    /// An Acclaim skeleton.
+    Asf,
+    /// An Acclaim motion.
+    Amc,
+    /// MPEG-4 body animation parameters.
+    Bap,
+}
+
+/// What is known of one format.
+struct Row {
+    format: Format,
+    /// Name as reports spell it, which is also the extension of its files.
+    name: &'static str,
+    open: Opener,
+    /// Whether a character in memory can be written so; others are only written back.
+    writes: Writes,
+}
+
+/// What can be written in a format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Writes {
+    /// Any character.
+    Any,
+    /// Only what was read from the same format.
+    Back,
+    /// Nothing.
+    Never,
+}
+
+const ROWS: &[Row] = &[
+    Row {
+        format: Format::Glb,
+        name: "glb",
+        open: document::open,
+        writes: Writes::Any,
+    },
+    Row {
+        format: Format::Gltf,
+        name: "gltf",
+        open: document::open,
+        writes: Writes::Never,
+    },
+    Row {
+        format: Format::Vrm,
+        name: "vrm",
+        open: document::open,
+        writes: Writes::Back,
+    },
+    Row {
+        format: Format::Vrma,
+        name: "vrma",
+        open: document::open,
+        writes: Writes::Back,
+    },
+    Row {
+        format: Format::Bvh,
+        name: "bvh",
+        open: bvh::open,
+        writes: Writes::Any,
+    },
+    Row {
+        format: Format::X3d,
+        name: "x3d",
+        open: x3d::open,
+        writes: Writes::Any,
+    },
+    Row {
+        format: Format::X3dv,
+        name: "x3dv",
+        open: x3d::open,
+        writes: Writes::Never,
+    },
+    Row {
+        format: Format::Wrl,
+        name: "wrl",
+        open: x3d::open,
+        writes: Writes::Never,
+    },
+    Row {
+        format: Format::Bva,
+        name: "bva",
+        open: bva::open,
+        writes: Writes::Never,
+    },
+    Row {
+        format: Format::Asf,
+        name: "asf",
+        open: acclaim::open_skeleton,
+        writes: Writes::Any,
+    },
+    Row {
+        format: Format::Amc,
+        name: "amc",
+        open: acclaim::open_motion,
+        writes: Writes::Any,
+    },
+    Row {
+        format: Format::Bap,
+        name: "bap",
+        open: bap::open,
+        writes: Writes::Any,
+    },
+];
+
+impl Format {
+    /// The format that a file name's extension says.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::of_extension(extension(name)?)
+    }
+
+    /// The format whose files have this extension, in any case, with or without its dot.
+    pub fn of_extension(extension: &str) -> Option<Self> {
+        let wanted = extension.trim_start_matches('.').to_ascii_lowercase();
+        let row = ROWS.iter().find(|row| row.name == wanted)?;
+        Some(row.format)
+    }
+
+    /// The format of the bytes; a container of glTF may be called by a more special name.
+    pub fn of_bytes(bytes: &[u8], name: &str) -> Option<Self> {
+        let named = Self::of_name(name);
+        let first = bytes.iter().position(|b| !b.is_ascii_whitespace());
+        let text = &bytes[first.unwrap_or(bytes.len())..];
+        // Some editors put a byte order mark before text.
+        let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+        let gltf = |usual| match named {
+            Some(Self::Vrm | Self::Vrma) => named,
+            _ => Some(usual),
+        };
+        if bytes.starts_with(b"glTF") {
+            gltf(Self::Glb)
+        } else if text.starts_with(b"{") {
+            gltf(Self::Gltf)
+        } else if text.starts_with(b"HIERARCHY") {
+            Some(Self::Bvh)
+        } else if text.starts_with(b"Segment:") {
+            Some(Self::Bva)
+        } else if text.starts_with(b"#VRML") {
+            Some(Self::Wrl)
+        } else if text.starts_with(b"#X3D") {
+            Some(Self::X3dv)
+        } else if is_x3d(text) {
+            Some(Self::X3d)
+        } else {
+            // The reader of that format can say best what is wrong with it.
+            named
+        }
+    }
+
+    /// Name as reports spell it.
+    pub fn name(self) -> &'static str {
+        self.row().name
+    }
+
+    /// What can be written in it.
+    pub fn writes(self) -> Writes {
+        self.row().writes
+    }
+
+    pub(super) fn opener(self) -> Opener {
+        self.row().open
+    }
+
+    fn row(self) -> &'static Row {
+        ROWS.iter()
+            .find(|row| row.format == self)
+            .unwrap_or(&ROWS[0])
+    }
+}
+
+/// What stands after the last dot of a file's name, if something stands before it.
+pub(super) fn extension(name: &str) -> Option<&str> {
+    let name = name.rsplit(['/', '\\']).next()?;
+    let (stem, extension) = name.rsplit_once('.')?;
+    (!stem.is_empty()).then_some(extension)
+}
+
+/// Whether text begins as an X3D document does, or bytes as one that was packed.
+fn is_x3d(start: &[u8]) -> bool {
+    const PACKED: [&[u8]; 2] = [b"\x1f\x8b", b"\xe0\x00\x00\x01"];
+    // The root element stands after a declaration, a document type and comments.
+    let near = &start[..start.len().min(4096)];
+    let names_it = near.windows(4).any(|w| w == b"<X3D");
+    start.starts_with(b"<") && names_it || PACKED.iter().any(|p| start.starts_with(p))
+}
+
+/// The extensions of the files that are read, as a sentence lists them.
+pub fn readable() -> String {
+    listed(ROWS.iter().map(|row| format!(".{}", row.name)))
+}
+
+/// What is converted into what, as a sentence.
+pub fn conversions() -> String {
+    let named = |writes| {
+        let rows = ROWS.iter().filter(move |row| row.writes == writes);
+        rows.map(|row| row.name.to_owned())
+    };
+    let back = named(Writes::Back).map(|name| format!("{name} to {name}"));
+    format!(
+        "{} to {}; {}",
+        listed(ROWS.iter().map(|row| row.name.to_owned())),
+        listed(named(Writes::Any)),
+        back.collect::<Vec<_>>().join("; ")
+    )
+}
+
+fn listed(names: impl Iterator<Item = String>) -> String {
+    let mut names: Vec<String> = names.collect();
+    let last = names.pop().unwrap_or_default();
+    if names.is_empty() {
+        return last;
+    }
+    format!("{} or {last}", names.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bytes_decide_and_names_refine() {
+        let of = |bytes: &[u8], name: &str| Format::of_bytes(bytes, name);
+        assert_eq!(of(b"glTF....", "a.bvh"), Some(Format::Glb));
+        assert_eq!(of(b"glTF....", "a.VRM"), Some(Format::Vrm));
+        assert_eq!(of(b" \n{\"asset\"", "a"), Some(Format::Gltf));
+        assert_eq!(of(b"\xef\xbb\xbfHIERARCHY", "a.txt"), Some(Format::Bvh));
+        assert_eq!(of(b"", "a.bvh"), Some(Format::Bvh));
+        assert_eq!(of(b"Segment: Hips", "a.txt"), Some(Format::Bva));
+        let x3d = b"<?xml version='1.0'?>\n<X3D version='4.0'>";
+        assert_eq!(of(x3d, "a.xml"), Some(Format::X3d));
+        assert_eq!(of(b"<svg>", "a.svg"), None);
+        assert_eq!(of(b"#VRML V2.0 utf8", "a"), Some(Format::Wrl));
+        assert_eq!(of(b"#X3D V3.3 utf8", "a.x3d"), Some(Format::X3dv));
+        assert_eq!(of(b"\x1f\x8b", "a.x3dz"), Some(Format::X3d));
+        assert_eq!(of(b"\x89PNG", "a.png"), None);
+    }
+
+    #[test]
+    fn every_format_has_one_row() {
+        for row in ROWS {
+            assert_eq!(row.format.name(), row.name);
+            let file = format!("a.{}", row.name.to_uppercase());
+            assert_eq!(Format::of_name(&file), Some(row.format));
+        }
+        assert!(conversions().starts_with("glb, gltf"));
+        assert!(conversions().ends_with("vrma to vrma"));
+        assert!(readable().contains(".vrma"));
+    }
+}

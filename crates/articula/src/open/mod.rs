@@ -1,0 +1,268 @@
+//! From bytes to a character: the format is told by the bytes, then by the name.
+
+mod acclaim;
+mod bap;
+mod bva;
+mod bvh;
+mod data;
+mod document;
+mod format;
+mod options;
+mod x3d;
+
+pub(crate) use acclaim::skeleton_of;
+pub use data::{Data, DataFormat, OpenedData, open_data};
+pub use document::GltfSource;
+pub use format::{Format, Writes, conversions, readable};
+pub use options::OpenOptions;
+
+use crate::error::{Context, Error, Result};
+use articula_core::articulation::Articulation;
+use articula_core::source::{Character, Property};
+use articula_formats::mpeg4::bap::BapClip;
+use articula_formats::profile::{self, Mapping, Profile};
+use articula_formats::{Resolver, Warning};
+
+/// A file that was opened: its character, and what is needed to write it back.
+#[derive(Debug, Clone)]
+pub struct Opened {
+    /// What errors and reports call the file.
+    pub name: String,
+    /// How the file is written.
+    pub format: Format,
+    /// Length of the file itself, bytes.
+    pub bytes: usize,
+    /// Skeleton, meshes, clips and expressions, in metres, +Y up, facing +Z.
+    pub character: Character,
+    /// What the joints are, by the file's own map or by their names.
+    pub mapping: Mapping,
+    /// What stands behind a glTF file, to be passed through; `None` for other formats.
+    pub gltf: Option<GltfSource>,
+    /// Joint and offset of each end site of a BVH, ASF or X3D file, metres.
+    pub end_sites: Vec<(usize, glam::Vec3)>,
+    /// The parameters of a BAP file.
+    pub parameters: Option<BapClip>,
+    /// What was odd about the file.
+    pub warnings: Vec<Warning>,
+}
+
+/// Opens a character, or a motion with its skeleton.
+///
+/// `name` is what errors call the file; its extension helps to tell the format. `beside` fetches
+/// what lies beside the file (buffers, pictures) by its relative URI.
+///
+/// # Errors
+/// An [`Error`] that names the file and the place in it: no format that is read, a malformed or
+/// unsupported file, something missing beside it, or a file without a character
+/// ([`open_data`] opens those of MPEG-4 faces).
+pub fn open(
+    bytes: &[u8],
+    name: &str,
+    options: &OpenOptions,
+    beside: &mut Resolver<'_>,
+) -> Result<Opened> {
+    if let Some(data) = DataFormat::of_name(name) {
+        return Err(Error::unsuited(data.advice())).context(name);
+    }
+    let Some(format) = Format::of_bytes(bytes, name) else {
+        let what = format!(
+            "the start of the file: not a format that is read; give a {} file",
+            readable()
+        );
+        return Err(Error::unsuited(what)).context(name);
+    };
+    let profiles: Vec<Profile> = options.all_profiles();
+    let mut input = Input {
+        name,
+        format,
+        bytes,
+        options,
+        profiles: &profiles,
+        beside,
+    };
+    format.opener()(&mut input).context(name)
+}
+
+/// What an opener is given.
+struct Input<'a, 'r> {
+    name: &'a str,
+    format: Format,
+    bytes: &'a [u8],
+    options: &'a OpenOptions,
+    profiles: &'a [Profile],
+    beside: &'a mut Resolver<'r>,
+}
+
+/// Turns the bytes of one format into a character; the caller names the file in errors.
+type Opener = fn(&mut Input<'_, '_>) -> Result<Opened>;
+
+impl Input<'_, '_> {
+    /// A character as read; `given` is the map to VRM human bones that the file brings itself.
+    fn opened(
+        &self,
+        character: Character,
+        warnings: Vec<Warning>,
+        given: Option<&[(usize, String)]>,
+    ) -> Opened {
+        Opened {
+            name: self.name.to_owned(),
+            format: self.format,
+            bytes: self.bytes.len(),
+            mapping: profile::map(&character.skeleton, self.profiles, given),
+            character,
+            gltf: None,
+            end_sites: Vec::new(),
+            parameters: None,
+            warnings,
+        }
+    }
+}
+
+impl Opened {
+    /// H-Anim joint, level and region of every joint: what the file stores of itself, else what
+    /// its names say.
+    pub fn articulation(&self) -> Articulation {
+        let stored = self.character.articulation.clone();
+        stored.unwrap_or_else(|| self.mapping.articulation.clone())
+    }
+
+    /// Keeps the meshes named in `only` (all if empty) that are not named in `hide`; channels and
+    /// expressions that drive a mesh follow it.
+    ///
+    /// # Errors
+    /// [`Error::Argument`] if a name is that of no mesh; it lists those there are.
+    pub fn keep_meshes(&mut self, only: &[String], hide: &[String]) -> Result<()> {
+        keep_meshes(&mut self.character, only, hide).context(&self.name)
+    }
+}
+
+/// Finds a name among others.
+///
+/// # Errors
+/// [`Error::Argument`] that says which names there are.
+pub fn choose<'a>(
+    what: &str,
+    wanted: &str,
+    names: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize> {
+    if let Some(found) = names.clone().position(|n| n == wanted) {
+        return Ok(found);
+    }
+    let mut known: Vec<String> = names.map(|n| format!("\"{n}\"")).collect();
+    let count = known.len();
+    known.truncate(30);
+    if count > known.len() {
+        known.push(format!(
+            "and {} more (inspect lists them)",
+            count - known.len()
+        ));
+    }
+    let known = if count == 0 {
+        "it has none".to_owned()
+    } else {
+        format!("it has {}", known.join(", "))
+    };
+    Err(Error::argument(format!(
+        "no {what} is called \"{wanted}\"; {known}"
+    )))
+}
+
+fn keep_meshes(character: &mut Character, only: &[String], hide: &[String]) -> Result<()> {
+    for name in only.iter().chain(hide) {
+        let names = character.meshes.iter().map(|m| m.name.as_str());
+        choose("mesh", name, names)?;
+    }
+    let kept = |name: &String| (only.is_empty() || only.contains(name)) && !hide.contains(name);
+    let mut new_index = Vec::with_capacity(character.meshes.len());
+    let mut next = 0;
+    for mesh in &character.meshes {
+        new_index.push(kept(&mesh.name).then_some(next));
+        next += usize::from(kept(&mesh.name));
+    }
+    character.meshes.retain(|m| kept(&m.name));
+    for expression in &mut character.expressions {
+        expression.morphs.retain_mut(|morph| {
+            let index = new_index.get(morph.mesh).copied().flatten();
+            morph.mesh = index.unwrap_or(morph.mesh);
+            index.is_some()
+        });
+    }
+    for clip in &mut character.clips {
+        clip.channels.retain_mut(|channel| {
+            if channel.property != Property::Weights {
+                return true;
+            }
+            let index = new_index.get(channel.target).copied().flatten();
+            channel.target = index.unwrap_or(channel.target);
+            index.is_some()
+        });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::source::{Channel, Clip, Expression, Interpolation, Mesh, MorphBinding};
+
+    #[test]
+    fn a_wrong_name_is_answered_with_the_right_ones() {
+        let names = ["walk", "run"];
+        assert_eq!(choose("clip", "run", names.into_iter()).unwrap(), 1);
+        let why = choose("clip", "fly", names.into_iter()).unwrap_err();
+        assert!(why.to_string().contains("it has \"walk\", \"run\""));
+        assert!(why.is_argument());
+    }
+
+    fn three_meshes() -> Character {
+        let channel = |target| Channel {
+            target,
+            property: Property::Weights,
+            interpolation: Interpolation::Linear,
+            times_secs: vec![0.0],
+            values: vec![0.0],
+        };
+        let morph = |mesh| MorphBinding {
+            mesh,
+            target: 0,
+            weight: 1.0,
+        };
+        let mesh = |name: &str| Mesh {
+            name: name.into(),
+            ..Mesh::default()
+        };
+        Character {
+            meshes: vec![mesh("body"), mesh("sword"), mesh("hat")],
+            clips: vec![Clip {
+                channels: vec![channel(0), channel(1), channel(2)],
+                ..Clip::default()
+            }],
+            expressions: vec![Expression {
+                morphs: vec![morph(1), morph(2)],
+                ..Expression::default()
+            }],
+            ..Character::default()
+        }
+    }
+
+    #[test]
+    fn hidden_meshes_go_with_their_channels() {
+        let mut c = three_meshes();
+        keep_meshes(&mut c, &[], &["sword".into()]).unwrap();
+        let names: Vec<_> = c.meshes.iter().map(|m| m.name.as_str()).collect();
+        assert_eq!(names, ["body", "hat"]);
+        let targets: Vec<_> = c.clips[0].channels.iter().map(|c| c.target).collect();
+        assert_eq!(targets, [0, 1]);
+        let driven: Vec<_> = c.expressions[0].morphs.iter().map(|m| m.mesh).collect();
+        assert_eq!(driven, [1]);
+    }
+
+    #[test]
+    fn only_keeps_the_named_and_a_wrong_name_is_refused() {
+        let mut c = three_meshes();
+        keep_meshes(&mut c, &["hat".into()], &[]).unwrap();
+        assert_eq!(c.meshes.len(), 1);
+        assert_eq!(c.clips[0].channels[0].target, 0);
+        assert!(keep_meshes(&mut c, &[], &["cape".into()]).is_err());
+    }
+}

@@ -1,0 +1,106 @@
+//! `prepare`: what is made once of a character goes into one GLB.
+
+use crate::error::{Context, Result};
+use crate::figure::Figure;
+use crate::mesh_levels::{self, CodedMeshLevels, MeshLevelOptions};
+use crate::motion_tables::{ClipTables, POSE_KEYS, SEGS, TableMaker};
+use crate::open::{GltfSource, Opened};
+use crate::work::Work;
+use articula_formats::gltf::{self, Document};
+use articula_formats::{Limits, Resolver};
+
+/// What is prepared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PrepareOptions {
+    /// Seed of the choice of vertices that whole-pose keys watch.
+    pub seed: u64,
+    /// Mesh levels, if they are wanted.
+    pub mesh_levels: Option<MeshLevelOptions>,
+}
+
+impl Default for PrepareOptions {
+    fn default() -> Self {
+        Self {
+            seed: 1,
+            mesh_levels: None,
+        }
+    }
+}
+
+/// An asset, and what went into it.
+#[derive(Debug)]
+pub struct Prepared {
+    /// The asset as a GLB that every glTF viewer opens.
+    pub glb: Vec<u8>,
+    /// The character as the asset has it.
+    pub figure: Figure,
+    /// Motion tables of each clip.
+    pub tables: Vec<ClipTables>,
+    /// Mesh levels, if they were wanted.
+    pub mesh_levels: Option<CodedMeshLevels>,
+    /// Bytes of the GLB that its meshes take.
+    pub mesh_bytes: usize,
+}
+
+/// Prepares a character: articulation, motion tables and, if wanted, mesh levels go into its
+/// document; everything else in it passes through.
+///
+/// Jobs are the clips' tables. The bytes do not depend on who runs them.
+///
+/// # Errors
+/// An [`Error`](crate::Error) that names the file and what of it does not fit, or
+/// [`Error::Cancelled`](crate::Error::Cancelled).
+pub fn prepare(opened: Opened, options: &PrepareOptions, work: &Work<'_>) -> Result<Prepared> {
+    let name = opened.name.clone();
+    let (mut opened, mut gltf) = with_document(opened).with_context(|| &name)?;
+    let mut levels = None;
+    if let Some(wanted) = &options.mesh_levels {
+        let figure = Figure::new(opened)?;
+        let mut document = gltf.document.clone();
+        let made = mesh_levels::add(&figure, &gltf, &mut document, wanted, work);
+        levels = Some(made.with_context(|| &name)?);
+        // Tables are bound to the order of the vertices, which is new.
+        (opened, gltf) = reread(figure.opened, &document).with_context(|| &name)?;
+    }
+    let figure = Figure::new(opened)?;
+    let maker = TableMaker::new(&figure.asset, options.seed);
+    let clips: Vec<usize> = (0..figure.asset.clips.len()).collect();
+    let tables = work.map("making motion tables", clips, |clip| Ok(maker.tables(clip)))?;
+    let (glb, mesh_bytes) = written(&figure, gltf, &tables).with_context(|| &name)?;
+    Ok(Prepared {
+        glb,
+        figure,
+        tables,
+        mesh_levels: levels,
+        mesh_bytes,
+    })
+}
+
+/// A character of another format with the document that it will be.
+fn with_document(mut opened: Opened) -> Result<(Opened, GltfSource)> {
+    if let Some(gltf) = opened.gltf.take() {
+        return Ok((opened, gltf));
+    }
+    let document = Document::from_character(&opened.character)?;
+    reread(opened, &document)
+}
+
+/// A character as a document shows it.
+fn reread(mut opened: Opened, document: &Document) -> Result<(Opened, GltfSource)> {
+    let nothing: &mut Resolver<'_> = &mut |_: &str| Err("a GLB has nothing beside it".into());
+    let file = gltf::read(&document.write_glb()?, &Limits::default(), nothing)?.value;
+    let (character, gltf) = GltfSource::split(file);
+    opened.character = character;
+    Ok((opened, gltf))
+}
+
+/// The bytes of the asset, and how many of them are its meshes.
+fn written(figure: &Figure, gltf: GltfSource, tables: &[ClipTables]) -> Result<(Vec<u8>, usize)> {
+    let mut document = gltf.document;
+    document.set_articulation(&figure.opened.articulation(), &gltf.node_of_joint)?;
+    for (clip, tables) in tables.iter().enumerate() {
+        document.set_motion_table(clip, SEGS, &tables.segs)?;
+        document.set_motion_table(clip, POSE_KEYS, &tables.pose_keys)?;
+    }
+    Ok((document.write_glb()?, document.mesh_bytes()))
+}
