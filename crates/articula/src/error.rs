@@ -113,6 +113,8 @@ boxed! {
     articula_formats::gltf::WriteError => Write,
     articula_formats::mpeg4::bap::SampleError => Write,
     articula_flat::PictureError => Picture,
+    articula_flat::planar::PlanarError => Picture,
+    articula_flat::portrait::PortraitError => Picture,
 }
 
 #[cfg(test)]

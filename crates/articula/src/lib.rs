@@ -1,7 +1,9 @@
 //! The library.
 
 mod error;
+mod facing;
 mod figure;
+pub mod flatten;
 #[cfg(not(target_family = "wasm"))]
 pub mod fs;
 mod mesh_levels;
@@ -11,6 +13,7 @@ mod prepare;
 mod work;
 
 pub use error::{Error, Result};
+pub use facing::facing;
 pub use figure::Figure;
 pub use mesh_levels::{CodedMeshLevels, MeshLevelOptions, MeshLevelStream};
 pub use motion_tables::{ClipTables, StoredTables, stored_tables};

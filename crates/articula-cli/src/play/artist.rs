@@ -1,8 +1,8 @@
 //! One character posed and drawn: lit, with its joints marked, and at its true size.
 
-use crate::facing::facing;
 use anyhow::Context;
 use articula::Figure;
+use articula::facing;
 use articula_build::evaluate::Stage;
 use articula_core::articulation::Region;
 use articula_core::hierarchy::local_to_model;

@@ -1,11 +1,10 @@
 //! The 2D section of the demo: the walking human as pictures that play without 3D.
 
 use super::Folder;
-use crate::commands::flatten::converted;
 use crate::commands::flatten::report::{Made, Report};
 use crate::console::Console;
-use crate::flat::{Shot, Staged};
 use crate::play::Scene;
+use articula::flatten::{Framed, Shot, flatten};
 use articula_core::view::Viewport;
 use articula_flat::flatten::{PrepareOptions, Profile, Quality, Settings};
 use articula_flat::planar::shading::Shading;
@@ -36,7 +35,7 @@ pub(super) fn of(
         },
         triangles: Some(1000),
     };
-    let staged = Staged::new(scene.figure, shot, console)?;
+    let framed = console.work(|work| Framed::new(scene.figure, shot, work))?;
     let mut reports = Vec::new();
     for (file, profile, shading) in [
         (
@@ -62,11 +61,12 @@ pub(super) fn of(
             name: "walk".into(),
             max_bytes: None,
         };
-        let flat = converted(&staged, PrepareOptions::default(), &settings, console)?;
+        let options = PrepareOptions::default();
+        let flat = console.work(|work| flatten(&framed, options, &settings, work))?;
         folder.write(file, &flat.bytes)?;
         let made = Made {
             triangles_of_character: scene.figure.asset.mesh.triangles.len(),
-            triangles: staged.triangles.len(),
+            triangles: framed.triangles.len(),
             size_px: (SIDE, SIDE),
             max_bytes: None,
         };

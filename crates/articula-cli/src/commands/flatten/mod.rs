@@ -9,26 +9,18 @@ pub(crate) mod report;
 pub(crate) use arguments::FlattenArgs;
 
 use crate::console::Console;
-use crate::flat::{Shot, Staged, live_source};
 use crate::open;
 use crate::{fault, files};
-use anyhow::Context;
 use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName, Switch};
-use articula::Figure;
+use articula::flatten::{Framed, Shot, flatten, flatten_driven};
 use articula_core::view::Viewport;
-use articula_flat::flatten::{
-    self, Flattened, PrepareOptions, Profile, Quality, Settings, Truth, flatten, flatten_live,
-    sampled_frames,
-};
+use articula_flat::flatten::{PrepareOptions, Profile, Quality, Settings};
 use articula_flat::planar::order::OrderOptions;
 use articula_flat::planar::shading::Shading;
 use articula_flat::planar::split::SplitOptions;
-use articula_flat::vector::player::{LiveSource, Output};
+use articula_flat::vector::player::Output;
 use articula_flat::vector::thesis::{ThesisForm, ThesisOptions};
 use report::{Made, Report};
-
-/// Steps of the progress bar.
-const STEPS: f64 = 100.0;
 
 /// Converts, or renders what was converted.
 pub(crate) fn run(args: &FlattenArgs, console: &Console) -> anyhow::Result<()> {
@@ -54,73 +46,23 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let figure = open::figure(&args.character())?;
     let clip = figure.clip(args.motion.clip.as_deref())?;
     let shot = args.shot(profile, clip);
-    let staged = Staged::new(&figure, shot, console)?;
-    let settings = args.settings(profile, &staged)?;
+    let framed = console.work(|work| Framed::new(&figure, shot, work))?;
+    let settings = args.settings(profile, &framed)?;
+    let options = args.prepare_options();
     let flat = if args.special.live {
-        driven(&figure, &staged, clip, args.prepare_options(), &settings)
+        flatten_driven(&framed, options, &settings)?
     } else {
-        converted(&staged, args.prepare_options(), &settings, console)
+        console.work(|work| flatten(&framed, options, &settings, work))?
     };
-    let flat = flat.with_context(|| figure.opened.name.clone())?;
     files::write(args.out(), &flat.bytes)?;
     let made = Made {
         triangles_of_character: figure.asset.mesh.triangles.len(),
-        triangles: staged.triangles.len(),
+        triangles: framed.triangles.len(),
         size_px: args.shot.size,
         max_bytes: settings.max_bytes,
     };
     let report = Report::new(files::shown(args.out()), &flat, made);
     console.result(&report, Report::text)
-}
-
-/// Bakes, prepares and writes, with a bar.
-pub(crate) fn converted(
-    staged: &Staged<'_>,
-    options: PrepareOptions,
-    settings: &Settings,
-    console: &Console,
-) -> anyhow::Result<Flattened> {
-    let bar = console.progress("projecting", STEPS as usize);
-    let clip = staged.clip()?;
-    let frames = sampled_frames(clip.frames.len());
-    let truth = Truth::new(&staged.at_frames(&frames)?, &frames)?;
-    bar.set_message("painting order");
-    let mut done = |share: f64| bar.set_position((0.5 * STEPS * share) as u64);
-    let figure = flatten::Prepared::new(clip, &options, &mut done)?;
-    bar.set_message("writing");
-    let mut done = |share: f64| bar.set_position((0.5 * STEPS * (1.0 + share)) as u64);
-    let flat = flatten(&figure, settings, &truth, &mut done)?;
-    bar.finish_and_clear();
-    Ok(flat)
-}
-
-/// Writes a file that a host drives.
-fn driven(
-    figure: &Figure,
-    staged: &Staged<'_>,
-    clip: Option<usize>,
-    options: PrepareOptions,
-    settings: &Settings,
-) -> anyhow::Result<Flattened> {
-    let source = live_source(figure, staged, clip)?;
-    let frames = sampled_frames(source.weights.len().max(1));
-    let fps = f64::from(source.shapes.fps);
-    let moments: Vec<f64> = frames.iter().map(|f| f / fps).collect();
-    let truth = Truth::new(&staged.at(&moments)?, &frames)?;
-    // Whatever is driven is painted in one order.
-    let options = PrepareOptions {
-        order: OrderOptions {
-            max_epochs: 1,
-            ..options.order
-        },
-        ..options
-    };
-    let shapes = flatten::Prepared::new(source.shapes, &options, &mut |_| {})?;
-    let source = LiveSource {
-        shapes: shapes.clip.clone(),
-        ..source
-    };
-    Ok(flatten_live(&source, &shapes, settings, &truth)?)
 }
 
 impl ConvertArgs {
@@ -200,8 +142,8 @@ impl ConvertArgs {
         }
     }
 
-    fn settings(&self, profile: ProfileName, staged: &Staged<'_>) -> anyhow::Result<Settings> {
-        let clip = staged.subject().clip;
+    fn settings(&self, profile: ProfileName, framed: &Framed<'_>) -> anyhow::Result<Settings> {
+        let clip = framed.subject().clip;
         let clip_secs = clip.map_or(0.0, |c| f64::from(c.duration_secs()));
         let length = clip_secs * f64::from(self.motion.cycles);
         let at = f64::from(self.motion.at);
@@ -230,7 +172,7 @@ impl ConvertArgs {
                 },
                 optimise_hidden: self.special.optimise,
                 optimise_static: self.special.optimise,
-                neutral_frame: (at * f64::from(staged.options.fps)).round() as usize,
+                neutral_frame: (at * f64::from(framed.options.fps)).round() as usize,
             }),
         };
         let mut quality = Quality::of(profile);

@@ -1,13 +1,12 @@
 //! `articula flatten --profile portrait`: a face as pictures on a 2D mesh, with its player.
 
-use super::STEPS;
 use super::arguments::ConvertArgs;
 use super::report::{BytesReport, EntryReport};
 use crate::console::Console;
-use crate::flat::HeadShot;
 use crate::open;
 use crate::{fault, files};
 use anyhow::Context;
+use articula::flatten::FramedHead;
 use articula_core::view::Viewport;
 use articula_flat::flatten::{Entry, Sizes};
 use articula_flat::portrait::document::PictureFormat;
@@ -59,9 +58,9 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         height_px: args.shot.size.1 as f32,
         fov_y_radians: args.shot.fov_deg.to_radians(),
     };
-    let bar = console.progress("making the portrait", STEPS as usize);
+    let bar = console.progress("making the portrait", 100);
     let count = args.shot.triangles.unwrap_or(1000) as usize;
-    let shot = HeadShot::new(&figure, clip, count, viewport).with_context(place)?;
+    let shot = FramedHead::new(&figure, clip, count, viewport).with_context(place)?;
     bar.set_position(30);
     let portrait = build(&shot.source(), &options).with_context(place)?;
     bar.set_position(70);

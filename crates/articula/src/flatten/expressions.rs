@@ -1,6 +1,6 @@
 //! What of a face can be driven.
 
-use articula::Figure;
+use crate::figure::Figure;
 use articula_flat::portrait::PortraitExpression;
 
 /// What can be driven: the file's named expressions, then morph targets by their own names.

@@ -1,24 +1,21 @@
 //! A character whose morph targets a host drives: its shapes, and the clip that plays meanwhile.
 
-use super::{Staged, expressions};
-use anyhow::{Context, bail};
-use articula::Figure;
+use super::expressions::expressions;
+use super::framed::Framed;
+use crate::error::{Context, Error, Result};
 use articula_flat::planar::bake::bake_shapes;
 use articula_flat::portrait::{Head, PortraitClip};
 use articula_flat::vector::player::LiveSource;
 use glam::Vec3;
 
-/// All expressions of a character as inputs, seen by a staged camera.
-pub(crate) fn live_source(
-    figure: &Figure,
-    staged: &Staged<'_>,
-    clip: Option<usize>,
-) -> anyhow::Result<LiveSource> {
+/// All expressions of a character as inputs, seen by a camera.
+pub(super) fn live_source(framed: &Framed<'_>) -> Result<LiveSource> {
+    let (figure, clip) = (framed.figure(), framed.shot().clip);
     let asset = &figure.asset;
     let all = expressions(figure);
     if all.is_empty() {
-        let place = figure.opened.name.clone();
-        bail!("{place}: no morph target to drive; leave --live out, or give a face that has some");
+        let what = "no morph target to drive; give a face that has some";
+        return Err(Error::unsuited(what)).context(&figure.opened.name);
     }
     let rest = &asset.mesh.morph_weights;
     let mut shapes = vec![rest.clone()];
@@ -29,7 +26,7 @@ pub(crate) fn live_source(
         }
         shapes.push(shape);
     }
-    let mut options = staged.options.clone();
+    let mut options = framed.options.clone();
     let mut weights = Vec::new();
     if let Some(clip) = clip.map(|c| &asset.clips[c]) {
         let head = Head::Whole { pivot: Vec3::ZERO };
@@ -38,8 +35,8 @@ pub(crate) fn live_source(
         weights = sampled.weights;
     }
     Ok(LiveSource {
-        shapes: bake_shapes(&staged.subject(), &shapes, &options)
-            .with_context(|| figure.opened.name.clone())?,
+        shapes: bake_shapes(&framed.subject(), &shapes, &options)
+            .with_context(|| &figure.opened.name)?,
         inputs: all.into_iter().map(|e| e.name).collect(),
         weights,
     })

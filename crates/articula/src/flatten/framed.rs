@@ -2,10 +2,10 @@
 //! for.
 
 use super::head::head_weights;
-use crate::console::Console;
+use crate::error::{Context, Error, Result};
 use crate::facing::facing;
-use anyhow::{Context, anyhow};
-use articula::Figure;
+use crate::figure::Figure;
+use crate::work::Work;
 use articula_build::decimate::decimate;
 use articula_core::hierarchy::local_to_model;
 use articula_core::pose::ModelPose;
@@ -17,51 +17,59 @@ use articula_flat::planar::stage;
 use articula_flat::planar::{Drawn, PlanarClip, PlanarError};
 use articula_flat::projection::Projection;
 
+/// What the first step is called.
+const LOOKING: &str = "looking";
+
 /// Moments at which bounds and hidden layers are looked for.
 const LOOKS: usize = 40;
 
 /// What is to be shown, and from where.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Shot {
+pub struct Shot {
     /// Index of the clip; the rest pose without one.
-    pub(crate) clip: Option<usize>,
+    pub clip: Option<usize>,
     /// The one moment that is shown, seconds; all of the clip without.
-    pub(crate) still_at: Option<f32>,
+    pub still_at: Option<f32>,
     /// How often the clip is played.
-    pub(crate) cycles: u32,
+    pub cycles: u32,
     /// Frames a second that are wished for.
-    pub(crate) fps: f32,
-    /// Where the camera stands about the figure's front, degrees to its left, and how high.
-    pub(crate) yaw_deg: f32,
-    pub(crate) pitch_deg: f32,
+    pub fps: f32,
+    /// Where the camera stands about the figure's front, degrees to its left.
+    pub yaw_deg: f32,
+    /// How high it stands, degrees.
+    pub pitch_deg: f32,
     /// How far the figure turns in all.
-    pub(crate) turn_deg: f32,
+    pub turn_deg: f32,
     /// Size and opening of the picture.
-    pub(crate) viewport: Viewport,
+    pub viewport: Viewport,
     /// Triangles that the figure should have; all of them without.
-    pub(crate) triangles: Option<usize>,
+    pub triangles: Option<usize>,
 }
 
 /// A character before a camera.
-pub(crate) struct Staged<'a> {
+#[derive(Debug)]
+pub struct Framed<'a> {
     figure: &'a Figure,
     shot: Shot,
     look: Appearance,
-    pub(crate) options: BakeOptions,
+    /// Camera, light, rate and turn.
+    pub options: BakeOptions,
     /// The triangles that are shown, over the character's vertices.
-    pub(crate) triangles: Vec<[u32; 3]>,
+    pub triangles: Vec<[u32; 3]>,
     /// Moments of the frames.
-    pub(crate) moments_secs: Vec<f64>,
+    pub moments_secs: Vec<f64>,
 }
 
-impl<'a> Staged<'a> {
+impl<'a> Framed<'a> {
     /// Puts up the camera, leaves out what it never sees, and makes the rest as coarse as asked.
-    pub(crate) fn new(figure: &'a Figure, shot: Shot, console: &Console) -> anyhow::Result<Self> {
+    ///
+    /// # Errors
+    /// An [`Error`] that names the file: no mesh, no vertex at a finite place, too many frames.
+    pub fn new(figure: &'a Figure, shot: Shot, work: &Work<'_>) -> Result<Self> {
         let character = &figure.opened.character;
         if figure.asset.mesh.triangles.is_empty() {
-            let place = figure.opened.name.clone();
             let what = "no mesh to show; give a file with one, or hide fewer of them";
-            return Err(anyhow!("{place}: {what}"));
+            return Err(Error::unsuited(what)).context(&figure.opened.name);
         }
         let (look, _) = Appearance::new(&character.materials, &character.images);
         let (moments_secs, fps) = moments(figure, &shot)?;
@@ -84,7 +92,7 @@ impl<'a> Staged<'a> {
                 },
             },
         };
-        let mut staged = Self {
+        let mut framed = Self {
             figure,
             shot,
             look,
@@ -92,16 +100,31 @@ impl<'a> Staged<'a> {
             triangles: figure.asset.mesh.triangles.clone(),
             moments_secs,
         };
-        let bar = console.progress("looking", 2);
-        staged.put_up_camera()?;
-        bar.inc(1);
-        staged.thin_out()?;
-        bar.finish_and_clear();
-        Ok(staged)
+        work.step(LOOKING, 0, 2)?;
+        framed.put_up_camera()?;
+        work.step(LOOKING, 1, 2)?;
+        framed.thin_out()?;
+        work.step(LOOKING, 2, 2)?;
+        Ok(framed)
+    }
+
+    /// The character.
+    pub(super) fn figure(&self) -> &'a Figure {
+        self.figure
+    }
+
+    /// What is shown of it, and from where.
+    pub(super) fn shot(&self) -> &Shot {
+        &self.shot
+    }
+
+    /// What errors call the file.
+    pub(super) fn name(&self) -> &'a str {
+        &self.figure.opened.name
     }
 
     /// The subject as it is shown.
-    pub(crate) fn subject(&self) -> Subject<'_> {
+    pub fn subject(&self) -> Subject<'_> {
         let asset = &self.figure.asset;
         Subject {
             rig: &asset.rig,
@@ -114,12 +137,18 @@ impl<'a> Staged<'a> {
     }
 
     /// The clip as the camera sees it, at its frames.
-    pub(crate) fn clip(&self) -> anyhow::Result<PlanarClip> {
+    ///
+    /// # Errors
+    /// An [`Error`] that names the file, if it has more triangles or frames than can be converted.
+    pub fn clip(&self) -> Result<PlanarClip> {
         self.at(&self.moments_secs)
     }
 
     /// The clip as the camera sees it at some frames, which may lie between two.
-    pub(crate) fn at_frames(&self, frames: &[f64]) -> anyhow::Result<PlanarClip> {
+    ///
+    /// # Errors
+    /// An [`Error`] that names the file, if it has more triangles or frames than can be converted.
+    pub fn at_frames(&self, frames: &[f64]) -> Result<PlanarClip> {
         let first = self.moments_secs.first().copied().unwrap_or_default();
         let secs = |f: &f64| first + f / f64::from(self.options.fps);
         let moments: Vec<f64> = frames.iter().map(secs).collect();
@@ -127,8 +156,11 @@ impl<'a> Staged<'a> {
     }
 
     /// The clip as the camera sees it at some moments.
-    pub(crate) fn at(&self, moments_secs: &[f64]) -> anyhow::Result<PlanarClip> {
-        bake(&self.subject(), moments_secs, &self.options).context(self.figure.opened.name.clone())
+    ///
+    /// # Errors
+    /// An [`Error`] that names the file, if it has more triangles or frames than can be converted.
+    pub fn at(&self, moments_secs: &[f64]) -> Result<PlanarClip> {
+        bake(&self.subject(), moments_secs, &self.options).context(&self.figure.opened.name)
     }
 
     /// Some of the moments, spread over all of them.
@@ -139,10 +171,15 @@ impl<'a> Staged<'a> {
         some.chain(last).collect()
     }
 
-    fn put_up_camera(&mut self) -> anyhow::Result<()> {
+    fn put_up_camera(&mut self) -> Result<()> {
         let looks = self.looks();
-        let place = self.figure.opened.name.clone();
-        let unseen = || anyhow!("{place}: no vertex at a finite place; mend the clip");
+        let place = &self.figure.opened.name;
+        let unseen = || Error::At {
+            place: place.clone(),
+            cause: Box::new(Error::unsuited(
+                "no vertex at a finite place; mend the clip",
+            )),
+        };
         let subject = self.subject();
         let bounds = stage::bounds(&subject, &looks, &Turn::default()).ok_or_else(unseen)?;
         let rig = &self.figure.asset.rig;
@@ -162,7 +199,7 @@ impl<'a> Staged<'a> {
 
     /// Leaves out what is never seen, then simplifies to the count, once more if much of what is
     /// left turns out to be hidden.
-    fn thin_out(&mut self) -> anyhow::Result<()> {
+    fn thin_out(&mut self) -> Result<()> {
         let Some(count) = self.shot.triangles else {
             return Ok(());
         };
@@ -170,7 +207,7 @@ impl<'a> Staged<'a> {
             return Ok(());
         }
         let looks = self.looks();
-        let place = || self.figure.opened.name.clone();
+        let place = || &self.figure.opened.name;
         let seen = stage::seen(&self.subject(), &looks, &self.options).with_context(place)?;
         let asset = &self.figure.asset;
         let clip = self.shot.clip;
@@ -194,7 +231,7 @@ impl<'a> Staged<'a> {
 
 /// The moments of the frames and how many a second there are: as near to the wish as lets the
 /// last frame fall on the clip's end.
-fn moments(figure: &Figure, shot: &Shot) -> anyhow::Result<(Vec<f64>, f32)> {
+fn moments(figure: &Figure, shot: &Shot) -> Result<(Vec<f64>, f32)> {
     let Some(clip) = shot.clip else {
         return Ok((vec![0.0], shot.fps));
     };
@@ -210,7 +247,7 @@ fn moments(figure: &Figure, shot: &Shot) -> anyhow::Result<(Vec<f64>, f32)> {
     if steps >= MAX_FRAMES as f64 {
         let most = MAX_FRAMES;
         let found = steps as usize + 1;
-        return Err(PlanarError::TooManyFrames { found, most }).context(figure.opened.name.clone());
+        return Err(PlanarError::TooManyFrames { found, most }).context(&figure.opened.name);
     }
     let moment = |f: u32| length * f64::from(f) / steps;
     let moments = (0..=steps as u32).map(moment).collect();

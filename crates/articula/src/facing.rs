@@ -4,9 +4,10 @@ use articula_core::pose::ModelPose;
 use articula_core::rig::Rig;
 use glam::Vec3;
 
-/// Direction in which a figure looks at rest, radians from +Z to its left: square to the line from its right to its left side. Files of VRM 0
-/// look along -Z, some others sideways; without known sides +Z is the front.
-pub(crate) fn facing(rig: &Rig, rest: &ModelPose) -> f32 {
+/// Direction in which a figure looks at rest, radians from +Z to its left: square to the line
+/// from its right to its left side. Files of VRM 0 look along -Z, some others sideways; without
+/// known sides +Z is the front.
+pub fn facing(rig: &Rig, rest: &ModelPose) -> f32 {
     let joints = &rig.articulation().joints;
     let place = |name: &str| {
         let joint = joints

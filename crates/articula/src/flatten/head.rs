@@ -1,9 +1,9 @@
 //! The head of a character before the camera: what a portrait is made of.
 
-use super::expressions;
+use super::expressions::expressions;
+use crate::error::{Error, Result};
 use crate::facing::facing;
-use anyhow::{Context, anyhow};
-use articula::Figure;
+use crate::figure::Figure;
 use articula_build::decimate::decimate;
 use articula_build::poses::SkinPose;
 use articula_core::hierarchy::local_to_model;
@@ -34,29 +34,32 @@ const NECK: [&str; 9] = [
 ];
 
 /// A head that can be made a portrait of.
-pub(crate) struct HeadShot<'a> {
+pub struct FramedHead<'a> {
     figure: &'a Figure,
     look: Appearance,
     head: Head,
     expressions: Vec<PortraitExpression>,
     clips: Vec<PortraitClip>,
     camera: Camera,
-    pub(crate) triangles: Vec<[u32; 3]>,
+    /// The triangles that its 2D mesh has, over the character's vertices.
+    pub triangles: Vec<[u32; 3]>,
 }
 
-impl<'a> HeadShot<'a> {
+impl<'a> FramedHead<'a> {
     /// Frames the head, and simplifies what the picture shows to about `triangles`.
-    pub(crate) fn new(
+    ///
+    /// # Errors
+    /// An [`Error`] if there is no mesh, no vertex of a head, or nothing of a face to drive.
+    pub fn new(
         figure: &'a Figure,
         clip: Option<usize>,
         triangles: usize,
         viewport: Viewport,
-    ) -> anyhow::Result<Self> {
+    ) -> Result<Self> {
         let asset = &figure.asset;
         if asset.mesh.triangles.is_empty() {
-            return Err(anyhow!(
-                "no mesh to show; give a file with one, or hide fewer of them"
-            ));
+            let what = "no mesh to show; give a file with one, or hide fewer of them";
+            return Err(Error::unsuited(what));
         }
         let character = &figure.opened.character;
         let (look, _) = Appearance::new(&character.materials, &character.images);
@@ -69,7 +72,7 @@ impl<'a> HeadShot<'a> {
             .filter(|(_, is)| **is)
             .map(|(p, _)| *p);
         let bounds = Bounds::around(shown.map(|p| (p, p)))
-            .context("no vertex of the head at a finite place")?;
+            .ok_or_else(|| Error::unsuited("no vertex of the head at a finite place"))?;
         let mut model = ModelPose::new(asset.rig.len());
         local_to_model(&asset.rig, asset.rig.rest_pose(), &mut model);
         let camera = before(&bounds, facing(&asset.rig, &model), viewport);
@@ -85,7 +88,7 @@ impl<'a> HeadShot<'a> {
         let expressions = expressions(figure);
         if expressions.is_empty() && !has_joints {
             let what = "no face: no joint of a head and no morph target; give a file with one";
-            return Err(anyhow!(what));
+            return Err(Error::unsuited(what));
         }
         let kept = in_picture(figure, &rest, &camera);
         let triangles = decimate(asset, &kept, clip, triangles, &[])?;
@@ -105,7 +108,7 @@ impl<'a> HeadShot<'a> {
     }
 
     /// What the portrait is made of.
-    pub(crate) fn source(&self) -> PortraitSource<'_> {
+    pub fn source(&self) -> PortraitSource<'_> {
         PortraitSource {
             mesh: &self.figure.asset.mesh,
             rig: &self.figure.asset.rig,

@@ -1,0 +1,85 @@
+//! From 3D to 2D: a character in motion before a camera as vector graphics, or its face as a
+//! portrait.
+//!
+//! [`flatten()`] does all of it; [`Framed`] and [`FramedHead`] are the steps between, for whoever
+//! wants to look at them.
+
+mod expressions;
+mod framed;
+mod head;
+mod live;
+
+pub use framed::{Framed, Shot};
+pub use head::FramedHead;
+
+use crate::error::{Context, Result};
+use crate::work::Work;
+use articula_flat::flatten::{
+    Flattened, PrepareOptions, Prepared, Settings, Truth, flatten as write, flatten_live,
+    sampled_frames,
+};
+use articula_flat::planar::order::OrderOptions;
+use articula_flat::vector::player::LiveSource;
+
+/// Parts of the bar of a conversion.
+const PARTS: usize = 100;
+
+/// Bakes, prepares and writes what a camera sees.
+///
+/// # Errors
+/// An [`Error`](crate::Error) that names the file and what cannot be converted, or
+/// [`Error::Cancelled`](crate::Error::Cancelled).
+pub fn flatten(
+    framed: &Framed<'_>,
+    options: PrepareOptions,
+    settings: &Settings,
+    work: &Work<'_>,
+) -> Result<Flattened> {
+    work.step("projecting", 0, PARTS)?;
+    let clip = framed.clip()?;
+    let frames = sampled_frames(clip.frames.len());
+    let truth = Truth::new(&framed.at_frames(&frames)?, &frames);
+    let truth = truth.with_context(|| framed.name())?;
+    let tell = |share: f64| {
+        let done = (PARTS as f64 * share.clamp(0.0, 1.0)) as usize;
+        let _ = work.step("painting order", done, PARTS);
+    };
+    let mut done = |share: f64| tell(share);
+    let prepared = Prepared::new(clip, &options, &mut done).with_context(|| framed.name())?;
+    let mut done = |share: f64| {
+        let done = (PARTS as f64 * share.clamp(0.0, 1.0)) as usize;
+        let _ = work.step("writing", done, PARTS);
+    };
+    write(&prepared, settings, &truth, &mut done).with_context(|| framed.name())
+}
+
+/// Writes a file whose morph targets a host drives while the clip plays.
+///
+/// # Errors
+/// As [`flatten()`], and if the character has no morph target.
+pub fn flatten_driven(
+    framed: &Framed<'_>,
+    options: PrepareOptions,
+    settings: &Settings,
+) -> Result<Flattened> {
+    let source = live::live_source(framed)?;
+    let frames = sampled_frames(source.weights.len().max(1));
+    let fps = f64::from(source.shapes.fps);
+    let moments: Vec<f64> = frames.iter().map(|f| f / fps).collect();
+    let truth = Truth::new(&framed.at(&moments)?, &frames).with_context(|| framed.name())?;
+    // Whatever is driven is painted in one order.
+    let options = PrepareOptions {
+        order: OrderOptions {
+            max_epochs: 1,
+            ..options.order
+        },
+        ..options
+    };
+    let shapes = Prepared::new(source.shapes, &options, &mut |_| {});
+    let shapes = shapes.with_context(|| framed.name())?;
+    let source = LiveSource {
+        shapes: shapes.clip.clone(),
+        ..source
+    };
+    flatten_live(&source, &shapes, settings, &truth).with_context(|| framed.name())
+}
