@@ -6,6 +6,7 @@ mod figure;
 pub mod flatten;
 #[cfg(not(target_family = "wasm"))]
 pub mod fs;
+pub mod inspect;
 mod mesh_levels;
 mod motion_tables;
 mod open;

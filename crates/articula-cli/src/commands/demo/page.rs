@@ -222,7 +222,7 @@ fn levels(report: &Report) -> String {
          <p>A level says which joints may move at all, whatever the error. The same scale serves \
          the run time, stored files and streams; zones, depths and single joints combine with it, \
          as in <code>loa(Low) + zone(hands)</code>.</p>\n{}\
-         <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"StoredTables animation by level\">\n<table>\n\
+         <div class=\"table\" tabindex=\"0\" role=\"region\" aria-label=\"Stored animation by level\">\n<table>\n\
          <caption><span>The stored animation of all clips under each level; held joints keep their key pose</span></caption>\n\
          <thead><tr><th scope=\"col\">level</th><th scope=\"col\">joints</th><th scope=\"col\">channels</th>\
          <th scope=\"col\">keys</th><th scope=\"col\">size</th><th scope=\"col\">saved</th></tr></thead>\n\

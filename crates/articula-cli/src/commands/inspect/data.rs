@@ -1,12 +1,12 @@
 //! Files of MPEG-4 without a character: what moves, in which range, in which units.
 
-use super::findings::{Face, Warning};
 use super::text::{head_line, warnings_text};
 use crate::arguments::CharacterArgs;
 use crate::console::Console;
 use crate::open;
 use crate::table::Table;
 use crate::{fault, files};
+use articula::inspect::{Face, Warning};
 use articula::{Data, DataFormat};
 use articula_core::fap_table::{FAPS, GROUPS, TABLE};
 use articula_formats::mpeg4::epf::{EpfFrame, Streams};

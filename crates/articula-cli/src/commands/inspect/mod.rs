@@ -1,11 +1,8 @@
 //! `articula inspect FILE`: what is in a file, and what is odd about it.
 
 mod data;
-mod extent;
-mod findings;
 mod human;
 mod mesh_levels;
-mod skeletons;
 mod stream;
 mod text;
 
@@ -13,6 +10,7 @@ use crate::arguments::CharacterArgs;
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
+use articula::inspect::inspect;
 use articula::stored_tables;
 use clap::Args;
 
@@ -48,7 +46,10 @@ pub(crate) fn run(args: &InspectArgs, console: &Console) -> anyhow::Result<()> {
         Some(name) => figure.clip(Some(name))?.into_iter().collect(),
         None => (0..figure.asset.clips.len()).collect(),
     };
-    let mut findings = findings::of(&figure, &clips, console);
+    let mut findings = console.work(|work| inspect(&figure, &clips, work))?;
+    for (told, warning) in findings.warnings.iter_mut().zip(&figure.opened.warnings) {
+        told.what = open::advised(warning);
+    }
     if !args.character.leaves_out() {
         let tables = stored_tables(&figure)?;
         for (clip, found) in clips.iter().zip(&mut findings.clips) {

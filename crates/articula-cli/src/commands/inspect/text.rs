@@ -1,10 +1,9 @@
 //! The findings as tables for people.
 
-use super::extent::Extent;
-use super::findings::{Clip, Findings, Skeleton, Warning};
-use super::mesh_levels;
+use super::{human, mesh_levels};
 use crate::fault::clean;
 use crate::table::Table;
+use articula::inspect::{Clip, Extent, Findings, Skeleton, Warning};
 
 /// Most rows of a table of clips or meshes, and most names in a list.
 const MOST_ROWS: usize = 100;
@@ -23,7 +22,7 @@ pub(super) fn of(found: &Findings, map: bool) -> String {
             face.morphs, face.faps
         ));
     }
-    text.push_str(&found.human.body());
+    text.push_str(&human::body(&found.human));
     section(&mut text, "clips", clips(found), found.clips.len());
     section(&mut text, "meshes", meshes(found), found.meshes.len());
     if let Some(levels) = &found.mesh_levels {
@@ -70,7 +69,7 @@ pub(super) fn head_line(file: &str, format: &str, bytes: usize, name: &str) -> S
 
 fn head(found: &Findings) -> String {
     let mut text = head_line(&found.file, found.format, found.bytes, &found.name);
-    text.push_str(&found.human.head());
+    text.push_str(&human::head(&found.human));
     if let (Some(height), Some(bounds)) = (found.height_m, &found.bounds) {
         let what = if found.bounds_of_joints {
             "joints"

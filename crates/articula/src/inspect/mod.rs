@@ -1,159 +1,208 @@
-//! What `inspect` reports. The field names are a promise to scripts (`docs/commands.md`).
+//! What is in a file, and what is odd about it.
+//!
+//! The field names are a promise to scripts that read them as JSON (`docs/commands.md`).
 
-use super::extent::{Extent, Measure};
-use super::human::{self, Human};
-use super::mesh_levels::{self, Levels, MeshLevel};
-use super::skeletons;
-use crate::console::Console;
-use crate::open;
-use articula::Figure;
-use articula::StoredTables;
+mod extent;
+mod human;
+mod mesh_levels;
+mod skeletons;
+
+pub use extent::Extent;
+pub use human::{Credits, Expression, Human, Kept, KhrCharacter, Morph, Pose, Rig, Term};
+pub use mesh_levels::{Level, Levels, MeshLevel};
+
+use crate::error::Result;
+use crate::figure::Figure;
+use crate::motion_tables::StoredTables;
+use crate::work::Work;
 use articula_build::clip::source_rate_hz;
 use articula_core::articulation::{Articulation, MAX_LEVEL, Region};
 use articula_core::loa::JointSet;
-use articula_core::rig::Rig;
+use articula_core::rig;
 use articula_core::source;
 use articula_flat::appearance::Appearance;
 use articula_formats::profile::GapReason;
+use extent::Measure;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Everything that was found in one file.
 #[derive(Debug, Serialize)]
-pub(super) struct Findings {
-    pub(super) file: String,
-    pub(super) format: &'static str,
-    pub(super) name: String,
-    pub(super) bytes: usize,
-    pub(super) skeletons: Vec<Skeleton>,
-    pub(super) clips: Vec<Clip>,
-    pub(super) meshes: Vec<Mesh>,
+pub struct Findings {
+    /// The file, as errors call it.
+    pub file: String,
+    /// Name of the format.
+    pub format: &'static str,
+    /// Its name.
+    pub name: String,
+    /// Length of the file.
+    pub bytes: usize,
+    /// Groups of joints that belong together.
+    pub skeletons: Vec<Skeleton>,
+    /// Motions.
+    pub clips: Vec<Clip>,
+    /// Meshes.
+    pub meshes: Vec<Mesh>,
     /// Levels of all meshes together; null if the file stores none.
-    pub(super) mesh_levels: Option<Levels>,
-    pub(super) materials: usize,
-    pub(super) images: usize,
-    pub(super) face: Option<Face>,
+    pub mesh_levels: Option<Levels>,
+    /// Number of materials.
+    pub materials: usize,
+    /// Number of pictures.
+    pub images: usize,
+    /// What there is to animate a face with.
+    pub face: Option<Face>,
     /// Height of the skinned rest pose, metres.
-    pub(super) height_m: Option<f32>,
+    pub height_m: Option<f32>,
     /// Box around the skinned rest pose.
-    pub(super) bounds: Option<Extent>,
+    pub bounds: Option<Extent>,
     /// Whether the boxes are around joints, because there is no mesh.
-    pub(super) bounds_of_joints: bool,
+    pub bounds_of_joints: bool,
     /// Whether the file stores levels and regions of its own.
-    pub(super) articulation_stored: bool,
+    pub articulation_stored: bool,
+    /// What the file says of a human.
     #[serde(flatten)]
-    pub(super) human: Human,
-    pub(super) map: Vec<Joint>,
-    pub(super) warnings: Vec<Warning>,
+    pub human: Human,
+    /// Every joint or node.
+    pub map: Vec<Joint>,
+    /// What is odd.
+    pub warnings: Vec<Warning>,
 }
 
 /// One group of joints that belong together.
 #[derive(Debug, Serialize)]
-pub(super) struct Skeleton {
-    pub(super) root: String,
+pub struct Skeleton {
+    /// Name of its first joint.
+    pub root: String,
     /// Distinct joints of its skins.
-    pub(super) joints: usize,
+    pub joints: usize,
     /// How many of them are mapped to H-Anim.
-    pub(super) mapped: usize,
+    pub mapped: usize,
     /// Joints up to level of articulation 0, 1, 2, 3, 4 and 5.
-    pub(super) levels: Vec<usize>,
-    pub(super) regions: BTreeMap<&'static str, usize>,
-    pub(super) profile: String,
+    pub levels: Vec<usize>,
+    /// Joints by region of the body.
+    pub regions: BTreeMap<&'static str, usize>,
+    /// Joint-name profile that fits, or nothing.
+    pub profile: String,
     /// Joints of the standard up to level 2 that are not there.
-    pub(super) missing: Vec<&'static str>,
-    pub(super) unmapped: Vec<Unmapped>,
+    pub missing: Vec<&'static str>,
+    /// Joints without a twin in the standard.
+    pub unmapped: Vec<Unmapped>,
 }
 
 /// A joint without a twin in the standard.
 #[derive(Debug, Serialize)]
-pub(super) struct Unmapped {
-    pub(super) joint: String,
-    pub(super) why: &'static str,
+pub struct Unmapped {
+    /// Name of the joint.
+    pub joint: String,
+    /// Why it has none.
+    pub why: &'static str,
 }
 
 /// One joint or node.
 #[derive(Debug, Serialize)]
-pub(super) struct Joint {
-    pub(super) name: String,
-    pub(super) parent: Option<usize>,
-    pub(super) in_skin: bool,
-    pub(super) hanim: Option<String>,
-    pub(super) level: u8,
-    pub(super) region: &'static str,
+pub struct Joint {
+    /// Its name.
+    pub name: String,
+    /// Index of the joint above.
+    pub parent: Option<usize>,
+    /// Whether a skin uses it.
+    pub in_skin: bool,
+    /// Name in H-Anim.
+    pub hanim: Option<String>,
+    /// Level of articulation.
+    pub level: u8,
+    /// Region of the body.
+    pub region: &'static str,
 }
 
 /// One motion.
 #[derive(Debug, Serialize)]
-pub(super) struct Clip {
-    pub(super) name: String,
-    pub(super) duration_secs: f32,
+pub struct Clip {
+    /// Its name.
+    pub name: String,
+    /// Length, seconds.
+    pub duration_secs: f32,
     /// Rate at which the source is keyed.
-    pub(super) fps: f32,
+    pub fps: f32,
     /// Frames of the source, at its rate.
-    pub(super) frames: usize,
+    pub frames: usize,
     /// Joints that move.
-    pub(super) joints_animated: usize,
+    pub joints_animated: usize,
     /// Joints that have keys, moving or not.
-    pub(super) joints_keyed: usize,
-    pub(super) morphs_animated: usize,
+    pub joints_keyed: usize,
+    /// Morph targets that move.
+    pub morphs_animated: usize,
     /// Expressions that it drives.
-    pub(super) expressions_keyed: usize,
-    pub(super) keys: usize,
-    pub(super) bounds: Option<Extent>,
+    pub expressions_keyed: usize,
+    /// Keys of all channels.
+    pub keys: usize,
+    /// Box around its skin.
+    pub bounds: Option<Extent>,
     /// Bytes of the motion tables that the file has for it; null where meshes are left out.
-    pub(super) motion_tables: Option<StoredTables>,
+    pub motion_tables: Option<StoredTables>,
 }
 
 /// One mesh.
 #[derive(Debug, Serialize)]
-pub(super) struct Mesh {
-    pub(super) name: String,
-    pub(super) vertices: usize,
-    pub(super) triangles: usize,
-    pub(super) influences_max: usize,
-    pub(super) morph_targets: usize,
+pub struct Mesh {
+    /// Its name.
+    pub name: String,
+    /// Vertices.
+    pub vertices: usize,
+    /// Triangles.
+    pub triangles: usize,
+    /// Most joints that move one vertex.
+    pub influences_max: usize,
+    /// Morph targets.
+    pub morph_targets: usize,
     /// Least share of the screen that it is made for, as the file says.
-    pub(super) screen_coverage: Option<f32>,
+    pub screen_coverage: Option<f32>,
     /// Coarser forms that the file brings, the finest first.
-    pub(super) levels: Vec<MeshLevel>,
+    pub levels: Vec<MeshLevel>,
 }
 
 /// What there is to animate a face with.
 #[derive(Debug, Serialize)]
-pub(super) struct Face {
+pub struct Face {
     /// Facial animation parameters with a table.
-    pub(super) faps: usize,
+    pub faps: usize,
     /// Morph targets, counted once where meshes share a name.
-    pub(super) morphs: usize,
+    pub morphs: usize,
 }
 
 /// Something odd.
 #[derive(Debug, Serialize)]
-pub(super) struct Warning {
-    pub(super) at: String,
-    pub(super) what: String,
+pub struct Warning {
+    /// Where, as a path into the file.
+    pub at: String,
+    /// What it is.
+    pub what: String,
 }
 
 /// Looks at a character; `clips` are the ones to measure.
-pub(super) fn of(figure: &Figure, clips: &[usize], console: &Console) -> Findings {
+///
+/// # Errors
+/// [`Error::Cancelled`](crate::Error::Cancelled) alone.
+pub fn inspect(figure: &Figure, clips: &[usize], work: &Work<'_>) -> Result<Findings> {
     let (opened, asset) = (&figure.opened, &figure.asset);
     let character = &opened.character;
-    let bar = console.progress("measuring clips", clips.len());
+    const WHAT: &str = "measuring clips";
+    work.step(WHAT, 0, clips.len())?;
     let mut measure = Measure::new(asset);
     let bounds = measure.rest();
-    let clip = |c: &usize| {
-        bar.inc(1);
-        clip_of(&character.clips[*c], figure, *c, measure.clip(*c))
-    };
-    let clips: Vec<Clip> = clips.iter().map(clip).collect();
-    bar.finish_and_clear();
+    let mut measured = Vec::with_capacity(clips.len());
+    for clip in clips {
+        let bounds = measure.clip(*clip);
+        measured.push(clip_of(&character.clips[*clip], figure, *clip, bounds));
+        work.step(WHAT, measured.len(), clips.len())?;
+    }
     let mut findings = Findings {
         file: opened.name.clone(),
         format: opened.format.name(),
         name: character.name.clone(),
         bytes: opened.bytes,
         skeletons: skeletons_of(figure),
-        clips,
+        clips: measured,
         meshes: character.meshes.iter().map(mesh_of).collect(),
         mesh_levels: {
             let table = character.mesh_levels.as_ref();
@@ -172,7 +221,7 @@ pub(super) fn of(figure: &Figure, clips: &[usize], console: &Console) -> Finding
     };
     let odd = oddities(&findings);
     findings.warnings.extend(odd);
-    findings
+    Ok(findings)
 }
 
 fn skeletons_of(figure: &Figure) -> Vec<Skeleton> {
@@ -226,7 +275,7 @@ fn why(reason: GapReason) -> &'static str {
     }
 }
 
-fn joints_of(rig: &Rig) -> Vec<Joint> {
+fn joints_of(rig: &rig::Rig) -> Vec<Joint> {
     let articulation = &rig.articulation().joints;
     (0..rig.len())
         .map(|j| Joint {
@@ -319,7 +368,7 @@ fn warnings_of(figure: &Figure) -> Vec<Warning> {
     let character = &figure.opened.character;
     let read = figure.opened.warnings.iter().map(|w| Warning {
         at: w.at.clone(),
-        what: open::advised(w),
+        what: w.what.clone(),
     });
     let (_, broken) = Appearance::new(&character.materials, &character.images);
     let pictures = broken.into_iter().map(|fault| Warning {
@@ -347,7 +396,7 @@ fn oddities(found: &Findings) -> Vec<Warning> {
     for skeleton in &found.skeletons {
         if skeleton.mapped == 0 && skeleton.joints > 1 {
             let what = format!(
-                "none of the {} joint names below \"{}\" is known; levels follow tree depth (--profile takes a map of your own)",
+                "none of the {} joint names below \"{}\" is known; levels follow tree depth (a joint-name profile of your own maps them)",
                 skeleton.joints, skeleton.root
             );
             say("skeletons", what);

@@ -1,6 +1,6 @@
 //! How large a character is: the box around its skin, at rest and over a clip.
 //!
-//! StoredTables positions may be of another scale than what is seen, so boxes are always taken
+//! Stored positions may be of another scale than what is seen, so boxes are always taken
 //! after skinning; without a mesh they are taken around the joints.
 
 use articula_build::character::Asset;
@@ -16,16 +16,16 @@ const MOST_FRAMES: usize = 64;
 
 /// A box in model space.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(super) struct Extent {
+pub struct Extent {
     /// Least corner, metres.
-    pub(super) min_m: [f32; 3],
+    pub min_m: [f32; 3],
     /// Greatest corner, metres.
-    pub(super) max_m: [f32; 3],
+    pub max_m: [f32; 3],
 }
 
 impl Extent {
     /// Edge lengths, metres.
-    pub(super) fn size(&self) -> Vec3 {
+    pub fn size(&self) -> Vec3 {
         Vec3::from(self.max_m) - Vec3::from(self.min_m)
     }
 }

@@ -1,0 +1,219 @@
+//! What a file says of a human beyond joints and meshes: origin and licence, expressions, what is
+//! kept but not simulated.
+
+use crate::open::Opened;
+use articula_core::source;
+use serde::Serialize;
+
+/// What was found; these fields stand beside those of the other findings.
+#[derive(Debug, Serialize)]
+pub struct Human {
+    /// Format of the human extensions, such as `VRM 1.0`.
+    pub format_version: Option<String>,
+    /// Human bones that the file itself names; null if it names none.
+    pub human_bones: Option<usize>,
+    /// Origin and licence.
+    pub credits: Option<Credits>,
+    /// Named expressions.
+    pub expressions: Vec<Expression>,
+    /// What is written again but changes nothing here.
+    pub kept: Vec<Kept>,
+    /// What the draft glTF extensions for characters say.
+    pub khr_character: Option<KhrCharacter>,
+}
+
+/// Origin and licence, as the file says them.
+#[derive(Debug, Serialize)]
+pub struct Credits {
+    /// Title of the work.
+    pub title: String,
+    /// Its version.
+    pub version: String,
+    /// Who made it.
+    pub authors: Vec<String>,
+    /// How to reach them.
+    pub contact: String,
+    /// Copyright line.
+    pub copyright: String,
+    /// What it was made after.
+    pub references: Vec<String>,
+    /// Name of the licence.
+    pub licence_name: String,
+    /// Where the licence is to be read.
+    pub licence_url: String,
+    /// Further terms.
+    pub terms: Vec<Term>,
+    /// Program that wrote the file.
+    pub generator: String,
+}
+
+/// One term of a licence.
+#[derive(Debug, Serialize)]
+pub struct Term {
+    /// Its name.
+    pub name: String,
+    /// What it says.
+    pub value: String,
+}
+
+/// A named expression of the face or body.
+#[derive(Debug, Serialize)]
+pub struct Expression {
+    /// Its name.
+    pub name: String,
+    /// Morph targets that it drives.
+    pub morphs: Vec<Morph>,
+    /// Joints that it turns or moves.
+    pub joints: Vec<String>,
+    /// Whether it is on or off, nothing between.
+    pub binary: bool,
+    /// Expressions that it weakens.
+    pub masks: Vec<String>,
+    /// Bindings to materials and textures, which are not applied.
+    pub bindings_kept: usize,
+}
+
+/// A morph target that an expression drives.
+#[derive(Debug, Serialize)]
+pub struct Morph {
+    /// Name of the mesh.
+    pub mesh: String,
+    /// Name of the target, or its number.
+    pub target: String,
+    /// Weight at full strength.
+    pub weight: f32,
+}
+
+/// Something that passes through.
+#[derive(Debug, Serialize)]
+pub struct Kept {
+    /// What it is.
+    pub what: &'static str,
+    /// How many.
+    pub count: usize,
+}
+
+/// What the draft glTF extensions for characters say.
+#[derive(Debug, Serialize)]
+pub struct KhrCharacter {
+    /// Rigs that the skeleton is mapped to.
+    pub rigs: Vec<Rig>,
+    /// Clips that hold a reference pose.
+    pub reference_poses: Vec<Pose>,
+    /// Clips that are responses of expressions.
+    pub expression_clips: Vec<String>,
+    /// Sets of expressions that the own ones are mapped to.
+    pub expression_sets: Vec<String>,
+}
+
+/// A rig that the skeleton is mapped to.
+#[derive(Debug, Serialize)]
+pub struct Rig {
+    /// Its name.
+    pub name: String,
+    /// Joints.
+    pub joints: usize,
+}
+
+/// A reference pose.
+#[derive(Debug, Serialize)]
+pub struct Pose {
+    /// Name of the clip.
+    pub clip: String,
+    /// Kind of the pose.
+    pub kind: String,
+}
+
+/// Looks at a file.
+pub(super) fn of(opened: &Opened) -> Human {
+    let behind = opened.gltf.as_ref();
+    let character = &opened.character;
+    let kept = behind.map_or(&[][..], |b| &b.kept);
+    let expressions = character.expressions.iter();
+    Human {
+        format_version: behind.and_then(|b| b.version.clone()),
+        human_bones: behind.and_then(|b| b.humanoid.as_ref()).map(Vec::len),
+        credits: character.credits.as_ref().map(credits),
+        expressions: expressions.map(|e| expression(character, e)).collect(),
+        kept: kept
+            .iter()
+            .map(|k| Kept {
+                what: k.what,
+                count: k.count,
+            })
+            .collect(),
+        khr_character: khr_character(opened),
+    }
+}
+
+fn credits(found: &source::Credits) -> Credits {
+    let term = |(name, value): &(String, String)| Term {
+        name: name.clone(),
+        value: value.clone(),
+    };
+    Credits {
+        title: found.title.clone(),
+        version: found.version.clone(),
+        authors: found.authors.clone(),
+        contact: found.contact.clone(),
+        copyright: found.copyright.clone(),
+        references: found.references.clone(),
+        licence_name: found.licence_name.clone(),
+        licence_url: found.licence_url.clone(),
+        terms: found.terms.iter().map(term).collect(),
+        generator: found.generator.clone(),
+    }
+}
+
+fn expression(character: &source::Character, found: &source::Expression) -> Expression {
+    let morph = |m: &source::MorphBinding| {
+        // Meshes may have been left out since the file was read.
+        let mesh = character.meshes.get(m.mesh);
+        let name = mesh.and_then(|mesh| mesh.morph_names.get(m.target));
+        Morph {
+            mesh: mesh.map_or(String::new(), |mesh| mesh.name.clone()),
+            target: match name.map_or("", |n| n.as_str()) {
+                "" => format!("#{}", m.target),
+                name => name.to_owned(),
+            },
+            weight: m.weight,
+        }
+    };
+    let joint = |b: &source::JointBinding| character.skeleton.joints[b.joint].name.clone();
+    let mask = |m: &source::Mask| character.expressions[m.target].name.clone();
+    Expression {
+        name: found.name.clone(),
+        morphs: found.morphs.iter().map(morph).collect(),
+        joints: found.joints.iter().map(joint).collect(),
+        binary: found.is_binary,
+        masks: found.masks.iter().map(mask).collect(),
+        bindings_kept: found.unapplied,
+    }
+}
+
+fn khr_character(opened: &Opened) -> Option<KhrCharacter> {
+    let found = opened.gltf.as_ref()?.khr_character.as_ref()?;
+    let clip = |index: usize| {
+        let clip = opened.character.clips.get(index);
+        clip.map_or(String::new(), |c| c.name.clone())
+    };
+    let rigs = found.rigs.iter().map(|r| Rig {
+        name: r.rig.clone(),
+        joints: r.joints.len(),
+    });
+    let poses = found.reference_poses.iter().map(|p| Pose {
+        clip: clip(p.clip),
+        kind: p.kind.clone(),
+    });
+    let sets = found.expression_sets.iter();
+    Some(KhrCharacter {
+        rigs: rigs.collect(),
+        reference_poses: poses.collect(),
+        expression_clips: found
+            .expression_clips
+            .iter()
+            .map(|(c, _)| clip(*c))
+            .collect(),
+        expression_sets: sets.map(|s| s.set.clone()).collect(),
+    })
+}
