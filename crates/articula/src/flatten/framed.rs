@@ -46,6 +46,17 @@ pub struct Shot {
     pub triangles: Option<usize>,
 }
 
+/// What [`Framed::new`] finds by itself.
+#[derive(Debug, Clone)]
+pub struct FramedParts {
+    /// Camera, light, rate and turn.
+    pub options: BakeOptions,
+    /// The triangles that are shown, over the character's vertices.
+    pub triangles: Vec<[u32; 3]>,
+    /// Moments of the frames, seconds of the clip.
+    pub moments_secs: Vec<f64>,
+}
+
 /// A character before a camera.
 #[derive(Debug)]
 pub struct Framed<'a> {
@@ -106,6 +117,21 @@ impl<'a> Framed<'a> {
         framed.thin_out()?;
         work.step(LOOKING, 2, 2)?;
         Ok(framed)
+    }
+
+    /// A figure at some moments before a camera of the caller's, with triangles of the caller's
+    /// choice: for experiments whose protocol says both.
+    pub fn from_parts(figure: &'a Figure, shot: Shot, parts: FramedParts) -> Self {
+        let character = &figure.opened.character;
+        let (look, _) = Appearance::new(&character.materials, &character.images);
+        Self {
+            figure,
+            shot,
+            look,
+            options: parts.options,
+            triangles: parts.triangles,
+            moments_secs: parts.moments_secs,
+        }
     }
 
     /// The character.

@@ -9,7 +9,7 @@ mod framed;
 mod head;
 mod live;
 
-pub use framed::{Framed, Shot};
+pub use framed::{Framed, FramedParts, Shot};
 pub use head::FramedHead;
 
 use crate::error::{Context, Result};

@@ -1,17 +1,15 @@
 //! Characters in motion before a camera, as the command `flatten` puts them up.
 
 use anyhow::{Context, Result};
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
+use articula::flatten::{Framed, FramedParts, Shot};
+use articula::{Figure, Opened};
 use articula_build::decimate::decimate;
 use articula_core::source::{Character, Clip as SourceClip, Property};
 use articula_core::view::{Camera, Viewport};
-use articula_flat::appearance::Appearance;
 use articula_flat::frame::Bounds;
-use articula_flat::planar::bake::{BakeOptions, Lamp, Subject, Turn, bake};
-use articula_flat::planar::{PlanarClip, stage};
+use articula_flat::planar::bake::{BakeOptions, Lamp, Subject, Turn};
+use articula_flat::planar::stage;
 use articula_flat::projection::Projection;
-use articula_formats::{Limits, gltf, profile};
 use glam::Vec3;
 use std::path::Path;
 
@@ -132,55 +130,91 @@ pub(super) const CASES: [Case; 8] = [
     },
 ];
 
-/// A case before its camera.
-pub(super) struct Staged {
-    pub(super) asset: Asset,
-    pub(super) look: Appearance,
-    pub(super) options: BakeOptions,
-    pub(super) triangles: Vec<[u32; 3]>,
-    pub(super) moments_secs: Vec<f64>,
-    clip: usize,
-}
-
 impl Case {
-    /// Reads the character, puts up the camera and simplifies what it sees.
-    pub(super) fn stage(&self, data: &Path) -> Result<Staged> {
-        let source = self.open(data)?;
-        let mapping = profile::map(&source.skeleton, profile::builtin(), None);
-        let (look, _) = Appearance::new(&source.materials, &source.images);
-        let asset = character(&source, Some(mapping.articulation), &ClipOptions::default())
-            .with_context(|| self.file.to_owned())?;
-        let clip = asset.clips.iter().position(|c| c.name == self.clip);
+    /// Reads the character.
+    pub(super) fn figure(&self, data: &Path) -> Result<Figure> {
+        Ok(Figure::new(self.open(data)?)?)
+    }
+
+    /// Puts up the camera and simplifies what it sees.
+    pub(super) fn framed<'a>(&self, figure: &'a Figure) -> Result<Framed<'a>> {
+        let asset = &figure.asset;
+        let clip = figure.clip(Some(self.clip))?;
         let clip = clip.with_context(|| format!("{}: no clip {}", self.file, self.clip))?;
         let length = f64::from(asset.clips[clip].duration_secs()) * self.share;
         let steps = (self.frames - 1) as f64;
         let moments_secs: Vec<f64> = (0..self.frames)
             .map(|f| length * f as f64 / steps)
             .collect();
-        let mut staged = Staged {
+        let fps = (steps / length) as f32;
+        let mut parts = FramedParts {
             triangles: asset.mesh.triangles.clone(),
-            look,
             options: BakeOptions {
                 camera: Camera::looking_at(Vec3::Z, Vec3::ZERO, viewport()),
                 projection: Projection::Perspective,
                 lamp: Lamp::default(),
-                fps: (steps / length) as f32,
+                fps,
                 turn: Turn {
                     axis: (0.0, 0.0),
                     radians_per_sec: (f64::from(self.turn_degrees.to_radians()) / length) as f32,
                 },
             },
             moments_secs,
-            clip,
-            asset,
         };
-        staged.put_up(self)?;
-        staged.thin_out(self.triangles)?;
-        Ok(staged)
+        let shot = Shot {
+            clip: Some(clip),
+            still_at: None,
+            cycles: 1,
+            fps,
+            yaw_deg: 0.0,
+            pitch_deg: 0.0,
+            turn_deg: self.turn_degrees,
+            viewport: viewport(),
+            triangles: None,
+        };
+        let framed = Framed::from_parts(figure, shot, parts.clone());
+        let looks: Vec<f64> = parts.moments_secs.iter().copied().step_by(3).collect();
+        (parts.options.camera, parts.options.turn) = self.camera(&framed, &looks)?;
+        if parts.triangles.len() > self.triangles {
+            let seen = stage::seen(&framed.subject(), &looks, &parts.options)?;
+            parts.triangles = decimate(asset, &seen, Some(clip), self.triangles, &[])?;
+        }
+        Ok(Framed::from_parts(figure, shot, parts))
     }
 
-    fn open(&self, data: &Path) -> Result<Character> {
-        let mut source = read(data, self.file)?;
+    /// The camera of the case, and the turn about the figure's middle.
+    fn camera(&self, framed: &Framed<'_>, looks: &[f64]) -> Result<(Camera, Turn)> {
+        let subject = framed.subject();
+        let still = Turn::default();
+        let bounds = stage::bounds(&subject, looks, &still).context("nothing to frame")?;
+        let turn = Turn {
+            axis: (bounds.middle().x, bounds.middle().z),
+            ..framed.options.turn
+        };
+        let at_rest = Subject {
+            clip: None,
+            ..subject
+        };
+        let rest = stage::bounds(&at_rest, &[0.0], &still).context("nothing to frame")?;
+        let camera = match self.framing {
+            Framing::Tight(yaw) => {
+                let angles = (yaw.to_radians(), 0.0);
+                let camera = stage::camera(&subject, looks, &turn, angles, viewport());
+                camera.context("nothing to frame")?
+            }
+            Framing::Face => before(&rest),
+            Framing::Above(share) => {
+                let mut head = rest;
+                head.low.y += share * (rest.high.y - rest.low.y);
+                before(&head)
+            }
+        };
+        Ok((camera, turn))
+    }
+
+    fn open(&self, data: &Path) -> Result<Opened> {
+        let mut opened = articula::fs::open(data.join(self.file))?;
+        let source = &mut opened.character;
         if self.file == KNIGHT {
             // One sword and no shield.
             let is_worn = |name: &str| name.starts_with("Knight_") || name == "1H_Sword";
@@ -191,23 +225,12 @@ impl Case {
                 .for_each(|c| c.channels.retain(|ch| ch.property != Property::Weights));
         }
         if self.file == WOMAN && self.clip == "talk" {
-            let speech = read(data, HEAD)?;
-            source.clips.push(speech_onto(&speech, &source)?);
+            let speech = articula::fs::open(data.join(HEAD))?.character;
+            let clip = speech_onto(&speech, source)?;
+            source.clips.push(clip);
         }
-        Ok(source)
+        Ok(opened)
     }
-}
-
-fn read(data: &Path, file: &str) -> Result<Character> {
-    let path = data.join(file);
-    let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
-    let file = gltf::read(&bytes, &Limits::default(), &mut |_| {
-        Err("nothing lies beside it".into())
-    });
-    Ok(file
-        .with_context(|| path.display().to_string())?
-        .value
-        .character)
 }
 
 /// The speaking of one head for the morph targets of another that are called alike.
@@ -258,77 +281,8 @@ fn viewport() -> Viewport {
     }
 }
 
-impl Staged {
-    pub(super) fn subject(&self) -> Subject<'_> {
-        Subject {
-            rig: &self.asset.rig,
-            mesh: &self.asset.mesh,
-            triangles: &self.triangles,
-            look: &self.look,
-            clip: Some(&self.asset.clips[self.clip]),
-            morph_weights: &self.asset.mesh.morph_weights,
-        }
-    }
-
-    /// The clip at its frames.
-    pub(super) fn clip(&self) -> Result<PlanarClip> {
-        Ok(bake(&self.subject(), &self.moments_secs, &self.options)?)
-    }
-
-    /// The clip at some frames, which may lie between two.
-    pub(super) fn at_frames(&self, frames: &[f64]) -> Result<PlanarClip> {
-        let fps = f64::from(self.options.fps);
-        let moments: Vec<f64> = frames.iter().map(|f| f / fps).collect();
-        Ok(bake(&self.subject(), &moments, &self.options)?)
-    }
-
-    fn looks(&self) -> Vec<f64> {
-        self.moments_secs.iter().copied().step_by(3).collect()
-    }
-
-    fn put_up(&mut self, case: &Case) -> Result<()> {
-        let looks = self.looks();
-        let subject = self.subject();
-        let still = Turn::default();
-        let bounds = stage::bounds(&subject, &looks, &still).context("nothing to frame")?;
-        let turn = Turn {
-            axis: (bounds.middle().x, bounds.middle().z),
-            ..self.options.turn
-        };
-        let at_rest = Subject {
-            clip: None,
-            ..subject
-        };
-        let rest = stage::bounds(&at_rest, &[0.0], &still).context("nothing to frame")?;
-        let camera = match case.framing {
-            Framing::Tight(yaw) => {
-                let angles = (yaw.to_radians(), 0.0);
-                let camera = stage::camera(&subject, &looks, &turn, angles, viewport());
-                camera.context("nothing to frame")?
-            }
-            Framing::Face => before(&rest),
-            Framing::Above(share) => {
-                let mut head = rest;
-                head.low.y += share * (rest.high.y - rest.low.y);
-                before(&head)
-            }
-        };
-        self.options.camera = camera;
-        self.options.turn = turn;
-        Ok(())
-    }
-
-    fn thin_out(&mut self, count: usize) -> Result<()> {
-        if self.triangles.len() > count {
-            let seen = stage::seen(&self.subject(), &self.looks(), &self.options)?;
-            self.triangles = decimate(&self.asset, &seen, Some(self.clip), count, &[])?;
-        }
-        Ok(())
-    }
-}
-
 /// The specification's camera before a head.
-fn before(bounds: &Bounds) -> Camera {
+pub(super) fn before(bounds: &Bounds) -> Camera {
     let half = 1.15 * 0.5 * (bounds.high.y - bounds.low.y);
     let middle = bounds.middle();
     Camera::looking_at(middle + Vec3::Z * 4.5 * half, middle, viewport())

@@ -51,8 +51,9 @@ pub(crate) fn write(run: &Run, choice: &Choice) -> Result<()> {
 }
 
 fn found(run: &Run, case: &Case, choice: &Choice) -> Result<Found> {
-    let staged = case.stage(&run.data)?;
-    let clip = staged.clip()?;
+    let figure = case.figure(&run.data)?;
+    let framed = case.framed(&figure)?;
+    let clip = framed.clip()?;
     let prepared = orders::Orders::prepare(&clip)?;
     let files = choice
         .files
@@ -60,10 +61,10 @@ fn found(run: &Run, case: &Case, choice: &Choice) -> Result<Found> {
         .map(|f| f.join(case.name.replace([' ', ',', '°'], "_")));
     Ok(Found {
         case: *case,
-        triangles: staged.triangles.len(),
+        triangles: framed.triangles.len(),
         orders: orders::Orders::of(&clip, &prepared)?,
-        profiles: profiles::rows(&staged, &prepared, run.small, files.as_deref())?,
-        stills: profiles::stills(&staged, &clip)?,
+        profiles: profiles::rows(&framed, &prepared, run.small, files.as_deref())?,
+        stills: profiles::stills(&framed, &clip)?,
     })
 }
 

@@ -3,12 +3,11 @@
 //! Source: `spec/vector.md` 10.
 
 use super::super::Run;
-use super::cases::SIDE_PX;
+use super::cases::before;
 use anyhow::{Context, Result};
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
+use articula::Figure;
+use articula_build::character::Asset;
 use articula_build::decimate::decimate;
-use articula_core::view::{Camera, Viewport};
 use articula_flat::appearance::Appearance;
 use articula_flat::frame::Bounds;
 use articula_flat::planar::bake::{Subject, Turn};
@@ -17,8 +16,6 @@ use articula_flat::portrait::document::PictureFormat;
 use articula_flat::portrait::{
     Head, HeadPose, PortraitExpression, PortraitOptions, PortraitSource, build,
 };
-use articula_formats::{Limits, gltf, profile};
-use glam::Vec3;
 
 /// Turns at which it is compared, degrees.
 pub(super) const YAWS_DEGREES: [f32; 5] = [0.0, 10.0, 20.0, 30.0, 40.0];
@@ -78,14 +75,9 @@ pub(super) fn rows(run: &Run) -> Result<Vec<Row>> {
 }
 
 fn of(run: &Run, sitter: &Sitter, views: &[usize]) -> Result<Vec<Row>> {
-    let path = run.data.join(sitter.file);
-    let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
-    let read = gltf::read(&bytes, &Limits::default(), &mut |_| Err("nothing".into()));
-    let source = read.with_context(|| path.display().to_string())?;
-    let source = source.value.character;
-    let mapping = profile::map(&source.skeleton, profile::builtin(), None);
+    let figure = Figure::new(articula::fs::open(run.data.join(sitter.file))?)?;
+    let (source, asset) = (&figure.opened.character, &figure.asset);
     let (look, _) = Appearance::new(&source.materials, &source.images);
-    let asset = character(&source, Some(mapping.articulation), &ClipOptions::default())?;
     let mut expressions = Vec::new();
     for (mesh, first) in source.meshes.iter().zip(&asset.mesh.morph_slots) {
         let names = mesh.morph_names.iter().enumerate();
@@ -94,11 +86,11 @@ fn of(run: &Run, sitter: &Sitter, views: &[usize]) -> Result<Vec<Row>> {
         };
         expressions.extend(names.map(of));
     }
-    let bounds = at_rest(&asset, &look)?;
+    let bounds = at_rest(asset, &look)?;
     let keep = vec![true; asset.mesh.triangles.len()];
     let triangles = match sitter.triangles {
         None => asset.mesh.triangles.clone(),
-        Some(count) => decimate(&asset, &keep, None, count, &[])?,
+        Some(count) => decimate(asset, &keep, None, count, &[])?,
     };
     let source = PortraitSource {
         mesh: &asset.mesh,
@@ -149,15 +141,4 @@ fn at_rest(asset: &Asset, look: &Appearance) -> Result<Bounds> {
         morph_weights: &asset.mesh.morph_weights,
     };
     stage::bounds(&subject, &[0.0], &Turn::default()).context("the head has no vertex")
-}
-
-fn before(bounds: &Bounds) -> Camera {
-    let half = 1.15 * 0.5 * (bounds.high.y - bounds.low.y);
-    let viewport = Viewport {
-        width_px: SIDE_PX,
-        height_px: SIDE_PX,
-        fov_y_radians: 2.0 * (1.0f32 / 4.5).atan(),
-    };
-    let middle = bounds.middle();
-    Camera::looking_at(middle + Vec3::Z * 4.5 * half, middle, viewport)
 }

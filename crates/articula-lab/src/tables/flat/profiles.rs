@@ -1,8 +1,8 @@
 //! Size and error of every profile, read back from the files.
 
-use super::cases::Staged;
 use crate::measure::thread_ns;
 use anyhow::{Context, Result};
+use articula::flatten::Framed;
 use articula_flat::flatten::{
     Flattened, PrepareOptions, Prepared, Profile, Quality, Settings, Truth, flatten, sampled_frames,
 };
@@ -110,16 +110,16 @@ fn settings() -> Vec<(&'static str, Profile, Quality)> {
 
 /// Every profile of a case; the files go to a folder if one is given.
 pub(super) fn rows(
-    staged: &Staged,
+    framed: &Framed<'_>,
     prepared: &Prepared,
     is_small: bool,
     files: Option<&Path>,
 ) -> Result<Vec<Row>> {
-    let frames = sampled_frames(staged.moments_secs.len());
-    let truth = Truth::new(&staged.at_frames(&frames)?, &frames)?;
+    let frames = sampled_frames(framed.moments_secs.len());
+    let truth = Truth::new(&framed.at_frames(&frames)?, &frames)?;
     let mut rows = Vec::new();
     for (name, profile, quality) in settings() {
-        let is_long = staged.moments_secs.len() > FLIPBOOK_FRAMES;
+        let is_long = framed.moments_secs.len() > FLIPBOOK_FRAMES;
         let is_needed = [THESIS, FLAT, GOURAUD, PLAYER].contains(&name);
         if (profile == Profile::Flipbook && is_long) || (is_small && !is_needed) {
             continue;
@@ -151,10 +151,10 @@ pub(super) fn rows(
 }
 
 /// Stills of the first frame, each at its own best.
-pub(super) fn stills(staged: &Staged, clip: &PlanarClip) -> Result<Stills> {
+pub(super) fn stills(framed: &Framed<'_>, clip: &PlanarClip) -> Result<Stills> {
     let mut first = clip.clone();
     first.frames.truncate(1);
-    let truth = Truth::new(&staged.at_frames(&[0.0])?, &[0.0])?;
+    let truth = Truth::new(&framed.at_frames(&[0.0])?, &[0.0])?;
     let prepared = Prepared::new(first.clone(), &PrepareOptions::default(), &mut |_| {})?;
     let still = |exact, shading| {
         let profile = Profile::Still { frame: 0, exact };

@@ -1,12 +1,10 @@
 //! Who is simplified.
 
 use crate::subdivide::subdivide;
-use anyhow::{Context, Result};
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_core::articulation::Articulation;
+use anyhow::Result;
+use articula::Figure;
+use articula_build::character::Asset;
 use articula_core::source::Character;
-use articula_formats::{Limits, gltf, profile};
 use glam::Vec3;
 use std::path::Path;
 
@@ -98,25 +96,16 @@ impl Subject {
 
 impl Entry {
     pub(super) fn open(&self, data: &Path) -> Result<Subject> {
-        let path = data.join(self.file);
-        let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
-        let mut none = |_: &str| Err("no files beside".to_owned());
-        let read = gltf::read(&bytes, &Limits::default(), &mut none);
-        let mut source = read
-            .with_context(|| path.display().to_string())?
-            .value
-            .character;
+        let mut opened = articula::fs::open(data.join(self.file))?;
         if self.subdivided {
-            source.meshes = source.meshes.iter().map(subdivide).collect();
+            let meshes = opened.character.meshes.iter();
+            opened.character.meshes = meshes.map(subdivide).collect();
         }
-        let mapped = profile::map(&source.skeleton, profile::builtin(), None);
-        let articulation: Articulation = mapped.articulation;
-        let asset = character(&source, Some(articulation), &ClipOptions::default())
-            .with_context(|| path.display().to_string())?;
+        let figure = Figure::new(opened)?;
         Ok(Subject {
             name: self.name,
-            source,
-            asset,
+            source: figure.opened.character,
+            asset: figure.asset,
             told_height_metres: self.height_metres,
         })
     }
