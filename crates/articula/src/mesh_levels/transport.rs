@@ -12,7 +12,7 @@ use articula_formats::mesh_codec::{Grid, Precision, quantise};
 pub(crate) struct Transport {
     /// The whole stream.
     pub(crate) stream: Vec<u8>,
-    /// Bytes of each level coded alone, head included; the coarsest first.
+    /// Bytes of each level coded alone, head included; the finest first.
     pub(crate) direct: Vec<usize>,
     /// Bytes of what each level adds in the whole stream.
     pub(crate) chunks: Vec<usize>,
@@ -33,8 +33,10 @@ pub(crate) fn coded(
         let alone = write(&made.table, &objects, level..level + 1)?;
         direct.push(alone.bytes.len());
     }
+    // The stream begins with the coarsest level.
+    direct.reverse();
     Ok(Transport {
-        chunks: levels.map(|u| u.bytes() as usize).collect(),
+        chunks: levels.rev().map(|u| u.bytes() as usize).collect(),
         stream: whole.bytes,
         direct,
     })
@@ -53,8 +55,10 @@ fn objects(
         let grid = Grid::new(&mesh.primitives, precision.position_bits).with_context(place)?;
         for (p, part) in parts.enumerate() {
             let of_part = regions.get(prepared.asset.mesh.parts[part].vertices.clone());
-            for (region, levels) in split(&made.parts[part], of_part.unwrap_or(&[])) {
+            for (region, mut levels) in split(&made.parts[part], of_part.unwrap_or(&[])) {
                 let primitive = &mesh.primitives[p];
+                // Coded from the coarsest on.
+                levels.reverse();
                 let coded = quantise(primitive, &levels, &grid, &precision).with_context(place)?;
                 objects.push(ObjectLevels {
                     object: StreamObject {
