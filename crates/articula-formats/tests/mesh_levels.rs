@@ -41,7 +41,7 @@ fn levels(name: &str) -> Option<Quantised> {
     let simplified = simplify(&whole, poses, &SimplifyOptions::default()).unwrap();
     let first = whole.parts[0].vertices.start as u32;
     let part = &meshes[0].primitives[0];
-    let lists = simplified.levels.iter().map(|level| {
+    let lists = simplified.levels.iter().rev().map(|level| {
         let triangles = &level.triangles[level.parts[0].clone()];
         triangles.iter().map(|t| t.map(|v| v - first)).collect()
     });

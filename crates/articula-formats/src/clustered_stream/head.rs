@@ -212,7 +212,8 @@ pub(super) fn write(
     out.extend([0; 4]);
     varint(&mut out, first_level as u64);
     varint(&mut out, levels.levels.len() as u64);
-    for level in &levels.levels {
+    // The coarsest first, as their chunks lie.
+    for level in levels.levels.iter().rev() {
         varint(&mut out, level.triangles);
         varint(&mut out, level.vertices);
         for error in [&level.rest, &level.motion] {
@@ -226,7 +227,8 @@ pub(super) fn write(
             }
         }
     }
-    varint(&mut out, levels.mixable_from as u64);
+    let mixable_from = levels.levels.len().saturating_sub(1 + levels.mixable_to);
+    varint(&mut out, mixable_from as u64);
     varint(&mut out, levels.regions.len() as u64);
     for region in &levels.regions {
         varint(&mut out, region.len() as u64);
@@ -282,6 +284,7 @@ fn read_levels(r: &mut Bytes<'_>) -> Result<(usize, LevelTable), ReadError> {
             motion: read_error(r)?,
         });
     }
+    levels.reverse();
     let mixable_from = r.count("levels", MAX_LEVELS)?;
     let mut regions = Vec::new();
     for _ in 0..r.count("regions", MAX_REGIONS)? {
@@ -294,7 +297,7 @@ fn read_levels(r: &mut Bytes<'_>) -> Result<(usize, LevelTable), ReadError> {
     let levels = LevelTable {
         levels,
         regions,
-        mixable_from,
+        mixable_to: count.saturating_sub(1 + mixable_from),
     };
     Ok((first, levels))
 }

@@ -163,16 +163,16 @@ impl Receiver {
     /// [`Self::primitive`]: for the frame, that only switches ranges. `None` if none is there.
     pub fn triangles(&self, object: usize) -> Option<ClusteredTriangles> {
         let held = self.held.get(object)?;
-        let vertices = held.levels.iter().map(|l| l.1 as u32).collect();
+        let vertices = held.levels.iter().rev().map(|l| l.1 as u32).collect();
         let mut triangles = Vec::new();
         let mut clusters = Vec::new();
         for (level, (_, _, faces)) in held.levels.iter().enumerate() {
             let start = triangles.len() as u32;
             triangles.extend_from_slice(faces);
-            let level = level as u16;
+            let level = (held.levels.len() - 1 - level) as u16;
             clusters.push(Cluster {
-                first_level: level,
-                last_level: level,
+                finest_level: level,
+                coarsest_level: level,
                 region: 0,
                 triangles: start..triangles.len() as u32,
             });

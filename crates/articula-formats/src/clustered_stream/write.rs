@@ -72,10 +72,12 @@ pub fn write(
             chunks.extend(chunk);
         }
     }
+    // The table counts from the finest level.
+    let finer = count - shown.end;
     let table = LevelTable {
-        levels: levels.levels[shown.clone()].to_vec(),
+        levels: levels.levels[finer..count - shown.start].to_vec(),
         regions: levels.regions.clone(),
-        mixable_from: levels.mixable_from.saturating_sub(shown.start),
+        mixable_to: levels.mixable_to.saturating_sub(finer),
     };
     let mut bytes = head::write(shown.start, &table, &records, &entries);
     let limits = Limits {

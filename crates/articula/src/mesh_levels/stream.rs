@@ -12,7 +12,7 @@ use articula_formats::mesh_codec::{Grid, Precision, quantise};
 pub struct MeshLevelStream {
     /// The whole stream.
     pub bytes: Vec<u8>,
-    /// Bytes of each level coded alone, head included; the coarsest first.
+    /// Bytes of each level coded alone, head included; the finest first.
     pub direct: Vec<usize>,
     /// Bytes of what each level adds in the whole stream.
     pub chunks: Vec<usize>,
@@ -29,8 +29,10 @@ pub(crate) fn coded(figure: &Figure, made: &MeshLevels, regions: &[u8]) -> Resul
         let alone = write(&made.table, &objects, level..level + 1)?;
         direct.push(alone.bytes.len());
     }
+    // The stream begins with the coarsest level.
+    direct.reverse();
     Ok(MeshLevelStream {
-        chunks: levels.map(|u| u.bytes() as usize).collect(),
+        chunks: levels.rev().map(|u| u.bytes() as usize).collect(),
         bytes: whole.bytes,
         direct,
     })
@@ -45,8 +47,10 @@ fn objects(figure: &Figure, made: &MeshLevels, regions: &[u8]) -> Result<Vec<Obj
         let grid = Grid::new(&mesh.primitives, precision.position_bits).with_context(place)?;
         for (p, part) in parts.enumerate() {
             let of_part = regions.get(figure.asset.mesh.parts[part].vertices.clone());
-            for (region, levels) in split(&made.parts[part], of_part.unwrap_or(&[])) {
+            for (region, mut levels) in split(&made.parts[part], of_part.unwrap_or(&[])) {
                 let primitive = &mesh.primitives[p];
+                // Coded from the coarsest on.
+                levels.reverse();
                 let coded = quantise(primitive, &levels, &grid, &precision).with_context(place)?;
                 objects.push(ObjectLevels {
                     object: StreamObject {

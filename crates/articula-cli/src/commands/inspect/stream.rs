@@ -78,18 +78,19 @@ fn levels(stream: &MeshStream, received: &Receiver) -> Vec<Level> {
     let finite = |metres: f32| metres.is_finite().then_some(metres);
     let objects = || 0..stream.objects.len();
     let there = objects().map(|o| received.levels(o)).min().unwrap_or(0);
-    let rows = stream.levels.levels.iter().enumerate().rev();
-    let level = |(l, row): (usize, &articula_core::level_table::LevelRow)| Level {
-        level: stream.first_level + l,
+    let count = stream.levels.levels.len();
+    let rows = stream.levels.levels.iter().enumerate();
+    let level = |(finer, row): (usize, &articula_core::level_table::LevelRow)| Level {
+        level: stream.first_level + count - 1 - finer,
         triangles: row.triangles,
         vertices: row.vertices,
         error_rest_m: finite(row.rest.max_metres),
         error_motion_m: finite(row.motion.max_metres),
         bytes_added: objects()
-            .filter_map(|o| stream.chunk(l, o))
+            .filter_map(|o| stream.chunk(count - 1 - finer, o))
             .map(|chunk| chunk.len())
             .sum(),
-        complete: l < there,
+        complete: count - 1 - finer < there,
     };
     rows.map(level).collect()
 }

@@ -10,10 +10,11 @@ use articula_core::level_table::{LevelRow, LevelTable, SurfaceError};
 use articula_core::source::Mesh;
 use serde_json::{Value, json};
 
-/// The table as JSON. Errors that are not known, infinite here, are left out there.
+/// The table as JSON, where the coarsest level comes first. Errors that are not known, infinite
+/// here, are left out there.
 pub(super) fn table(levels: &LevelTable) -> Result<Value, WriteError> {
     let mut rows = Vec::new();
-    for (l, level) in levels.levels.iter().enumerate() {
+    for (l, level) in levels.levels.iter().enumerate().rev() {
         let mut row = json!({"triangles": level.triangles, "vertices": level.vertices});
         for (name, error) in [("errorRest", &level.rest), ("errorMotion", &level.motion)] {
             let numbers = members(error);
@@ -31,7 +32,8 @@ pub(super) fn table(levels: &LevelTable) -> Result<Value, WriteError> {
     let mut table = json!({ "levels": rows });
     if !levels.regions.is_empty() {
         set(&mut table, "regions", levels.regions.clone());
-        set(&mut table, "mixableFrom", levels.mixable_from);
+        let mixable_from = levels.levels.len().saturating_sub(1 + levels.mixable_to);
+        set(&mut table, "mixableFrom", mixable_from);
     }
     Ok(table)
 }
@@ -68,7 +70,8 @@ pub(super) fn count(root: &Place<'_>) -> usize {
 
 fn read_table(extension: &Place<'_>, levels: usize) -> Result<LevelTable, ReadError> {
     let rows = extension.entries("levels")?;
-    let rows = rows.iter().map(read_row).collect::<Result<Vec<_>, _>>()?;
+    let rows = rows.iter().rev().map(read_row);
+    let rows = rows.collect::<Result<Vec<_>, _>>()?;
     let regions = extension.entries("regions")?;
     let name = |p: &Place<'_>| {
         let name = p.value().as_str().map(str::to_owned);
@@ -78,7 +81,7 @@ fn read_table(extension: &Place<'_>, levels: usize) -> Result<LevelTable, ReadEr
     Ok(LevelTable {
         levels: rows,
         regions: regions.iter().map(name).collect::<Result<_, _>>()?,
-        mixable_from: mixable_from.map_or(Ok(0), |p| p.index_below(levels))?,
+        mixable_to: levels - 1 - mixable_from.map_or(Ok(0), |p| p.index_below(levels))?,
     })
 }
 

@@ -58,7 +58,7 @@ fn try_read(
         // Of vertices that several primitives share not all were kept: this fails then.
         let fits = object.check(part.positions.len());
         fits.map_err(|e| extension.malformed(e.to_string()))?;
-        if !object.level(usize::MAX).eq(part.triangles.iter().copied()) {
+        if !object.level(0).eq(part.triangles.iter().copied()) {
             return Err(extension.malformed("the finest level is not what the primitive shows"));
         }
         out.push(object);
@@ -83,10 +83,19 @@ pub(super) fn read_part(
         let what = format!("{} levels, at most {MOST_LEVELS} are read", vertices.len());
         return Err(extension.malformed(what));
     }
-    let vertices = vertices
+    // The document counts levels from the coarsest.
+    let vertices: Vec<u32> = vertices
         .iter()
-        .map(number::<u32>)
+        .rev()
+        .map(number)
         .collect::<Result<_, _>>()?;
+    let count = vertices.len();
+    let level = |place: &Place<'_>| {
+        let found = number::<u16>(place)?;
+        let from_finest = count.checked_sub(1 + usize::from(found));
+        let beyond = || place.malformed(format!("{found} of {count} levels"));
+        from_finest.map(|l| l as u16).ok_or_else(beyond)
+    };
     let mut clusters = Vec::new();
     let mut end = 0u32;
     for place in extension.entries("clusters")? {
@@ -95,8 +104,8 @@ pub(super) fn read_part(
         let too_many = || place.malformed("more triangles than 32 bits count");
         end = end.checked_add(count).ok_or_else(too_many)?;
         clusters.push(Cluster {
-            first_level: number(&place.require("first")?)?,
-            last_level: number(&place.require("last")?)?,
+            finest_level: level(&place.require("last")?)?,
+            coarsest_level: level(&place.require("first")?)?,
             region: place.get("region").map_or(Ok(0), |r| number(&r))?,
             triangles: start..end,
         });

@@ -219,7 +219,7 @@ impl Document {
             corners.flat_map(|c| c.to_le_bytes()).collect()
         };
         let view = self.add_view(&bytes, Use::Indices);
-        let finest = part.clusters.triangles(usize::MAX) as usize;
+        let finest = part.clusters.triangles(0) as usize;
         let [own, all] = [finest, part.triangles.len()].map(|triangles| {
             self.add_accessor(json!({
                 "bufferView": view,
@@ -242,8 +242,17 @@ impl Document {
         let extensions = object(primitive)
             .entry("extensions")
             .or_insert_with(|| json!({}));
-        let clusters: Vec<Value> = part.clusters.clusters().iter().map(cluster).collect();
-        let vertices = part.clusters.vertex_counts();
+        // The document counts levels from the coarsest.
+        let coarsest = part.clusters.levels() - 1;
+        let clusters = part.clusters.clusters().iter();
+        let clusters: Vec<Value> = clusters.map(|c| cluster(c, coarsest)).collect();
+        let vertices: Vec<u32> = part
+            .clusters
+            .vertex_counts()
+            .iter()
+            .rev()
+            .copied()
+            .collect();
         let value = json!({"indices": all, "vertices": vertices, "clusters": clusters});
         set(extensions, NAME, value);
     }
@@ -278,7 +287,7 @@ fn check(part: &PartLevels<'_>, levels: usize) -> Result<(), String> {
     object
         .check(part.vertices.len())
         .map_err(|e| e.to_string())?;
-    let finest: Vec<_> = part.clusters.ranges(levels - 1).collect();
+    let finest: Vec<_> = part.clusters.ranges(0).collect();
     match finest.as_slice() {
         [range] if range.start == 0 => Ok(()),
         _ => Err("the finest level is not the first range of the triangles".to_owned()),
@@ -328,10 +337,10 @@ fn new_primitive<'a>(
     })
 }
 
-fn cluster(cluster: &Cluster) -> Value {
+fn cluster(cluster: &Cluster, coarsest: usize) -> Value {
     let mut value = json!({
-        "first": cluster.first_level,
-        "last": cluster.last_level,
+        "first": coarsest - usize::from(cluster.coarsest_level),
+        "last": coarsest - usize::from(cluster.finest_level),
         "triangles": cluster.triangles.end - cluster.triangles.start,
     });
     if cluster.region > 0 {

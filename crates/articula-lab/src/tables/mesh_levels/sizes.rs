@@ -22,7 +22,7 @@ pub(super) struct Level {
     pub(super) vertices: usize,
     /// Ours, the level alone.
     pub(super) direct: usize,
-    /// Ours, what the level adds to the coarser one; level 0 alone.
+    /// Ours, what the level adds to the coarser one; the coarsest alone.
     pub(super) chunk: usize,
     /// Draco; `None` without node.
     pub(super) draco: Option<usize>,
@@ -208,8 +208,9 @@ fn add_object(object: &Object, wire: &[WireMesh], sizes: &mut Sizes) -> Result<(
         level.meshopt += meshopt::coded_bytes(mesh)?;
         level.plain += plain(mesh, mesh.vertices(), mesh.triangles.len());
     }
-    let stored = cluster(&object.levels, object.vertices, &[], Order::Store)?;
-    for (l, level) in sizes.levels.iter_mut().enumerate() {
+    let finest_first: Vec<_> = object.levels.iter().rev().collect();
+    let stored = cluster(&finest_first, object.vertices, &[], Order::Store)?;
+    for (l, level) in sizes.levels.iter_mut().rev().enumerate() {
         let ranges = stored.clusters.ranges(l).count();
         level.ranges = level.ranges.max(ranges + usize::from(ranges > 0));
     }
