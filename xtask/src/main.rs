@@ -9,6 +9,7 @@
 
 mod chores;
 mod node;
+mod outcome;
 mod steps;
 mod tidy;
 mod wasm;

@@ -2,7 +2,7 @@
 //! plays pictures in Chromium (folder `oracle`).
 
 use crate::chores::{answer, root, run};
-use crate::steps::{Outcome, lacking};
+use crate::outcome::{Outcome, lacking};
 use anyhow::Result;
 use std::path::Path;
 use std::process::Command;

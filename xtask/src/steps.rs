@@ -4,17 +4,11 @@
 //! on two cores compiling is most of the time.
 
 use crate::chores::{cargo, root, run, tidy};
+use crate::outcome::Outcome;
 use crate::{node, wasm};
 use anyhow::{Context, Result};
 use std::path::PathBuf;
 use std::time::Instant;
-
-/// How a step ended, if it did not fail.
-pub(crate) enum Outcome {
-    Done,
-    /// Not run, and why; printed as the step's one line `skipped: …`.
-    Skipped(String),
-}
 
 /// One step: the name a person reads, and what it does.
 type Step = (&'static str, fn() -> Result<Outcome>);
@@ -57,14 +51,6 @@ pub(crate) fn test() -> Result<()> {
     Ok(())
 }
 
-/// Whether a step that lacks a tool must fail (CI) or may be skipped (a person's machine).
-pub(crate) fn lacking(what: String) -> Result<Outcome> {
-    if std::env::var_os("ARTICULA_REQUIRE_TOOLS").is_some_and(|v| v == "1") {
-        anyhow::bail!("ARTICULA_REQUIRE_TOOLS=1, but {what}");
-    }
-    Ok(Outcome::Skipped(what))
-}
-
 fn format() -> Result<Outcome> {
     run(cargo().args(["fmt", "--all", "--", "--check"]))?;
     Ok(Outcome::Done)
@@ -102,9 +88,17 @@ fn tidy_step() -> Result<Outcome> {
 }
 
 /// Every published table with one clip and few steps: shows that the lab still runs. It shares
-/// the release build with `cargo xtask demo`.
+/// the build of the tests.
 fn lab() -> Result<Outcome> {
-    let words = ["run", "--release", "--quiet", "-p", "articula-lab", "--"];
+    let words = [
+        "run",
+        "--profile",
+        "test",
+        "--quiet",
+        "-p",
+        "articula-lab",
+        "--",
+    ];
     let small = ["all", "--small", "--out", "target/lab-small"];
     run(cargo().args(words).args(small))?;
     Ok(Outcome::Done)

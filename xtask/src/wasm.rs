@@ -4,7 +4,7 @@
 //! own wasm packages are years older than our language edition, so there is no third way.
 
 use crate::chores::{answer, cargo, run};
-use crate::steps::{Outcome, lacking};
+use crate::outcome::{Outcome, lacking};
 use anyhow::Result;
 use std::path::Path;
 use std::process::Command;

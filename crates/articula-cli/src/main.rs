@@ -8,6 +8,7 @@
 )]
 
 mod arguments;
+mod command_line;
 mod commands;
 mod console;
 mod crowd;
@@ -21,7 +22,7 @@ use clap::Parser;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    let line = arguments::CommandLine::parse();
+    let line = command_line::CommandLine::parse();
     let console = line.console();
     match commands::run(&line.command, &console) {
         Ok(()) => ExitCode::SUCCESS,

@@ -1,6 +1,7 @@
 //! What lints cannot see: edges between crates, sizes and names of files, records that must
 //! stay true. Every rule is one function from the tree of files to its faults.
 
+mod circles;
 mod manifest;
 mod record;
 mod source;
@@ -50,6 +51,7 @@ impl fmt::Display for Fault {
 
 /// Every rule. A new one is one line here and one function with a test that shows it can fail.
 const RULES: &[fn(&Tree) -> Vec<Fault>] = &[
+    circles::circles,
     manifest::crate_edges,
     manifest::reasons,
     source::length,

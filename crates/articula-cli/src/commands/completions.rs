@@ -1,9 +1,8 @@
 //! `articula completions SHELL`: what the shell needs to complete commands and flags.
 
-use crate::arguments::CommandLine;
 use crate::console::Console;
 use anyhow::Context;
-use clap::{Args, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 use serde::Serialize;
 
@@ -21,14 +20,13 @@ struct Report {
 }
 
 /// Prints the script.
-pub(crate) fn run(args: &CompletionsArgs, console: &Console) -> anyhow::Result<()> {
+pub(crate) fn run(
+    args: &CompletionsArgs,
+    mut program: Command,
+    console: &Console,
+) -> anyhow::Result<()> {
     let mut script = Vec::new();
-    clap_complete::generate(
-        args.shell,
-        &mut CommandLine::command(),
-        "articula",
-        &mut script,
-    );
+    clap_complete::generate(args.shell, &mut program, "articula", &mut script);
     let report = Report {
         shell: args.shell.to_string(),
         script: String::from_utf8(script).context("the completions are no text")?,

@@ -10,8 +10,9 @@ pub(crate) mod human;
 pub(crate) mod inspect;
 pub(crate) mod lod;
 
-use crate::arguments::Command;
+use crate::command_line::{Command, CommandLine};
 use crate::console::Console;
+use clap::CommandFactory;
 
 /// Runs one command.
 pub(crate) fn run(command: &Command, console: &Console) -> anyhow::Result<()> {
@@ -24,6 +25,6 @@ pub(crate) fn run(command: &Command, console: &Console) -> anyhow::Result<()> {
         Command::Lod(args) => lod::run(args, console),
         Command::Crowd(args) => crowd::run(args, console),
         Command::Flatten(args) => flatten::run(args, console),
-        Command::Completions(args) => completions::run(args, console),
+        Command::Completions(args) => completions::run(args, CommandLine::command(), console),
     }
 }

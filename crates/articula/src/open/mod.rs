@@ -10,7 +10,6 @@ mod format;
 mod options;
 mod x3d;
 
-pub(crate) use acclaim::skeleton_of;
 pub use data::{Data, DataFormat, OpenedData, open_data};
 pub use document::GltfSource;
 pub use format::{Format, Writes, conversions, readable};

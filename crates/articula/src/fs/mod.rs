@@ -6,6 +6,8 @@
     reason = "the one module of the library that opens files"
 )]
 
+mod skeleton;
+
 use crate::error::{Context, Error, Result};
 use crate::open::{self, Format, OpenOptions, Opened};
 use articula_formats::{Guess, Warning};
@@ -67,7 +69,7 @@ fn skeleton_beside(path: &Path) -> Result<(PathBuf, Option<&'static str>)> {
         .collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let motion = path.file_name().unwrap_or_default().to_string_lossy();
-    let (found, how) = open::skeleton_of(&motion, &names)?;
+    let (found, how) = skeleton::skeleton_of(&motion, &names)?;
     Ok((folder.join(found), how))
 }
 
