@@ -1,9 +1,10 @@
 //! No circle of imports between the files of a crate: what a file is made of can be read from the
 //! bottom up.
 //!
-//! A file's imports are the paths that begin with `crate`, `super` or `self`, outside of its
-//! tests. A name that a module only hands on (`pub use`) counts as an import of the file that it
-//! comes from, so a module and its children are no circle.
+//! A file's imports are the paths of its own crate, outside of its tests. A name that a module only
+//! hands on (`pub use`) counts as an import of the file that it comes from. What a module takes
+//! from the files in its own folder does not count: it stands above them, and they may use what it
+//! defines.
 
 use super::Fault;
 use super::tree::Tree;
@@ -66,7 +67,7 @@ impl House {
             .iter()
             .map(|(module, file)| {
                 let all = file.paths.iter().filter_map(|p| self.definer(p));
-                (module, all.filter(|to| *to != module).collect())
+                (module, all.filter(|to| !to.starts_with(module)).collect())
             })
             .collect();
         let reached = |from: &Vec<String>| {
@@ -348,6 +349,12 @@ mod tests {
         let files = [
             ("m/mod.rs", "mod a;\nuse a::A;\npub struct Own(A);\n"),
             ("m/a.rs", "use super::Own;\npub struct A;\n"),
+        ];
+        assert!(found(&files).is_empty());
+        let files = [
+            ("m/mod.rs", "mod a;\npub use a::A;\n"),
+            ("m/a.rs", "use crate::n::N;\npub struct A(N);\n"),
+            ("n.rs", "use crate::m::A;\npub struct N;\n"),
         ];
         assert_eq!(found(&files), ["crates/x/src/m/a.rs"]);
     }
