@@ -25,6 +25,9 @@ use std::path::PathBuf;
 /// lists of levels here. Files that are written number them from the finest, 0.
 const SHARES: [&str; 5] = ["1.5 %", "10 %", "25 %", "50 %", "100 %"];
 
+/// Level of 25 % of the triangles, the one with a target.
+const QUARTER: usize = 2;
+
 /// Poses that are measured on.
 const POSES: usize = 24;
 /// Rounds of which the least time is kept.
@@ -133,7 +136,7 @@ mod tests {
         };
         let entry = CHARACTERS.iter().find(|e| e.name == SMALL).unwrap();
         let found = found(&run, entry, &Choice::default()).unwrap();
-        let error = found.ratio(page::QUARTER).unwrap();
+        let error = found.ratio(QUARTER).unwrap();
         assert!(
             error < 0.6,
             "{error} of meshoptimizer's error in motion at 25 %"

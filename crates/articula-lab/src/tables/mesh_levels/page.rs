@@ -7,9 +7,6 @@ use anyhow::Result;
 use articula_build::poses::PoseSource;
 use std::fmt::Write as _;
 
-/// Level of 25 % of the triangles, the one with a target.
-pub(super) const QUARTER: usize = 2;
-
 const HEAD: &str = "# Mesh levels
 
 Made by `cargo run --release -p articula-lab -- mesh-levels`. Five levels of each character: 100, 50,

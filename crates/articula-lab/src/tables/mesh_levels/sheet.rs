@@ -3,7 +3,7 @@
 use super::SHARES;
 use super::characters::Subject;
 use super::contestants::{Contestant, Posed, levels};
-use super::page::QUARTER;
+use super::QUARTER;
 use anyhow::{Context, Result};
 use articula_build::poses::SkinPose;
 use articula_build::simplify::LevelTriangles;

@@ -1,7 +1,7 @@
 //! What was aimed at, and what was found.
 
 use super::Found;
-use super::page::QUARTER;
+use super::QUARTER;
 use anyhow::Result;
 use std::fmt::Write as _;
 
