@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
 use articula_build::decimate::decimate;
-use articula_core::view::{Camera, Viewport};
+use articula_core::{Camera, Viewport};
 use articula_flat::appearance::Appearance;
 use articula_flat::frame::Bounds;
 use articula_flat::planar::bake::{Subject, Turn};
