@@ -15,8 +15,7 @@
 use crate::character::Asset;
 use crate::motion_bounds::reach::Reach;
 use crate::motion_bounds::{Body, Look, looks};
-use articula_core::capsule::Capsule;
-use articula_core::clip::{Clip, Track};
+use articula_core::{Capsule, Clip, Track};
 use glam::Vec3;
 
 /// A thinner capsule is not worth drawing; metres.
@@ -133,7 +132,7 @@ fn balls(asset: &Asset, clip: &Clip, looks: &[Look], skins: &[Skin]) -> Vec<Vec3
     for look in looks {
         body.pose(clip, look.secs);
         for (joint, mean) in means.iter_mut().enumerate() {
-            *mean += body.model.position(joint) / looks.len() as f32;
+            *mean += body.posed.model.position(joint) / looks.len() as f32;
         }
     }
     let halves = (0..rig.len()).filter_map(|j| Some(0.5 * (means[rig.parent(j)?] + means[j])));

@@ -8,16 +8,11 @@ use articula_build::clip_edit::Subject;
 use articula_build::clip_edit::cycle::{CloseOptions, close};
 use articula_build::clip_edit::key_reduction::{ReduceOptions, Reduced, reduce_keys};
 use articula_build::clip_edit::root_motion::{RootMotionMode, RootMotionOptions, split};
-use articula_core::hierarchy::local_to_model;
-use articula_core::math::Transform;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::{
     Channel, Character, Clip, Interpolation, Joint, MorphTarget, Property, evaluate,
 };
-use glam::{Affine3A, Quat, Vec3};
+use articula_core::{Mesh, ModelPose, PosedMesh, Rig, Transform, local_to_model};
+use glam::{Quat, Vec3};
 use proptest::prelude::*;
 use random_figure::{Row, character_of, flat, rows};
 use std::f32::consts::FRAC_PI_2;
@@ -102,19 +97,15 @@ fn armatures() -> impl Strategy<Value = Transform> {
 fn shown(character: &Character, rig: &Rig, mesh: &Mesh, clip: &Clip, secs: f32) -> Vec<Vec3> {
     let mut pose = rig.rest_pose().clone();
     evaluate::pose(clip, &character.skeleton, secs, &mut pose);
-    let mut model = ModelPose::new(rig.len());
-    local_to_model(rig, &pose, &mut model);
-    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-    palette(mesh, &model, &mut matrices);
     let mut weights = mesh.morph_weights.clone();
     for channel in &clip.channels {
         if channel.property == Property::Weights {
             evaluate::channel(channel, secs, &mut weights);
         }
     }
-    let mut skinned = SkinnedMesh::new(mesh);
-    skin(mesh, &matrices, &weights, &mut skinned);
-    let joints = (0..rig.len()).map(|j| model.position(j));
+    let mut posed = PosedMesh::new(rig, mesh);
+    let skinned = posed.pose(&pose).skinned(&weights);
+    let joints = (0..rig.len()).map(|j| posed.model.position(j));
     joints.chain(skinned.positions).collect()
 }
 

@@ -7,13 +7,8 @@ mod random_figure;
 use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
 use articula_build::motion_bounds::motion_bounds;
-use articula_core::hierarchy::local_to_model_from;
-use articula_core::motion_bounds::MotionBounds;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{palette, skin_points};
-use articula_core::view::{Camera, Viewport};
 use articula_core::visibility::{Bodies, Seen, View, Visibility, see, wake_metres};
+use articula_core::{Camera, MotionBounds, PosedMesh, Viewport, Wrap, sample};
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
 use random_figure::{RATE, Row, character_of, flat, rows};
@@ -105,13 +100,10 @@ impl Walker {
             self.rotation_at(secs),
             self.position_at(secs),
         );
-        let mut model = ModelPose::new(rig.len());
-        local_to_model_from(rig, &pose, world, &mut model);
-        let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-        palette(mesh, &model, &mut matrices);
         let all: Vec<u32> = (0..mesh.len() as u32).collect();
         let mut points = vec![Vec3::ZERO; all.len()];
-        skin_points(mesh, &matrices, &all, &mut points);
+        let mut posed = PosedMesh::new(rig, mesh);
+        posed.pose_from(&pose, world).points(&all, &mut points);
         points
     }
 }

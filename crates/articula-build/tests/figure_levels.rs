@@ -8,12 +8,8 @@ use articula_build::human::{HumanOptions, human};
 use articula_build::ladder::{LevelOptions, MergedLevels, merged_levels};
 use articula_build::poses::{PoseOptions, poses, positions};
 use articula_build::surface_distance::attach;
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use glam::{Affine3A, Vec3};
+use articula_core::{Mesh, PosedMesh, Wrap};
+use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
@@ -98,16 +94,10 @@ fn found(figure: &Figure) -> FigureLevels {
 
 fn posed(asset: &Asset, mesh: &Mesh, frame: usize) -> Vec<Vec3> {
     let clip = &asset.clips[0];
-    let mut pose = asset.rig.rest_pose().clone();
     let secs = frame as f64 / f64::from(clip.rate_hz());
-    sample(clip, secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
-    let mut model = ModelPose::new(asset.rig.len());
-    local_to_model(&asset.rig, &pose, &mut model);
-    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-    palette(mesh, &model, &mut matrices);
-    let mut out = SkinnedMesh::new(mesh);
-    skin(mesh, &matrices, &mesh.morph_weights, &mut out);
-    out.positions
+    let mut posed = PosedMesh::new(&asset.rig, mesh);
+    let posed = posed.pose_at(clip, secs, Wrap::Clamp);
+    posed.skinned(&mesh.morph_weights).positions
 }
 
 #[test]

@@ -6,13 +6,9 @@
 
 use articula_build::human::{HumanError, HumanOptions, human};
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::{Character, Clip, Primitive, Property};
-use glam::{Affine3A, Quat, Vec3};
+use articula_core::{Mesh, ModelPose, PosedMesh, Rig, local_to_model};
+use glam::{Quat, Vec3};
 use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
 
@@ -101,11 +97,9 @@ impl Player {
     }
 
     fn skinned(&self, pose: &ModelPose) -> Vec<Vec3> {
-        let mut matrices = vec![Affine3A::IDENTITY; self.mesh.bindings.len()];
-        let mut out = SkinnedMesh::new(&self.mesh);
-        palette(&self.mesh, pose, &mut matrices);
-        skin(&self.mesh, &matrices, &[], &mut out);
-        out.positions
+        let mut posed = PosedMesh::new(&self.rig, &self.mesh);
+        posed.model.clone_from(pose);
+        posed.skinned(&[]).positions
     }
 
     fn joint(&self, pose: &ModelPose, name: &str) -> Vec3 {

@@ -10,16 +10,13 @@ use articula_build::ladder::{
     LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
     merged_levels, named_ladder,
 };
-use articula_core::hierarchy::local_to_model;
-use articula_core::ladder::Ladder;
-use articula_core::loa::{Expression, JointSet};
-use articula_core::math::Transform;
-use articula_core::mesh::Mesh;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::loa::Expression;
 use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
-use glam::{Affine3A, Quat, Vec3};
+use articula_core::{
+    JointSet, Ladder, LocalPose, Mesh, ModelPose, PosedMesh, SkinnedMesh, Transform, Wrap,
+    local_to_model, sample,
+};
+use glam::{Quat, Vec3};
 use proptest::prelude::*;
 use random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
 
@@ -43,12 +40,8 @@ fn options() -> LevelOptions {
 }
 
 fn posed(asset: &Asset, mesh: &Mesh, pose: &LocalPose) -> SkinnedMesh {
-    let model = model(asset, pose);
-    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-    palette(mesh, &model, &mut matrices);
-    let mut out = SkinnedMesh::new(mesh);
-    skin(mesh, &matrices, &mesh.morph_weights, &mut out);
-    out
+    let mut posed = PosedMesh::new(&asset.rig, mesh);
+    posed.pose(pose).skinned(&mesh.morph_weights)
 }
 
 fn at_frame(asset: &Asset, frame: usize) -> LocalPose {

@@ -7,14 +7,10 @@ use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
 use articula_build::human::{HumanOptions, human};
 use articula_build::motion_bounds::motion_bounds;
-use articula_core::clip::{Clip, Track, Tracks};
-use articula_core::hierarchy::local_to_model;
-use articula_core::math::nlerp;
-use articula_core::mesh::{Mesh, Morph};
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use glam::{Affine3A, Vec3};
+use articula_core::{
+    Clip, LocalPose, Mesh, Morph, PosedMesh, Track, Tracks, Wrap, nlerp, sample, sample_morphs,
+};
+use glam::Vec3;
 use proptest::prelude::*;
 use random_figure::{RATE, Row, character_of, flat, rows, vector};
 
@@ -123,16 +119,12 @@ impl<'a> Body<'a> {
     /// Skin, or joints where there is none.
     fn points(&self, pose: &LocalPose) -> Vec<Vec3> {
         let (rig, mesh) = (&self.asset.rig, &self.asset.mesh);
-        let mut model = ModelPose::new(rig.len());
-        local_to_model(rig, pose, &mut model);
+        let mut posed = PosedMesh::new(rig, mesh);
+        posed.pose(pose);
         if mesh.is_empty() {
-            return (0..rig.len()).map(|j| model.position(j)).collect();
+            return (0..rig.len()).map(|j| posed.model.position(j)).collect();
         }
-        let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-        palette(mesh, &model, &mut matrices);
-        let mut skinned = SkinnedMesh::new(mesh);
-        skin(mesh, &matrices, &self.morph_weights, &mut skinned);
-        skinned.positions
+        posed.skinned(&self.morph_weights).positions
     }
 }
 

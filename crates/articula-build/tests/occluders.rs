@@ -7,13 +7,8 @@ use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
 use articula_build::human::{HumanOptions, human};
 use articula_build::occluders::occluders;
-use articula_core::clip::{Clip, Track, Tracks};
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{palette, skin_points};
-use glam::{Affine3A, DVec3, Vec3};
+use articula_core::{Clip, Mesh, PosedMesh, Track, Tracks, Wrap};
+use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use random_figure::{RATE, character_of, flat, rows};
@@ -30,15 +25,12 @@ fn someone() -> &'static Asset {
 
 fn skin(asset: &Asset, clip: &Clip, secs: f64) -> Vec<DVec3> {
     let (rig, mesh) = (&asset.rig, &asset.mesh);
-    let mut pose = rig.rest_pose().clone();
-    sample(clip, secs, Wrap::Loop, &rig.all(), &mut pose);
-    let mut model = ModelPose::new(rig.len());
-    local_to_model(rig, &pose, &mut model);
-    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-    palette(mesh, &model, &mut matrices);
     let all: Vec<u32> = (0..mesh.len() as u32).collect();
     let mut points = vec![Vec3::ZERO; all.len()];
-    skin_points(mesh, &matrices, &all, &mut points);
+    let mut posed = PosedMesh::new(rig, mesh);
+    posed
+        .pose_at(clip, secs, Wrap::Loop)
+        .points(&all, &mut points);
     points.iter().map(|p| p.as_dvec3()).collect()
 }
 

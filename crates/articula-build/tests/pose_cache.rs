@@ -9,10 +9,9 @@ use articula_build::clip::ClipOptions;
 use articula_build::ladder::{LevelOptions, MergedLevels, merged_levels};
 use articula_build::pose_cache::{CacheOptions, CachedPoses, Fate, cached_poses};
 use articula_core::batch::BatchEvaluator;
-use articula_core::clip_set::{ClipSet, Storage};
-use articula_core::palette::{PaletteForm, PaletteRows};
-use articula_core::skin::skin_points;
-use articula_core::{Backend, f32_from_half};
+use articula_core::{
+    Backend, ClipSet, PaletteForm, PaletteRows, Storage, f32_from_half, percentile, skin_points,
+};
 use glam::{Affine3A, Vec3};
 use proptest::prelude::*;
 use random_figure::{RATE, Row, character_of, flat, rows};
@@ -106,10 +105,7 @@ impl Figure {
         let (truth, shown) = (self.evaluated(level, secs), self.blended(made, level, secs));
         let apart = truth.iter().zip(&shown).map(|(t, s)| t.distance(*s));
         let mut apart: Vec<f32> = apart.collect();
-        apart.sort_by(f32::total_cmp);
-        let at = 0.95 * (apart.len() - 1) as f32;
-        let (low, high) = (apart[at as usize], apart[at.ceil() as usize]);
-        (low + (high - low) * at.fract(), apart[apart.len() - 1])
+        (percentile(&mut apart, 0.95), percentile(&mut apart, 1.0))
     }
 }
 
@@ -211,7 +207,7 @@ fn hostile_figures() {
     assert_eq!((rest.before, rest.blend), (rest.after, 0.0));
 
     let mut without_mesh = asset(&three());
-    without_mesh.mesh = articula_core::mesh::Mesh::default();
+    without_mesh.mesh = articula_core::Mesh::default();
     let figure = prepared(without_mesh);
     let made = figure.cached(&CacheOptions::default());
     assert!(made.report.iter().all(|r| r.fate == Fate::TooFast));

@@ -8,7 +8,7 @@ use articula_build::poses::{PoseOptions, poses, positions};
 use articula_build::surface_distance::{
     DistanceOptions, LevelDistances, SurfaceTree, surface_distances,
 };
-use articula_core::level_table::SurfaceError;
+use articula_core::SurfaceError;
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::collections::BTreeMap;

@@ -1,6 +1,6 @@
 //! Flags that commands share, and how their values are spelled.
 
-use articula_core::view::Viewport;
+use articula_core::Viewport;
 use articula_formats::bvh::Up;
 use articula_formats::mpeg4::fap::Absent;
 use clap::{Args, ValueEnum};

@@ -11,14 +11,11 @@ mod judges;
 use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
 use articula_build::motion_bounds::motion_bounds;
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::{
+    Articulation, Clip, JointArticulation, PosedMesh, Region, Wrap, sample, sample_morphs,
+};
 use articula_formats::{Limits, gltf};
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use judges::{data_folder, data_is_here};
 
 /// The character of a file with its first clips.
@@ -46,13 +43,10 @@ fn points(asset: &Asset, clip: &Clip, secs: f64) -> Vec<Vec3> {
     let mut weights = mesh.morph_weights.clone();
     sample(clip, secs, Wrap::Loop, &rig.all(), &mut pose);
     sample_morphs(clip, secs, Wrap::Loop, &mut weights);
-    let mut model = ModelPose::new(rig.len());
-    local_to_model(rig, &pose, &mut model);
-    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-    palette(mesh, &model, &mut matrices);
-    let mut skinned = SkinnedMesh::new(mesh);
-    skin(mesh, &matrices, &weights, &mut skinned);
-    skinned.positions
+    PosedMesh::new(rig, mesh)
+        .pose(&pose)
+        .skinned(&weights)
+        .positions
 }
 
 #[test]

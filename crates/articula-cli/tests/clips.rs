@@ -12,12 +12,10 @@ use articula_build::character::Asset;
 use articula_build::clip::ClipOptions;
 use articula_build::clip_edit::Subject;
 use articula_build::clip_edit::key_reduction::{ReduceOptions, reduce_keys};
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::skin::{palette, skin_points};
+use articula_core::PosedMesh;
 use articula_core::source::{Character, Clip, evaluate};
 use articula_formats::{Limits, bvh, gltf, profile};
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use program::{BVH, fault, folder, json, word};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -55,14 +53,11 @@ fn read(data: &Path, name: &str) -> (Character, Vec<(usize, Vec3)>) {
 fn shown(figure: &Asset, character: &Character, clip: &Clip, secs: f32) -> Vec<Vec3> {
     let mut pose = figure.rig.rest_pose().clone();
     evaluate::pose(clip, &character.skeleton, secs, &mut pose);
-    let mut model = ModelPose::new(figure.rig.len());
-    local_to_model(&figure.rig, &pose, &mut model);
-    let mut matrices = vec![Affine3A::IDENTITY; figure.mesh.bindings.len()];
-    palette(&figure.mesh, &model, &mut matrices);
     let every: Vec<u32> = (0..figure.mesh.len() as u32).collect();
     let mut skin = vec![Vec3::ZERO; every.len()];
-    skin_points(&figure.mesh, &matrices, &every, &mut skin);
-    let joints = (0..figure.rig.len()).map(|j| model.position(j));
+    let mut posed = PosedMesh::new(&figure.rig, &figure.mesh);
+    posed.pose(&pose).points(&every, &mut skin);
+    let joints = (0..figure.rig.len()).map(|j| posed.model.position(j));
     joints.chain(skin).collect()
 }
 

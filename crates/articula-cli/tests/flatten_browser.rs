@@ -12,7 +12,7 @@ use articula_build::character::character;
 use articula_build::clip::ClipOptions;
 use articula_build::decimate::decimate;
 use articula_build::human::{HumanOptions, human};
-use articula_core::view::Viewport;
+use articula_core::Viewport;
 use articula_flat::Picture;
 use articula_flat::appearance::Appearance;
 use articula_flat::compare::{masked_rmse, ssim};

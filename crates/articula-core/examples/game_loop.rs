@@ -5,12 +5,9 @@ use articula_build::clip::ClipOptions;
 use articula_build::human::{HumanOptions, human};
 use articula_build::ladder::{LevelOptions, merged_levels};
 use articula_build::motion_bounds::motion_bounds;
-use articula_core::Backend;
-use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::crowd::{CacheUse, Crowd, CrowdModel, CrowdParts, Detail, Frame, Sight, Voice};
-use articula_core::palette::{PaletteForm, PaletteRows};
-use articula_core::view::{Camera, Viewport};
 use articula_core::visibility::View;
+use articula_core::{Backend, Camera, ClipSet, PaletteForm, PaletteRows, Storage, Viewport};
 use glam::{Quat, Vec3};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -40,7 +40,7 @@ impl Complexity {
     ];
 
     /// The highest data level that it includes; `None` includes none.
-    pub fn level(self) -> Option<u8> {
+    pub(crate) fn level(self) -> Option<u8> {
         (self as u8).checked_sub(1)
     }
 

@@ -8,11 +8,11 @@ use crate::Mismatch;
 use crate::sample::Wrap;
 
 /// The least multiplier of a tolerance: no character is held to less than a 64th of it.
-pub const LEAST_MULTIPLIER: f32 = 1.0 / 64.0;
+pub(crate) const LEAST_MULTIPLIER: f32 = 1.0 / 64.0;
 
 /// The greatest: none is let go farther than 64 times the tolerance, so that one who matters to
 /// nobody still moves like a body.
-pub const GREATEST_MULTIPLIER: f32 = 64.0;
+pub(crate) const GREATEST_MULTIPLIER: f32 = 64.0;
 
 /// A stretch of a clip in which errors are tolerated differently.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -106,7 +106,7 @@ impl Attention {
 ///
 /// Stays between [`LEAST_MULTIPLIER`] and [`GREATEST_MULTIPLIER`]. Importance 0 and below gives
 /// the greatest, infinite importance the least; what is no number counts as 1.
-pub fn multiplier(factor: f32, importance: f32) -> f32 {
+pub(crate) fn multiplier(factor: f32, importance: f32) -> f32 {
     let or_one = |v: f32| if v.is_nan() { 1.0 } else { v };
     let m = or_one(factor).max(0.0) / or_one(importance).max(0.0);
     // Nothing over nothing, and endless over endless, say nothing.

@@ -9,9 +9,11 @@
 //! them.
 
 use crate::Mismatch;
-use crate::clip_set::{ClipSet, Cursor, Rows};
+pub use crate::clip_set::Cursor;
+use crate::clip_set::{ClipSet, Rows};
 use crate::palette::{Bind, Entry, PaletteForm, PaletteMap, PaletteRows};
-use crate::simd::{Backend, Kernel, LANES, Lanes, Row, Tile, dispatch};
+use crate::simd::{Backend, Kernel, Lanes, Row, dispatch};
+pub use crate::simd::{LANES, Tile};
 use glam::Vec3;
 
 /// What one character of a batch shows.

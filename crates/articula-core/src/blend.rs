@@ -3,7 +3,7 @@
 //! Rotations by normalised linear interpolation on the short way, translations and scales
 //! linearly: what the players of the field do.
 
-use crate::loa::JointSet;
+use crate::joint_set::JointSet;
 use crate::math::nlerp;
 use crate::pose::LocalPose;
 

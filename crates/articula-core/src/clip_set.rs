@@ -205,7 +205,7 @@ impl ClipSet {
     }
 
     /// Slots of one frame: channels that some clip moves.
-    pub fn slots(&self) -> usize {
+    pub(crate) fn slots(&self) -> usize {
         self.slots
     }
 

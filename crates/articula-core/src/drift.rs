@@ -9,8 +9,8 @@
 //! a transition that would show more than the bound is cut short. Whatever policy the options
 //! name, a joint holds what it shows: fading to rest would leave the bound unseen.
 
+use crate::joint_set::JointSet;
 use crate::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
-use crate::loa::JointSet;
 use crate::math::angle_between;
 use crate::motion_error::tolerance_metres;
 use crate::pose::LocalPose;

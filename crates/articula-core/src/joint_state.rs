@@ -5,7 +5,7 @@
 //! interrupted transition starts from the rotation then shown, and translations and scales
 //! follow the same states.
 
-use crate::loa::JointSet;
+use crate::joint_set::JointSet;
 use crate::math::{Transform, nlerp};
 use crate::pose::LocalPose;
 use glam::{Quat, Vec3};
@@ -195,7 +195,7 @@ impl JointStates {
 
     /// Shows the clip's value on a passive joint and holds it from now on (a key of a held
     /// joint, without transition).
-    pub fn show(&mut self, joint: usize, value: Transform, now_secs: f64) {
+    pub(crate) fn show(&mut self, joint: usize, value: Transform, now_secs: f64) {
         let slot = &mut self.slots[joint];
         slot.state = JointState::Passive;
         slot.since = now_secs;

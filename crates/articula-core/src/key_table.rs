@@ -1,15 +1,10 @@
 //! Keys of held joints for a ladder of tolerances, nested: the tabled form of our metric.
 //!
-//! Source: `spec/motion-lod.md` 4.5 and 9. Level `k` of the ladder tolerates `base * 2^k`
+//! Source: `spec/motion-lod.md` 4.5 and 9. Level 0 is the finest; level `k` tolerates `base * 2^k`
 //! metres of skin. The keys of a coarser level are among those of every finer one, so levels
 //! can be stored and streamed as increments.
 
 use crate::Mismatch;
-
-/// Finest tolerance of the usual ladder.
-pub const LADDER_BASE_METRES: f32 = 0.0005;
-/// Number of levels of the usual ladder: 0.5 mm to 256 mm.
-pub const LADDER_LEVELS: usize = 10;
 
 /// What a joint shows between two keys.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -50,6 +45,11 @@ pub struct KeyTable {
 }
 
 impl KeyTable {
+    /// Finest tolerance of the usual ladder, that of level 0.
+    pub const LADDER_BASE_METRES: f32 = 0.0005;
+    /// Number of levels of the usual ladder: 0.5 mm to 256 mm.
+    pub const LADDER_LEVELS: usize = 10;
+
     /// Number of levels.
     pub fn levels(&self) -> usize {
         self.keys.iter().map(Vec::len).max().unwrap_or(0)

@@ -7,13 +7,10 @@
 //! first is decided by `articula-build` from the character's motion.
 
 use crate::Mismatch;
-use crate::loa::JointSet;
+use crate::joint_set::JointSet;
 use crate::math::Transform;
 use crate::pose::LocalPose;
 use crate::rig::Rig;
-
-/// Most levels of a ladder: a level fits in four bits.
-pub const MAX_LEVELS: usize = 16;
 
 /// One joint order of a rig, and how many of its joints each level keeps.
 ///
@@ -31,13 +28,16 @@ pub struct Ladder {
 }
 
 impl Ladder {
+    /// Most levels of a ladder: a level fits in four bits.
+    pub const MAX_LEVELS: usize = 16;
+
     /// Checks an order of all joints of a rig and the number that each level keeps, and takes
     /// the mean pose in which merged joints stand.
     ///
     /// # Errors
     /// A [`Mismatch`] if `joints` is not a permutation of the rig's joints with parents first,
     /// `kept` rises, does not begin with all joints, ends below 1 or has more than
-    /// [`MAX_LEVELS`] entries, or the mean pose is of another rig or not finite.
+    /// [`Ladder::MAX_LEVELS`] entries, or the mean pose is of another rig or not finite.
     pub fn new(
         rig: &Rig,
         joints: Vec<u16>,
@@ -55,10 +55,11 @@ impl Ladder {
         }
         let falls = kept.windows(2).all(|w| w[0] >= w[1]);
         let whole = kept.first().is_some_and(|n| usize::from(*n) == rig.len());
-        if !whole || !falls || kept.last() == Some(&0) || kept.len() > MAX_LEVELS {
+        if !whole || !falls || kept.last() == Some(&0) || kept.len() > Self::MAX_LEVELS {
             let what = format!(
-                "{kept:?} must not rise from {} to at least 1 in at most {MAX_LEVELS} levels",
-                rig.len()
+                "{kept:?} must not rise from {} to at least 1 in at most {} levels",
+                rig.len(),
+                Self::MAX_LEVELS
             );
             return Err(Mismatch::new("kept", what));
         }

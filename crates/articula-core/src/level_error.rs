@@ -34,7 +34,7 @@ pub struct ClipErrors {
 
 impl ClipErrors {
     /// The error that each level is judged by ([`judged_metres`]).
-    pub fn judged(&self) -> impl Iterator<Item = f32> + '_ {
+    pub(crate) fn judged(&self) -> impl Iterator<Item = f32> + '_ {
         let pairs = self.levels_metres.iter().zip(&self.worst_metres);
         pairs.map(|(most, worst)| judged_metres(*most, *worst))
     }

@@ -1,84 +1,135 @@
 //! What a virtual human is, and how it moves this frame.
 //!
-//! The modules stand in the order of the FRAME line: a view asks for detail, a selection
-//! says which joints may move, the clip is sampled, the hierarchy turns local transforms into
-//! model space, the skin follows.
+//! An engine that plays prepared characters needs this crate and `glam`, nothing else. For one
+//! hero figure the verbs stand at the root in the order of a frame: [`sample`] a [`Clip`],
+//! [`blend`], [`local_to_model`], [`skin`]; [`PosedMesh`] puts the last of them in a row. For many
+//! figures [`crowd::Crowd`] is the whole frame: clocks, views, levels of detail, palettes.
+//!
+//! ```
+//! use articula_core::{Articulation, JointArticulation, LocalPose, ModelPose, Region, Rig};
+//! use articula_core::{Transform, local_to_model, source};
+//! use glam::{Quat, Vec3};
+//!
+//! // An arm of two joints along x: what a file reader gives, and what the frame works with.
+//! let joint = |name: &str, parent, at| source::Joint {
+//!     name: name.into(),
+//!     parent,
+//!     rest: Transform::from_translation(at),
+//!     in_skin: true,
+//! };
+//! let joints = vec![joint("elbow", None, Vec3::ZERO), joint("wrist", Some(0), Vec3::X)];
+//! let known = JointArticulation { hanim: None, level: 0, region: Region::Arms };
+//! let articulation = Articulation { profile: String::new(), joints: vec![known; 2] };
+//! let rig = Rig::new(&source::Skeleton { joints }, articulation)?;
+//!
+//! // A quarter turn at the elbow carries the wrist from x to y.
+//! let mut local: LocalPose = rig.rest_pose().clone();
+//! local.rotations[0] = Quat::from_rotation_z(std::f32::consts::FRAC_PI_2);
+//! let mut model = ModelPose::new(rig.len());
+//! local_to_model(&rig, &local, &mut model);
+//! assert!(model.position(1).distance(Vec3::Y) < 1e-6);
+//! # Ok::<(), articula_core::Mismatch>(())
+//! ```
+//!
+//! # Where things are
+//!
+//! At the root stand the read-only nouns of a frame ([`Rig`], [`Clip`], [`Mesh`], poses, palettes,
+//! tables of levels and their errors) and its verbs. Families keep a module of their own:
 //!
 //! - [`source`]: the editable nouns that readers give and builders take
-//! - [`rig`], [`clip`], [`mesh`]: the read-only nouns of the frame
-//! - [`clustered`]: the levels of a mesh as ranges of one index list
-//! - [`level_table`]: what each of them loses
-//! - [`articulation`]: H-Anim level and region of every joint
-//! - [`hanim_table`], [`fap_table`]: the joints of the standard humanoid, and the parameters of
-//!   its face
-//! - [`loa`]: joint sets, the selectors, their combination and the expression language
-//! - [`view`]: viewport, camera, pixels per metre
-//! - [`sphere`], [`world_bounds`], [`frustum`], [`visibility`]: which bodies are seen, soon may
-//!   be, and how large
-//! - [`capsule`], [`occlusion`]: how much of a body others hide, for those who ask no renderer
-//! - [`pose`], [`sample`], [`mod@blend`], [`hierarchy`], [`skin`]: one verb each
-//! - [`skin_groups`]: the skin four vertices at a time, and only where something moved
-//! - [`joint_state`]: active, passive and the transitions between them
-//! - [`motion_bounds`]: what holds a moving character, by the second of its clip
-//! - [`motion_error`]: what a held joint costs, in metres and in pixels
-//! - [`attention`]: when a clip and who plays it matter more, so that less error is tolerated
-//! - [`drift`]: ours, untabled: holds joints while what is shown stays within the tolerance
-//! - [`budget`]: one option for each character of a crowd, least error within the budget
-//! - [`key_table`]: ours, tabled: nested keys for a ladder of tolerances
-//! - [`ladder`], [`level_error`]: merged levels of a crowd, and what each costs
-//! - [`mesh_level`]: which level of its mesh a character is drawn with
-//! - [`clip_set`], [`palette`], [`batch`]: eight characters at once, from cursors to palettes
-//! - [`pose_cache`]: whole palettes shared by all characters, and the blend between two of them
-//! - [`crowd`]: the whole FRAME line for many characters
+//! - [`crowd`]: the whole frame for many characters
+//! - [`budget`]: one option for each character, least error within the budget
+//! - [`visibility`]: which bodies are seen, soon may be, and how large
+//! - [`batch`]: eight characters at once, from cursors to palettes
+//! - [`loa`]: levels of articulation: selectors, their combination and the expression language
+//! - [`joint_state`]: active and passive joints, and the transitions between them
+//! - [`hanim_table`], [`fap_table`]: the joints of the standard humanoid, and the parameters of its
+//!   face
+//!
+//! Levels of detail count from 0, the finest, everywhere: joints ([`Ladder`]), meshes
+//! ([`Clusters`], [`LevelTable`], [`MeshErrors`]) and keys ([`KeyTable`]). Levels of articulation
+//! are another thing and keep H-Anim's numbers ([`loa`]).
 //!
 //! What is deliberately absent: files, clocks, threads, logging, JSON, and any allocation in a
 //! function that runs once a frame (a test counts them).
 //!
 //! Units are metres, seconds and radians; +Y is up and a character faces +Z.
 
-pub mod articulation;
-pub mod attention;
 pub mod batch;
-pub mod blend;
 pub mod budget;
-pub mod capsule;
-pub mod clip;
-pub mod clip_set;
-pub mod clustered;
 pub mod crowd;
-pub mod drift;
 pub mod fap_table;
-pub mod frustum;
 pub mod hanim_table;
-pub mod hierarchy;
 pub mod joint_state;
-pub mod key_table;
-pub mod ladder;
-pub mod level_error;
-pub mod level_table;
 pub mod loa;
-pub mod math;
-pub mod mesh;
-pub mod mesh_level;
-pub mod motion_bounds;
-pub mod motion_error;
-pub mod occlusion;
-pub mod palette;
-pub mod pose;
-pub mod pose_cache;
-pub mod rig;
-pub mod sample;
-pub mod skin;
-pub mod skin_groups;
 pub mod source;
-pub mod sphere;
 pub mod stream;
-pub mod view;
 pub mod visibility;
-pub mod world_bounds;
 
+mod articulation;
+mod attention;
+mod blend;
+mod capsule;
+mod clip;
+mod clip_set;
+mod clustered;
+mod drift;
+mod hierarchy;
+mod joint_set;
+mod key_table;
+mod ladder;
+mod level_choice;
+mod level_error;
+mod level_table;
+mod math;
+mod mesh;
+mod mesh_level;
 mod mismatch;
+mod motion_bounds;
+mod motion_error;
+mod palette;
+mod percentile;
+mod pose;
+mod pose_cache;
+mod posed_mesh;
+mod rig;
+mod sample;
 mod simd;
+mod skin;
+mod skin_groups;
+mod sphere;
+mod view;
+
+pub use articulation::{Articulation, Complexity, JointArticulation, Region, Zone};
+pub use attention::{Attention, Interval};
+pub use blend::blend;
+pub use capsule::Capsule;
+pub use clip::{Clip, Track, Tracks};
+pub use clip_set::{ClipSet, Storage};
+pub use clustered::{Cluster, ClusteredTriangles, Clusters};
+pub use drift::{Drift, DriftOptions, JointBounds, JointViews};
+pub use hierarchy::{local_to_model, local_to_model_from};
+pub use joint_set::{JointSet, MAX_JOINTS};
+pub use key_table::{KeyMode, KeyTable, PoseKeys, TableHashes};
+pub use ladder::Ladder;
+pub use level_error::{ClipErrors, LevelErrors, judged_metres};
+pub use level_table::{LevelRow, LevelTable, SurfaceError};
+pub use math::{Transform, angle_between, nlerp, rotation_vector, same_hemisphere};
+pub use mesh::{Binding, Mesh, Morph, Part};
+pub use mesh_level::{MeshChoice, MeshErrors};
 pub use mismatch::Mismatch;
+pub use motion_bounds::{Bound, ClipBounds, MotionBounds};
+pub use motion_error::{JointLever, SecondMoment, tolerance_metres};
+pub use palette::{PaletteForm, PaletteMap, PaletteRows};
+pub use percentile::{Real, percentile, percentile_at_or_above};
+pub use pose::{LocalPose, ModelPose};
+pub use pose_cache::{BlendRecord, CachedKeys, CachedRows, PoseCache};
+pub use posed_mesh::PosedMesh;
+pub use rig::Rig;
+pub use sample::{FramePosition, Wrap, frame_position, sample, sample_morphs};
+pub use simd::Backend;
 pub use simd::half::{f32_from_half, half_from_f32};
-pub use simd::{Backend, LANES, Tile};
+pub use skin::{SkinnedMesh, palette, skin, skin_points};
+pub use skin_groups::{GroupedSkin, Matrix3x4, Shape, Stale};
+pub use sphere::Sphere;
+pub use view::{Camera, Viewport};

@@ -8,7 +8,7 @@
 //! Pure functions over a table; nothing here allocates but its making.
 
 use crate::Mismatch;
-use crate::crowd::{kept_between, level_within};
+use crate::level_choice::{kept_between, level_within};
 use crate::level_error::judged_metres;
 
 /// Errors of the levels of a mesh.

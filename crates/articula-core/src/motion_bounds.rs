@@ -26,7 +26,7 @@ pub struct Bound {
 impl Bound {
     /// Holds what both hold.
     #[must_use]
-    pub fn union(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         Self {
             sphere: self.sphere.union(other.sphere),
             least: self.least.min(other.least),

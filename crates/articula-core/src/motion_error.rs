@@ -6,14 +6,11 @@
 use crate::math::rotation_vector;
 use glam::{Mat3, Quat, Vec3};
 
-/// Least lever, so that the skin right around a leaf joint counts.
-pub const LEVER_FLOOR_METRES: f32 = 0.01;
-
 /// How the skin hangs on one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointLever {
     /// Farthest skin that the joint moves, from the joint, in the rest pose. Metres, at least
-    /// [`LEVER_FLOOR_METRES`].
+    /// [`JointLever::FLOOR_METRES`].
     pub rest_metres: f32,
     /// The same in whatever pose: the skin's weighted farthest way along the bones. A bound
     /// where `rest_metres` is an estimate, because a chain that is bent at rest can stretch.
@@ -48,7 +45,7 @@ impl SecondMoment {
     }
 
     /// The full matrix.
-    pub fn matrix(self) -> Mat3 {
+    pub(crate) fn matrix(self) -> Mat3 {
         let [xx, yy, zz, xy, xz, yz] = self.0;
         Mat3::from_cols(
             Vec3::new(xx, xy, xz),
@@ -59,7 +56,7 @@ impl SecondMoment {
 
     /// Root mean square displacement of the skin for a small rotation given as a vector (axis
     /// times radians, in the joint's frame). Metres.
-    pub fn rms(self, rotation: Vec3) -> f32 {
+    pub(crate) fn rms(self, rotation: Vec3) -> f32 {
         let c = self.matrix();
         let trace = c.x_axis.x + c.y_axis.y + c.z_axis.z;
         let squared = trace * rotation.length_squared() - rotation.dot(c * rotation);
@@ -69,7 +66,7 @@ impl SecondMoment {
     /// The same as it looks along the unit direction `view`:
     /// `phi^2 (a^T (tr(C) I - C) a - (w x a)^T C (w x a))` with axis `a` and direction `w`,
     /// what the rotation moves in all, less what it moves along the line of sight.
-    pub fn projected_rms(self, rotation: Vec3, view: Vec3) -> f32 {
+    pub(crate) fn projected_rms(self, rotation: Vec3, view: Vec3) -> f32 {
         let along = view.cross(rotation);
         let whole = self.rms(rotation);
         (whole * whole - along.dot(self.matrix() * along))
@@ -79,6 +76,9 @@ impl SecondMoment {
 }
 
 impl JointLever {
+    /// Least lever, so that the skin right around a leaf joint counts.
+    pub const FLOOR_METRES: f32 = 0.01;
+
     /// Bound on the displacement of the skin for showing `shown` in place of `wanted`, metres,
     /// by the lever at rest.
     pub fn held_error(&self, shown: Quat, wanted: Quat) -> f32 {

@@ -181,7 +181,7 @@ impl PaletteMap {
     }
 
     /// Whether every inverse bind matrix is a rotation and a translation.
-    pub fn is_rigid(&self) -> bool {
+    pub(crate) fn is_rigid(&self) -> bool {
         self.rigid
     }
 
@@ -222,7 +222,7 @@ fn is_rigid(matrix: &Affine3A) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::loa::JointSet;
+    use crate::joint_set::JointSet;
     use crate::rig::tests::rig_of;
 
     #[test]

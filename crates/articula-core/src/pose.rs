@@ -35,7 +35,7 @@ impl LocalPose {
     }
 
     /// Sets the transform of one joint.
-    pub fn set(&mut self, joint: usize, transform: Transform) {
+    pub(crate) fn set(&mut self, joint: usize, transform: Transform) {
         self.translations[joint] = transform.translation;
         self.rotations[joint] = transform.rotation;
         self.scales[joint] = transform.scale;

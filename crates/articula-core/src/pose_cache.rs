@@ -94,7 +94,7 @@ pub enum CachedRows {
 
 impl CachedRows {
     /// How each matrix is written.
-    pub fn form(&self) -> PaletteForm {
+    pub(crate) fn form(&self) -> PaletteForm {
         match self {
             Self::Float(_) => PaletteForm::Matrix,
             Self::Half(_) => PaletteForm::HalfMatrix,
@@ -285,12 +285,12 @@ impl PoseCache {
     }
 
     /// Number of clips.
-    pub fn clips(&self) -> usize {
+    pub(crate) fn clips(&self) -> usize {
         self.segments.len() / self.levels
     }
 
     /// Number of levels of the ladder, whether cached or not.
-    pub fn levels(&self) -> usize {
+    pub(crate) fn levels(&self) -> usize {
         self.levels
     }
 

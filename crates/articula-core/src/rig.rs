@@ -2,7 +2,7 @@
 
 use crate::Mismatch;
 use crate::articulation::Articulation;
-use crate::loa::{JointSet, MAX_JOINTS};
+use crate::joint_set::{JointSet, MAX_JOINTS};
 use crate::pose::LocalPose;
 use crate::source::Skeleton;
 

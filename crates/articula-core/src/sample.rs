@@ -3,7 +3,7 @@
 //! A uniform rate makes every access cost the same: there is no cursor to walk.
 
 use crate::clip::{Clip, Track};
-use crate::loa::JointSet;
+use crate::joint_set::JointSet;
 use crate::math::nlerp;
 use crate::pose::LocalPose;
 use glam::Vec3;

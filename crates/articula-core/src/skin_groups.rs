@@ -10,7 +10,7 @@
 //! backends of batches, which gained 8 % with AVX2 and took twice as long on plain arrays; the
 //! time goes into fetching matrices and scattering vertices.
 
-use crate::loa::JointSet;
+use crate::joint_set::JointSet;
 use crate::mesh::Mesh;
 use crate::skin::SkinnedMesh;
 use glam::{Affine3A, Mat4, Vec3, Vec4};
@@ -67,8 +67,8 @@ struct Block {
 /// anything; shared by all characters that wear the mesh.
 ///
 /// ```
-/// use articula_core::mesh::Mesh;
-/// use articula_core::skin::SkinnedMesh;
+/// use articula_core::Mesh;
+/// use articula_core::SkinnedMesh;
 /// use articula_core::skin_groups::{GroupedSkin, Matrix3x4};
 ///
 /// let mesh = Mesh::default();
@@ -97,6 +97,22 @@ pub struct GroupedSkin {
 }
 
 impl GroupedSkin {
+    /// Writes a palette as the rows that skinning reads.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    pub fn rows(palette: &[Affine3A], out: &mut [Matrix3x4]) {
+        assert_eq!(palette.len(), out.len(), "one output for each matrix");
+        for (rows, matrix) in out.iter_mut().zip(palette) {
+            let (m, t) = (matrix.matrix3, matrix.translation);
+            *rows = [
+                [m.x_axis.x, m.y_axis.x, m.z_axis.x, t.x],
+                [m.x_axis.y, m.y_axis.y, m.z_axis.y, t.y],
+                [m.x_axis.z, m.y_axis.z, m.z_axis.z, t.z],
+            ];
+        }
+    }
+
     /// Groups the vertices of a mesh. Allocates; of what follows only [`GroupedSkin::stale`],
     /// [`GroupedSkin::group_sizes`] and copies of the shape do.
     ///
@@ -166,7 +182,7 @@ impl GroupedSkin {
     }
 
     /// Number of vertices of the mesh.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.lane_of.len()
     }
 
@@ -373,22 +389,6 @@ impl GroupedSkin {
             4 => influences.skin::<4>(vertices, quads, out),
             many => influences.skin_many(many, vertices, quads, out),
         }
-    }
-}
-
-/// Writes a palette as rows.
-///
-/// # Panics
-/// If the slices differ in length.
-pub fn rows(palette: &[Affine3A], out: &mut [Matrix3x4]) {
-    assert_eq!(palette.len(), out.len(), "one output for each matrix");
-    for (rows, matrix) in out.iter_mut().zip(palette) {
-        let (m, t) = (matrix.matrix3, matrix.translation);
-        *rows = [
-            [m.x_axis.x, m.y_axis.x, m.z_axis.x, t.x],
-            [m.x_axis.y, m.y_axis.y, m.z_axis.y, t.y],
-            [m.x_axis.z, m.y_axis.z, m.z_axis.z, t.z],
-        ];
     }
 }
 

@@ -24,7 +24,7 @@ impl Sphere {
 
     /// The smallest ball around two, rounding covered.
     #[must_use]
-    pub fn union(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         let apart = other.centre - self.centre;
         let distance = apart.length();
         if distance + other.radius <= self.radius {

@@ -33,11 +33,6 @@ impl Viewport {
     pub fn pixels_per_metre(&self, depth_m: f32) -> f32 {
         self.height_px / (2.0 * depth_m.max(1e-3) * (0.5 * self.fov_y_radians).tan())
     }
-
-    /// Depth at which one metre spans this many pixels.
-    pub fn depth_of(&self, pixels_per_metre: f32) -> f32 {
-        self.height_px / (2.0 * pixels_per_metre * (0.5 * self.fov_y_radians).tan())
-    }
 }
 
 /// A perspective camera in the space of what it looks at.
@@ -106,7 +101,6 @@ mod tests {
         // At 45 degrees and 720 px a plane 10 m away is 2 * 10 * tan(22.5) = 8.2843 m high.
         let viewport = Viewport::default();
         assert!((viewport.pixels_per_metre(10.0) - 720.0 / 8.284_271).abs() < 1e-3);
-        assert!((viewport.depth_of(viewport.pixels_per_metre(7.0)) - 7.0).abs() < 1e-4);
     }
 
     #[test]

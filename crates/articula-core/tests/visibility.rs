@@ -1,16 +1,13 @@
 //! One look at a whole crowd, against looking at each body by itself, and while cameras move.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
-use articula_core::attention::{Attention, Interval, multiplier};
-use articula_core::capsule::Capsule;
-use articula_core::motion_bounds::{Bound, ClipBounds};
-use articula_core::motion_error::tolerance_metres;
-use articula_core::occlusion::Occlusion;
-use articula_core::sample::Wrap;
-use articula_core::sphere::Sphere;
-use articula_core::view::{Camera, Viewport};
-use articula_core::visibility::{Bodies, Closing, Seen, View, Visibility, secs_until_grown, see};
-use articula_core::world_bounds::{Places, carry};
+use articula_core::visibility::{
+    Bodies, Closing, Occlusion, Places, Seen, View, Visibility, carry, secs_until_grown, see,
+};
+use articula_core::{
+    Attention, Bound, Camera, Capsule, ClipBounds, Interval, Sphere, Viewport, Wrap,
+    tolerance_metres,
+};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 
@@ -187,7 +184,7 @@ fn a_look_does_not_allocate() {
         let views = [View::of(&camera).with_occluded(&occluded)];
         see(&views, Bodies::new(&world, &wakes).unwrap(), &mut seen);
         let secs = secs_until_grown(&views, world[0], seen[0], 0.25, Closing::default());
-        let m = multiplier(attention.at(f64::from(secs.min(1.0)), Wrap::Loop), 2.0);
+        let m = attention.at(f64::from(secs.min(1.0)), Wrap::Loop);
         tolerance = tolerance_metres(1.0, m, seen[0].pixels_per_metre);
     });
     assert_eq!(counted.count_total, 0);

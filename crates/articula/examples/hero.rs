@@ -12,12 +12,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         // Without a clip the figure stands at rest.
         if let Some(clip) = figure.asset.clips.first() {
             sample_morphs(clip, secs, Wrap::Loop, &mut morphs);
-            hero.pose_at(clip, secs, Wrap::Loop).skin(&morphs, &mut skin);
+            hero.pose_at(clip, secs, Wrap::Loop)
+                .skin(&morphs, &mut skin);
         } else {
             hero.pose(rig.rest_pose()).skin(&morphs, &mut skin);
         }
         if let (0, Some((low, high))) = (frame % 30, skin.bounds()) {
-            println!("{secs:.1} s: {} vertices from {low:.2} to {high:.2} m", mesh.len());
+            println!(
+                "{secs:.1} s: {} vertices from {low:.2} to {high:.2} m",
+                mesh.len()
+            );
         }
     }
     Ok(())

@@ -17,8 +17,7 @@ mod vertex_cache;
 
 pub use order::Order;
 
-use articula_core::Mismatch;
-use articula_core::clustered::{Cluster, Clusters};
+use articula_core::{Cluster, Clusters, Mismatch};
 use std::cmp::Reverse;
 use std::collections::HashMap;
 

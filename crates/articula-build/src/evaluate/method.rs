@@ -10,8 +10,7 @@ use crate::motion_error::thesis::{ThesisOptions, radii};
 use crate::motion_error::thesis_metric::{ErrorMatrix, Threshold, switch};
 use crate::motion_error::{ahn, closed_loop};
 use articula_core::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
-use articula_core::loa::JointSet;
-use articula_core::math::nlerp;
+use articula_core::{JointSet, nlerp};
 use glam::{Quat, Vec3};
 
 /// Form of our metric.

@@ -21,5 +21,4 @@ pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use points::Points;
 pub(crate) use points::draw_vertices;
 pub use pose_keys::{pose_key_frames, uniform_key_frames};
-pub(crate) use stage::percentile;
 pub use stage::{ErrorMetres, ErrorPx, Row, Setup, Stage, Trial, play};

@@ -2,12 +2,8 @@
 
 use crate::character::Asset;
 use crate::split_mix::SplitMix;
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{palette, skin_points};
-use glam::{Affine3A, Vec3};
+use articula_core::{Clip, LocalPose, PosedMesh, Wrap, sample};
+use glam::Vec3;
 
 /// Vertices that stand for the whole skin; for a rig without mesh, its joints.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,15 +21,14 @@ impl Points {
 
     /// Model-space positions under a local pose, without morph targets.
     pub fn posed(&self, asset: &Asset, pose: &LocalPose) -> Vec<Vec3> {
-        let mut model = ModelPose::new(asset.rig.len());
-        local_to_model(&asset.rig, pose, &mut model);
+        let mut posed = PosedMesh::new(&asset.rig, &asset.mesh);
+        posed.pose(pose);
         if asset.mesh.is_empty() {
-            return (0..asset.rig.len()).map(|j| model.position(j)).collect();
+            let joints = 0..asset.rig.len();
+            return joints.map(|j| posed.model.position(j)).collect();
         }
-        let mut matrices = vec![Affine3A::IDENTITY; asset.mesh.bindings.len()];
-        palette(&asset.mesh, &model, &mut matrices);
         let mut out = vec![Vec3::ZERO; self.vertices.len()];
-        skin_points(&asset.mesh, &matrices, &self.vertices, &mut out);
+        posed.points(&self.vertices, &mut out);
         out
     }
 

@@ -8,13 +8,10 @@ use crate::motion_error::contacts::{Contact, contacts};
 use crate::motion_error::levers::levers;
 use crate::motion_error::thesis::error_matrix;
 use crate::motion_error::thesis_metric::ErrorMatrix;
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::loa::JointSet;
-use articula_core::motion_error::JointLever;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample};
-use articula_core::view::Viewport;
+use articula_core::{
+    Clip, JointLever, JointSet, LocalPose, ModelPose, Viewport, Wrap, local_to_model, percentile,
+    sample,
+};
 use glam::{Quat, Vec3};
 use std::cell::OnceCell;
 
@@ -328,21 +325,6 @@ pub fn play(stage: &Stage<'_>, method: &Method, parameter: f32) -> (Trial, Vec<P
     (stage.trial(parameter, &playbacks), playbacks)
 }
 
-/// The value below which a fraction of the values lies, interpolated between neighbours; 0 of
-/// nothing. Changes the order of the slice.
-pub(crate) fn percentile(values: &mut [f32], fraction: f32) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let at = fraction * (values.len() - 1) as f32;
-    // Of millions of values the place may round up past the last one.
-    let below = (at as usize).min(values.len() - 1);
-    let (_, low, rest) = values.select_nth_unstable_by(below, f32::total_cmp);
-    let low = *low;
-    let high = rest.iter().copied().min_by(f32::total_cmp).unwrap_or(low);
-    low + (high - low) * (at - below as f32)
-}
-
 fn models(asset: &Asset, locals: &[Quat]) -> Vec<Quat> {
     let mut out = locals.to_vec();
     for joint in 0..out.len() {
@@ -351,18 +333,4 @@ fn models(asset: &Asset, locals: &[Quat]) -> Vec<Quat> {
         }
     }
     out
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn percentiles_by_hand() {
-        let of = |fraction| percentile(&mut [4.0, 0.0, 3.0, 1.0, 2.0], fraction);
-        assert_eq!([0.0, 0.5, 1.0].map(of), [0.0, 2.0, 4.0]);
-        assert!((of(0.95) - 3.8).abs() < 1e-6, "between the last two");
-        assert_eq!(percentile(&mut [7.0], 0.95), 7.0);
-        assert_eq!(percentile(&mut [], 0.5), 0.0);
-    }
 }

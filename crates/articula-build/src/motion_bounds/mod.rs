@@ -10,16 +10,11 @@
 pub(crate) mod reach;
 
 use crate::character::Asset;
-use articula_core::Mismatch;
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::motion_bounds::{Bound, ClipBounds, MotionBounds};
-use articula_core::motion_error::LEVER_FLOOR_METRES;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::sphere::Sphere;
-use glam::{Affine3A, Vec3};
+use articula_core::{
+    Bound, Clip, ClipBounds, JointLever, LocalPose, Mismatch, MotionBounds, PosedMesh, SkinnedMesh,
+    Sphere, Wrap, sample, sample_morphs,
+};
+use glam::Vec3;
 use reach::Reach;
 use std::ops::RangeInclusive;
 
@@ -70,7 +65,7 @@ fn measure(asset: &Asset, reach: &Reach, clip: &Clip, margin: f32) -> Result<Cli
         }
         let at = reach
             .anchor()
-            .map_or(Vec3::ZERO, |j| body.model.position(j));
+            .map_or(Vec3::ZERO, |j| body.posed.model.position(j));
         anchor.hold(at, look.slack);
     }
     // The ball of a second stands in the middle of its box and is just large enough, which is
@@ -190,8 +185,7 @@ impl Corners {
 pub(crate) struct Body<'a> {
     asset: &'a Asset,
     local: LocalPose,
-    pub(crate) model: ModelPose,
-    matrices: Vec<Affine3A>,
+    pub(crate) posed: PosedMesh<'a>,
     morph_weights: Vec<f32>,
     skinned: SkinnedMesh,
     /// What must be around each point of the skin.
@@ -209,11 +203,14 @@ impl<'a> Body<'a> {
         Self {
             asset,
             local: rig.rest_pose().clone(),
-            model: ModelPose::new(rig.len()),
-            matrices: vec![Affine3A::IDENTITY; mesh.bindings.len()],
+            posed: PosedMesh::new(rig, mesh),
             morph_weights: mesh.morph_weights.clone(),
             skinned,
-            floor: if is_bare { LEVER_FLOOR_METRES } else { 0.0 },
+            floor: if is_bare {
+                JointLever::FLOOR_METRES
+            } else {
+                0.0
+            },
         }
     }
 
@@ -221,14 +218,13 @@ impl<'a> Body<'a> {
         let (rig, mesh) = (&self.asset.rig, &self.asset.mesh);
         sample(clip, secs, Wrap::Clamp, &rig.all(), &mut self.local);
         sample_morphs(clip, secs, Wrap::Clamp, &mut self.morph_weights);
-        local_to_model(rig, &self.local, &mut self.model);
+        self.posed.pose(&self.local);
         if mesh.is_empty() {
             for (joint, p) in self.skinned.positions.iter_mut().enumerate() {
-                *p = self.model.position(joint);
+                *p = self.posed.model.position(joint);
             }
         } else {
-            palette(mesh, &self.model, &mut self.matrices);
-            skin(mesh, &self.matrices, &self.morph_weights, &mut self.skinned);
+            self.posed.skin(&self.morph_weights, &mut self.skinned);
         }
         &self.skinned.positions
     }

@@ -3,13 +3,8 @@
 //! Source: `spec/motion-lod.md` 4.1. Differs: besides the lever at rest, a reach is kept that
 //! bounds every pose; the lever at rest underestimates where a chain is bent at rest.
 
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::motion_error::{JointLever, LEVER_FLOOR_METRES, SecondMoment};
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use glam::{Affine3A, Quat, Vec3};
+use articula_core::{JointLever, Mesh, PosedMesh, Rig, SecondMoment};
+use glam::{Quat, Vec3};
 
 /// A vertex belongs to a joint's skin from this summed weight on.
 const LEAST_WEIGHT: f32 = 0.3;
@@ -41,8 +36,8 @@ pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
         .iter()
         .enumerate()
         .map(|(j, g)| JointLever {
-            rest_metres: g.rest.max(bones[j].rest).max(LEVER_FLOOR_METRES),
-            reach_metres: g.reach.max(bones[j].reach).max(LEVER_FLOOR_METRES),
+            rest_metres: g.rest.max(bones[j].rest).max(JointLever::FLOOR_METRES),
+            reach_metres: g.reach.max(bones[j].reach).max(JointLever::FLOOR_METRES),
             second_moment: SecondMoment::of(g.vertices.iter().map(|v| {
                 let offset = rest.skin[*v as usize] - rest.joints[j];
                 (rest.rotations[j].conjugate() * offset, 1.0)
@@ -55,10 +50,10 @@ pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
 /// For each joint, the most moving joints on the ways from the root to any vertex below it:
 /// what a tolerance must be divided by so that errors along a chain stay within it. Without a
 /// mesh, the ways to the joints themselves.
-pub fn chain_counts(rig: &Rig, mesh: &Mesh, moving: &articula_core::loa::JointSet) -> Vec<usize> {
+pub fn chain_counts(rig: &Rig, mesh: &Mesh, moving: &articula_core::JointSet) -> Vec<usize> {
     let mut counts = vec![1; rig.len()];
     let mut count = |ends: &mut dyn Iterator<Item = usize>| {
-        let mut chain = articula_core::loa::JointSet::EMPTY;
+        let mut chain = articula_core::JointSet::EMPTY;
         for joint in ends {
             let mut at = Some(joint);
             while let Some(j) = at {
@@ -98,12 +93,9 @@ struct Rest {
 
 impl Rest {
     fn of(rig: &Rig, mesh: &Mesh) -> Self {
-        let mut model = ModelPose::new(rig.len());
-        local_to_model(rig, rig.rest_pose(), &mut model);
-        let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-        palette(mesh, &model, &mut matrices);
-        let mut skinned = SkinnedMesh::new(mesh);
-        skin(mesh, &matrices, &mesh.morph_weights, &mut skinned);
+        let mut posed = PosedMesh::new(rig, mesh);
+        let skinned = posed.pose(rig.rest_pose()).skinned(&mesh.morph_weights);
+        let model = &posed.model;
         let mut areas = vec![0.0; mesh.len()];
         for t in &mesh.triangles {
             let [a, b, c] = t.map(|v| skinned.positions[v as usize]);

@@ -3,9 +3,8 @@
 //! Source: thesis 5.2; reconstruction and faults in `spec/motion-lod.md` part 3. The matrix is
 //! made by [`thesis`](super::thesis); here is the step that runs while the clip plays.
 
-use articula_core::Mismatch;
 use articula_core::joint_state::{JointState, JointStates};
-use articula_core::pose::LocalPose;
+use articula_core::{LocalPose, Mismatch};
 
 /// Normalised error of every joint at every frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -121,7 +120,7 @@ pub fn switch(
 mod tests {
     use super::*;
     use articula_core::joint_state::TransitionOptions;
-    use articula_core::math::{Transform, angle_between};
+    use articula_core::{Transform, angle_between};
     use glam::Quat;
 
     /// Acceptance test 2.

@@ -1,11 +1,10 @@
 //! One pose of the whole skin: joints and morph weights, and the vertices under them.
 
 use crate::character::Asset;
-use articula_core::hierarchy::{local_to_model, local_to_model_from};
-use articula_core::mesh::Mesh;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::{
+    LocalPose, Mesh, ModelPose, PosedMesh, SkinnedMesh, Wrap, local_to_model, local_to_model_from,
+    sample, sample_morphs,
+};
 use glam::{Affine3A, Vec3, Vec3A};
 
 /// Where a pose comes from.
@@ -101,12 +100,17 @@ impl SkinPose {
     /// # Panics
     /// If the pose or the mesh is of another character.
     pub fn positions_of(&self, asset: &Asset, mesh: &Mesh) -> Vec<Vec3> {
-        let model = self.model(asset);
-        let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-        palette(mesh, &model, &mut matrices);
-        let mut skinned = SkinnedMesh::new(mesh);
-        skin(mesh, &matrices, &self.morphs, &mut skinned);
-        skinned.positions
+        self.skinned(asset, mesh).positions
+    }
+
+    /// The same with the normals.
+    ///
+    /// # Panics
+    /// If the pose or the mesh is of another character.
+    pub fn skinned(&self, asset: &Asset, mesh: &Mesh) -> SkinnedMesh {
+        let mut posed = PosedMesh::new(&asset.rig, mesh);
+        posed.model = self.model(asset);
+        posed.skinned(&self.morphs)
     }
 }
 

@@ -6,8 +6,7 @@ use super::chain::{self, Chain};
 use super::frames::{Frames, frames};
 use super::hinge::Fronts;
 use super::rest::Rest;
-use articula_core::Mismatch;
-use articula_core::math::angle_between;
+use articula_core::{Mismatch, angle_between};
 use glam::{Quat, Vec3};
 
 /// A rig as the plan sees it.

@@ -2,8 +2,8 @@
 
 use super::plan::{Drive, Plan, Side};
 use super::pose::Pose;
-use articula_core::math::{angle_between, same_hemisphere};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::{angle_between, same_hemisphere};
 use glam::{Quat, Vec3};
 
 /// Differences between keys below which a channel stands still and keeps one key.

@@ -6,7 +6,7 @@
 //! is taken.
 
 use super::tree::SurfaceTree;
-use articula_core::mesh::Part;
+use articula_core::Part;
 use glam::Vec3;
 
 /// A point of the skin: a mean of three vertices.

@@ -3,10 +3,10 @@
 
 use articula_build::human::{HumanOptions, human};
 use articula_build::retarget::Figure;
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::math::{Transform, same_hemisphere};
-use articula_core::pose::LocalPose;
 use articula_core::source::{Channel, Clip, Interpolation, Joint, Property, Skeleton, evaluate};
+use articula_core::{
+    Articulation, JointArticulation, LocalPose, Region, Transform, same_hemisphere,
+};
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use std::sync::OnceLock;
 

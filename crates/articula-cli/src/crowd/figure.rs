@@ -7,7 +7,7 @@ use articula_build::ladder::{LevelOptions, MergedLevels};
 use articula_build::poses::{PoseOptions, poses, positions};
 use articula_build::simplify::{SimplifyOptions, simplify};
 use articula_build::surface_distance::{SkinPoint, attach, corners};
-use articula_core::mesh::Mesh;
+use articula_core::Mesh;
 use glam::Vec3;
 
 /// Most mesh levels that can be asked for.

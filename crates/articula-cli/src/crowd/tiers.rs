@@ -3,7 +3,7 @@
 use super::cast::Cast;
 use super::pixel_error::{CharacterError, Looked};
 use super::stage::Stage;
-use super::timing::percentile;
+use articula_core::percentile;
 use serde::Serialize;
 
 /// One level over all frames; counts of characters and poses are means over frames.
@@ -178,7 +178,10 @@ impl Tally {
             records: mean(sums.records),
             error_mm: 1e3 * error_metres,
             error_bound_px: (!sums.is_unbounded).then_some(sums.most_px),
-            error_px: errors.last().map(|max| TierError { p95, max: *max }),
+            error_px: (!errors.is_empty()).then(|| TierError {
+                p95,
+                max: percentile(&mut errors, 1.0),
+            }),
             renderer: Renderer {
                 draw_groups: mean(sums.groups * parts),
                 palette_bytes: mean(sums.poses) * (matrices * model.form().bytes()) as f64,

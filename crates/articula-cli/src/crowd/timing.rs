@@ -1,5 +1,6 @@
 //! Processor time of threads, and its spread over frames.
 
+use articula_core::percentile;
 use serde::Serialize;
 
 /// Processor time that this thread has had, nanoseconds.
@@ -35,17 +36,6 @@ impl Spread {
             p95: percentile(&mut values, 0.95),
         }
     }
-}
-
-/// Percentile on the line between neighbouring values, which are sorted; 0 of nothing.
-pub(crate) fn percentile(values: &mut [f64], fraction: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let Some(last) = values.len().checked_sub(1) else {
-        return 0.0;
-    };
-    let at = fraction * last as f64;
-    let (below, above) = (at.floor() as usize, at.ceil() as usize);
-    values[below] + (values[above] - values[below]) * at.fract()
 }
 
 #[cfg(test)]

@@ -4,12 +4,9 @@ use anyhow::Context;
 use articula::Figure;
 use articula::facing;
 use articula_build::evaluate::Stage;
-use articula_core::articulation::Region;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{
+    Camera, LocalPose, PosedMesh, Region, SkinnedMesh, Viewport, Wrap, sample_morphs,
+};
 use articula_flat::appearance::Appearance;
 use articula_flat::frame::Bounds;
 use articula_flat::projection::{Projection, Screen};
@@ -31,8 +28,7 @@ pub(crate) struct Artist<'a> {
     figure: &'a Figure,
     look: Appearance,
     skinned: SkinnedMesh,
-    model: ModelPose,
-    matrices: Vec<Affine3A>,
+    posed: PosedMesh<'a>,
     size: (u32, u32),
     pub(crate) azimuth: f32,
     /// Where a given camera stands; without one it goes round the figure.
@@ -59,8 +55,7 @@ impl<'a> Artist<'a> {
             figure,
             look,
             skinned: SkinnedMesh::new(&asset.mesh),
-            model: ModelPose::new(asset.rig.len()),
-            matrices: vec![Affine3A::IDENTITY; asset.mesh.bindings.len()],
+            posed: PosedMesh::new(&asset.rig, &asset.mesh),
             size,
             azimuth: AZIMUTH,
             eye: None,
@@ -71,7 +66,7 @@ impl<'a> Artist<'a> {
         };
         artist.frame_pose(asset.rig.rest_pose(), &asset.mesh.morph_weights);
         artist.floor_m = floor(&artist.bounds);
-        artist.facing = facing(&asset.rig, &artist.model);
+        artist.facing = facing(&asset.rig, &artist.posed.model);
         artist
     }
 
@@ -109,7 +104,7 @@ impl<'a> Artist<'a> {
         let rig = &self.figure.asset.rig;
         let of_region = |j: &usize| rig.articulation().joints[*j].region == region;
         let places = rig.skin_joints().iter().filter(of_region);
-        let places = places.map(|j| self.model.position(j));
+        let places = places.map(|j| self.posed.model.position(j));
         let is_face = region == Region::Face;
         let left = places.filter(|p| is_face || p.x >= 0.0);
         let around = Vec3::splat(if is_face { 0.075 } else { 0.03 });
@@ -170,7 +165,14 @@ impl<'a> Artist<'a> {
             joints: Some(followed(rig, &self.figure.asset.mesh)),
             ..SkeletonOptions::default()
         };
-        draw_skeleton(&mut picture, rig, &self.model, &screen, marks, &options);
+        draw_skeleton(
+            &mut picture,
+            rig,
+            &self.posed.model,
+            &screen,
+            marks,
+            &options,
+        );
         if let Some(small) = self.true_size(pixels_per_metre)? {
             let x = picture.width() as i32 - small.width() as i32 - 4;
             let y = picture.height() as i32 - small.height() as i32 - 4;
@@ -240,15 +242,14 @@ impl<'a> Artist<'a> {
     /// Skins a pose with its root above the origin: the camera follows.
     fn pose(&mut self, pose: &LocalPose, morphs: &[f32]) {
         let asset = &self.figure.asset;
-        local_to_model(&asset.rig, pose, &mut self.model);
-        let root = self.model.position(asset.rig.root());
+        self.posed.pose(pose);
+        let root = self.posed.model.position(asset.rig.root());
         let follow = if self.eye.is_some() { 0.0 } else { -1.0 };
         let back = Affine3A::from_translation(follow * Vec3::new(root.x, 0.0, root.z));
-        for matrix in &mut self.model.matrices {
+        for matrix in &mut self.posed.model.matrices {
             *matrix = back * *matrix;
         }
-        palette(&asset.mesh, &self.model, &mut self.matrices);
-        skin(&asset.mesh, &self.matrices, morphs, &mut self.skinned);
+        self.posed.skin(morphs, &mut self.skinned);
     }
 
     /// What is seen of the pose: its skin, or its joints where it has none.
@@ -257,7 +258,7 @@ impl<'a> Artist<'a> {
             return self.skinned.positions.clone();
         }
         let joints = self.figure.asset.rig.skin_joints().iter();
-        joints.map(|j| self.model.position(j)).collect()
+        joints.map(|j| self.posed.model.position(j)).collect()
     }
 }
 

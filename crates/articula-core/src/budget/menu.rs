@@ -71,7 +71,7 @@ impl Menu {
     ///
     /// # Errors
     /// If there is none or more than 255, or a cost or an error is negative or not a number.
-    pub fn new(offers: &[Offer]) -> Result<Self, Mismatch> {
+    pub(crate) fn new(offers: &[Offer]) -> Result<Self, Mismatch> {
         if offers.is_empty() || offers.len() > MOST_OFFERS {
             let what = format!("{} offers, not 1 to {MOST_OFFERS}", offers.len());
             return Err(Mismatch::new("offers", what));
@@ -102,7 +102,7 @@ impl Menu {
 
     /// Gives every offer a new cost by its index and finds the hull anew. A cost that is no
     /// number makes the offer too dear to be taken, a negative one free. Does not allocate.
-    pub fn reprice(&mut self, mut cost: impl FnMut(usize) -> f32) {
+    pub(crate) fn reprice(&mut self, mut cost: impl FnMut(usize) -> f32) {
         for (i, offer) in self.offers.iter_mut().enumerate() {
             let new = cost(i);
             offer.cost = if new.is_nan() { f32::MAX } else { new.max(0.0) };

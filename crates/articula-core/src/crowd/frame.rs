@@ -1,6 +1,6 @@
 //! What goes into a frame and what comes out of it, but for the palettes.
 
-use super::MOST_STEP_SECS;
+use super::player::MOST_STEP_SECS;
 use crate::budget::{self, Work};
 use crate::visibility::View;
 use glam::{Quat, Vec3};

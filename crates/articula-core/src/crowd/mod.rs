@@ -42,7 +42,6 @@ mod tick;
 
 pub use events::ClipEvent;
 pub use frame::{CacheUse, CrowdReport, Detail, Frame, Notice, Sight};
-pub(crate) use level::{kept_between, level_within};
 pub use model::{CrowdModel, CrowdParts};
 pub use plan::{Batch, Draw, DrawGroup, RecordGroup};
 pub use player::{MOST_SPEED, MOST_STEP_SECS, Player, Voice};

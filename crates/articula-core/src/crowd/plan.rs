@@ -1,6 +1,6 @@
 //! What has to be evaluated in a frame, sorted into batches, and who shows what.
 
-use crate::ladder::MAX_LEVELS;
+use crate::ladder::Ladder;
 use crate::palette::PaletteMap;
 use crate::pose_cache::BlendRecord;
 use crate::simd::LANES;
@@ -187,7 +187,7 @@ impl Plan {
     }
 
     fn sort_records(&mut self, palette: &PaletteMap) {
-        let mut next = [0usize; MAX_LEVELS];
+        let mut next = [0usize; Ladder::MAX_LEVELS];
         for (level, _) in &self.recorded {
             next[usize::from(*level)] += 1;
         }

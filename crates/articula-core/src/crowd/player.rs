@@ -81,16 +81,6 @@ impl Voice {
         self.secs
     }
 
-    /// Seconds of the clip in a second of the crowd.
-    pub fn speed(&self) -> f32 {
-        self.speed
-    }
-
-    /// What happens at the end of the clip.
-    pub fn wrap(&self) -> Wrap {
-        self.wrap
-    }
-
     /// Goes on, telling the events that it passes; gives how often it passed the clip's end
     /// forwards, less how often backwards.
     pub(crate) fn advance(

@@ -1,7 +1,7 @@
 //! One frame of a crowd, from clocks to palettes.
 
 use super::frame::{CacheUse, CrowdReport, Detail, Frame, Notice, Sight};
-use super::level::{Choice, attention, cached_within, kept_between, level_within};
+use super::level::{Choice, attention, cached_within};
 use super::model::CrowdModel;
 use super::plan::{Batch, Draw, DrawGroup, Kind, Plan, Poser, RecordGroup};
 use super::player::{Player, Voice};
@@ -12,13 +12,14 @@ use super::socket::socket;
 use crate::Mismatch;
 use crate::batch::{Scratch, Shown};
 use crate::budget::{CostModel, Policy};
+use crate::level_choice::{kept_between, level_within};
 use crate::palette::PaletteRows;
 use crate::pose_cache::BlendRecord;
 use crate::sample::Wrap;
 use crate::simd::LANES;
 use crate::sphere::Sphere;
 use crate::visibility::{Bodies, Seen, Visibility, see};
-use crate::world_bounds::{Places, carry};
+use crate::visibility::{Places, carry};
 use glam::Affine3A;
 use std::ops::Range;
 

@@ -8,8 +8,9 @@
 //!       | 'joint(' name ')' | '(' expr ')'
 //! ```
 
-use super::{JointSet, selection};
+use super::selection;
 use crate::articulation::{Complexity, Zone};
+use crate::joint_set::JointSet;
 use crate::rig::Rig;
 
 /// Deepest nesting of parentheses that is read.

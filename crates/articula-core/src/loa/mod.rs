@@ -1,12 +1,15 @@
 //! Levels of articulation: which joints are allowed to move.
 //!
-//! Source: thesis 5.1, `spec/motion-lod.md` part 1. Every selector is a [`JointSet`], so any
-//! combination is set arithmetic.
+//! Source: thesis 5.1, `spec/motion-lod.md` part 1. Every selector gives a
+//! [`JointSet`](crate::JointSet), so any combination is set arithmetic. Numbers of levels are those
+//! of H-Anim, 0 the root alone, and are always called `loa`; levels of detail count the other way,
+//! from 0, the finest.
 
-pub mod expression;
-mod joint_set;
-pub mod selection;
+mod expression;
+mod selection;
 
-pub use expression::Expression;
-pub use joint_set::{JointSet, MAX_JOINTS};
-pub use selection::{Rule, Selection};
+pub use crate::articulation::MAX_LEVEL;
+pub use expression::{Expression, ExpressionError};
+pub use selection::{
+    Rule, Selection, UnknownJoint, complexity, depth, joint, with_ancestors, zone,
+};

@@ -5,8 +5,8 @@
 //! Differs: both rules are named, `minus` always wins, and a selector that is absent is told
 //! from one that selects nothing.
 
-use super::JointSet;
 use crate::articulation::{Complexity, Zone};
+use crate::joint_set::JointSet;
 use crate::rig::Rig;
 
 /// How the selectors of a [`Selection`] combine.

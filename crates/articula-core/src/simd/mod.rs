@@ -29,7 +29,7 @@ pub struct Tile(pub [f32; LANES]);
 
 impl Tile {
     /// Zero in every lane.
-    pub const ZERO: Self = Self([0.0; LANES]);
+    pub(crate) const ZERO: Self = Self([0.0; LANES]);
 }
 
 /// Instruction sets that a kernel can run on; all give the same bits.

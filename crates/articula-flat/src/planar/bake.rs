@@ -9,16 +9,9 @@ use super::error::PlanarError;
 use super::vertex_colors::{Look, fitted};
 use crate::appearance::Appearance;
 use crate::projection::{Projection, Screen};
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::Material;
-use articula_core::view::Camera;
-use glam::{Affine3A, Quat, Vec3};
+use articula_core::{Camera, Clip, Mesh, PosedMesh, Rig, SkinnedMesh, Wrap, sample, sample_morphs};
+use glam::{Quat, Vec3};
 
 /// Nothing may come nearer to a perspective camera than this, metres.
 const NEAREST_M: f32 = 0.01;
@@ -325,9 +318,8 @@ impl<'a> Painter<'a> {
 /// Poses the subject at a moment; keeps its buffers.
 pub(super) struct Poser<'a> {
     subject: Subject<'a>,
-    local: articula_core::pose::LocalPose,
-    model: ModelPose,
-    palette: Vec<Affine3A>,
+    local: articula_core::LocalPose,
+    posed: PosedMesh<'a>,
     weights: Vec<f32>,
     pub(super) skinned: SkinnedMesh,
 }
@@ -337,8 +329,7 @@ impl<'a> Poser<'a> {
         Self {
             subject: *subject,
             local: subject.rig.rest_pose().clone(),
-            model: ModelPose::new(subject.rig.len()),
-            palette: vec![Affine3A::IDENTITY; subject.mesh.bindings.len()],
+            posed: PosedMesh::new(subject.rig, subject.mesh),
             weights: subject.morph_weights.to_vec(),
             skinned: SkinnedMesh::new(subject.mesh),
         }
@@ -367,10 +358,8 @@ impl<'a> Poser<'a> {
     }
 
     fn skin(&mut self) {
-        let Subject { rig, mesh, .. } = self.subject;
-        local_to_model(rig, &self.local, &mut self.model);
-        palette(mesh, &self.model, &mut self.palette);
-        skin(mesh, &self.palette, &self.weights, &mut self.skinned);
+        let posed = self.posed.pose(&self.local);
+        posed.skin(&self.weights, &mut self.skinned);
     }
 }
 
@@ -417,12 +406,9 @@ mod tests {
         let figure = figure();
         let clip = bake(&figure.subject(), &[0.0], &figure.options).unwrap();
         let mesh = &figure.asset.mesh;
-        let mut model = ModelPose::new(figure.asset.rig.len());
-        local_to_model(&figure.asset.rig, figure.asset.rig.rest_pose(), &mut model);
-        let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-        palette(mesh, &model, &mut matrices);
-        let mut skinned = SkinnedMesh::new(mesh);
-        skin(mesh, &matrices, &mesh.morph_weights, &mut skinned);
+        let rig = &figure.asset.rig;
+        let mut posed = PosedMesh::new(rig, mesh);
+        let skinned = posed.pose(rig.rest_pose()).skinned(&mesh.morph_weights);
         let (expected, depth) = figure
             .options
             .camera

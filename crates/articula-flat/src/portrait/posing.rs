@@ -3,12 +3,9 @@
 use super::error::PortraitError;
 use super::source::{Head, HeadPose, PortraitExpression};
 use crate::projection::{Projection, Screen};
-use articula_core::hierarchy::local_to_model_from;
-use articula_core::mesh::{Mesh, Morph};
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::view::Camera;
+use articula_core::{
+    Camera, LocalPose, Mesh, ModelPose, Morph, PosedMesh, Rig, SkinnedMesh, local_to_model_from,
+};
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 
 /// Poses a mesh by the angles of its head and the weights of its expressions.
@@ -59,13 +56,8 @@ impl<'a> Poser<'a> {
             }
             Head::Joints(joints) => self.turn_joints(joints, rotation, &mut local),
         }
-        let mut model = ModelPose::new(self.rig.len());
-        local_to_model_from(self.rig, &local, world, &mut model);
-        let mut matrices = vec![Affine3A::IDENTITY; self.mesh.bindings.len()];
-        palette(self.mesh, &model, &mut matrices);
-        let mut out = SkinnedMesh::new(self.mesh);
-        skin(self.mesh, &matrices, &morphs, &mut out);
-        out
+        let mut posed = PosedMesh::new(self.rig, self.mesh);
+        posed.pose_from(&local, world).skinned(&morphs)
     }
 
     /// Turns each joint in model space by its share, on top of what turned its ancestors.

@@ -1,13 +1,10 @@
 //! A plain figure made of rounded limbs, for pictures that need no file.
 
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::hierarchy::local_to_model;
-use articula_core::math::Transform;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::{self, Joint, Skeleton};
+use articula_core::{
+    Articulation, JointArticulation, Mesh, ModelPose, PosedMesh, Region, Rig, SkinnedMesh,
+    Transform,
+};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use std::f32::consts::TAU;
 
@@ -63,12 +60,9 @@ pub(crate) fn bent(radians: f32) -> Figure {
     let mut local = rig.rest_pose().clone();
     local.rotations[5] = Quat::from_rotation_x(-radians);
     local.rotations[14] = Quat::from_rotation_x(radians);
-    let mut pose = ModelPose::new(rig.len());
-    local_to_model(&rig, &local, &mut pose);
-    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-    palette(&mesh, &pose, &mut matrices);
-    let mut skinned = SkinnedMesh::new(&mesh);
-    skin(&mesh, &matrices, &[], &mut skinned);
+    let mut posed = PosedMesh::new(&rig, &mesh);
+    let skinned = posed.pose(&local).skinned(&[]);
+    let pose = posed.model;
     Figure {
         rig,
         mesh,

@@ -6,7 +6,7 @@ use super::names::{self, HAND, SIDE};
 use super::standard::{self, StandardJoint};
 use crate::error::ReadError;
 use crate::limits::Limits;
-use articula_core::articulation::Region;
+use articula_core::Region;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

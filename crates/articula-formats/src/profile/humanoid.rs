@@ -3,7 +3,7 @@
 //! Source: VRM 1.0 `humanoid`; VRM 0.x differs in the thumb.
 
 use super::file::Target;
-use articula_core::articulation::Articulation;
+use articula_core::Articulation;
 use std::collections::HashMap;
 
 /// Name of the built-in profile that explains the bones of a humanoid map: the two versions
@@ -115,7 +115,7 @@ mod tests {
     #[test]
     fn the_standard_has_every_bone() {
         let standard = super::super::hanim_table().iter();
-        let joints = standard.map(|j| articula_core::articulation::JointArticulation {
+        let joints = standard.map(|j| articula_core::JointArticulation {
             hanim: Some(j.name.to_owned()),
             level: j.level,
             region: j.region,

@@ -24,7 +24,7 @@ pub use file::{Profile, Scope, parse};
 pub use humanoid::{is_vrm_bone, vrm_bones};
 pub(crate) use spine::vertebrae as spine_vertebrae;
 
-use articula_core::articulation::Articulation;
+use articula_core::Articulation;
 use articula_core::hanim_table::{self, HanimJoint};
 use articula_core::source::Skeleton;
 use file::Target;
@@ -193,9 +193,8 @@ fn unmapped(skeleton: &Skeleton) -> Mapping {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::articulation::Region;
-    use articula_core::math::Transform;
     use articula_core::source::Joint;
+    use articula_core::{Region, Transform};
 
     fn joint(name: &str, parent: Option<usize>) -> Joint {
         Joint {

@@ -5,8 +5,9 @@
 //! belong to the last level.
 
 use super::names::{SIDE, Side};
-use articula_core::articulation::{MAX_LEVEL, Region};
+use articula_core::Region;
 use articula_core::hanim_table;
+use articula_core::loa::MAX_LEVEL;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

@@ -4,11 +4,8 @@
 //! after skinning; without a mesh they are taken around the joints.
 
 use articula_build::character::Asset;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use glam::{Affine3A, Vec3};
+use articula_core::{LocalPose, PosedMesh, SkinnedMesh, Wrap, sample, sample_morphs};
+use glam::Vec3;
 use serde::Serialize;
 
 /// Most frames of a clip that are looked at.
@@ -34,8 +31,7 @@ impl Extent {
 pub(super) struct Measure<'a> {
     asset: &'a Asset,
     local: LocalPose,
-    model: ModelPose,
-    matrices: Vec<Affine3A>,
+    posed: PosedMesh<'a>,
     skinned: SkinnedMesh,
     morphs: Vec<f32>,
 }
@@ -45,8 +41,7 @@ impl<'a> Measure<'a> {
         Self {
             asset,
             local: asset.rig.rest_pose().clone(),
-            model: ModelPose::new(asset.rig.len()),
-            matrices: vec![Affine3A::IDENTITY; asset.mesh.bindings.len()],
+            posed: PosedMesh::new(&asset.rig, &asset.mesh),
             skinned: SkinnedMesh::new(&asset.mesh),
             morphs: asset.mesh.morph_weights.clone(),
         }
@@ -82,21 +77,15 @@ impl<'a> Measure<'a> {
     }
 
     fn corners(&mut self) -> Option<(Vec3, Vec3)> {
-        local_to_model(&self.asset.rig, &self.local, &mut self.model);
+        self.posed.pose(&self.local);
         if self.asset.mesh.is_empty() {
             let joints = self.asset.rig.skin_joints().iter();
-            let places = joints.map(|j| self.model.position(j));
+            let places = joints.map(|j| self.posed.model.position(j));
             return places
                 .map(|p| (p, p))
                 .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         }
-        palette(&self.asset.mesh, &self.model, &mut self.matrices);
-        skin(
-            &self.asset.mesh,
-            &self.matrices,
-            &self.morphs,
-            &mut self.skinned,
-        );
+        self.posed.skin(&self.morphs, &mut self.skinned);
         self.skinned.bounds()
     }
 }

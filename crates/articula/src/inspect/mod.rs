@@ -16,10 +16,9 @@ use crate::figure::Figure;
 use crate::motion_tables::StoredTables;
 use crate::work::Work;
 use articula_build::clip::source_rate_hz;
-use articula_core::articulation::{Articulation, MAX_LEVEL, Region};
-use articula_core::loa::JointSet;
-use articula_core::rig;
+use articula_core::loa::MAX_LEVEL;
 use articula_core::source;
+use articula_core::{Articulation, JointSet, Region};
 use articula_flat::appearance::Appearance;
 use articula_formats::profile::GapReason;
 use extent::Measure;
@@ -258,7 +257,7 @@ fn skeletons_of(figure: &Figure) -> Vec<Skeleton> {
 fn count(
     articulation: &Articulation,
     joints: &JointSet,
-    is: impl Fn(&articula_core::articulation::JointArticulation) -> bool,
+    is: impl Fn(&articula_core::JointArticulation) -> bool,
 ) -> usize {
     joints
         .iter()
@@ -275,7 +274,7 @@ fn why(reason: GapReason) -> &'static str {
     }
 }
 
-fn joints_of(rig: &rig::Rig) -> Vec<Joint> {
+fn joints_of(rig: &articula_core::Rig) -> Vec<Joint> {
     let articulation = &rig.articulation().joints;
     (0..rig.len())
         .map(|j| Joint {
@@ -320,7 +319,7 @@ fn clip_of(source: &source::Clip, figure: &Figure, index: usize, bounds: Option<
     }
 }
 
-fn moving_targets<T>(tracks: &[articula_core::clip::Track<T>]) -> impl Iterator<Item = u16> {
+fn moving_targets<T>(tracks: &[articula_core::Track<T>]) -> impl Iterator<Item = u16> {
     tracks
         .iter()
         .filter(|t| t.values.len() > 1)

@@ -3,9 +3,7 @@
 use crate::error::{Context, Error, Result};
 use articula_build::mesh_levels::MeshLevelOptions as BuildOptions;
 use articula_build::simplify::{SimplifyOptions, Weighting, region_weights};
-use articula_core::articulation::Zone;
-use articula_core::mesh::{Mesh, Part};
-use articula_core::rig::Rig;
+use articula_core::{Mesh, Part, Rig, Zone};
 use std::collections::BTreeMap;
 
 /// Shares of the triangles of five levels; other numbers of levels run along them.

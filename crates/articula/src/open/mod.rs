@@ -16,7 +16,7 @@ pub use format::{Format, Writes, conversions, readable};
 pub use options::OpenOptions;
 
 use crate::error::{Context, Error, Result};
-use articula_core::articulation::Articulation;
+use articula_core::Articulation;
 use articula_core::source::{Character, Property};
 use articula_formats::mpeg4::bap::BapClip;
 use articula_formats::profile::{self, Mapping, Profile};

@@ -3,7 +3,7 @@
 use anyhow::Context;
 use articula::MeshLevelOptions;
 use articula_build::simplify::Weighting;
-use articula_core::articulation::{Region, Zone};
+use articula_core::{Region, Zone};
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -157,7 +157,7 @@ fn over_clips(
 fn levels_of(figure: &Figure) -> Vec<Level> {
     let rig = &figure.asset.rig;
     let clips = &figure.opened.character.clips;
-    articula_core::articulation::Complexity::ALL
+    articula_core::Complexity::ALL
         .into_iter()
         .rev()
         .map(|level| Level::new(level, rig, clips))

@@ -13,7 +13,7 @@ use crate::open;
 use crate::{fault, files};
 use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName, Switch};
 use articula::flatten::{Framed, Shot, flatten, flatten_driven};
-use articula_core::view::Viewport;
+use articula_core::Viewport;
 use articula_flat::flatten::{PrepareOptions, Profile, Quality, Settings};
 use articula_flat::planar::order::OrderOptions;
 use articula_flat::planar::shading::Shading;

@@ -80,7 +80,7 @@ fn levels(stream: &MeshStream, received: &Receiver) -> Vec<Level> {
     let there = objects().map(|o| received.levels(o)).min().unwrap_or(0);
     let count = stream.levels.levels.len();
     let rows = stream.levels.levels.iter().enumerate();
-    let level = |(finer, row): (usize, &articula_core::level_table::LevelRow)| Level {
+    let level = |(finer, row): (usize, &articula_core::LevelRow)| Level {
         level: stream.first_level + count - 1 - finer,
         triangles: row.triangles,
         vertices: row.vertices,

@@ -1,10 +1,11 @@
 //! The plaza by tier: what a whole frame of 10,000 costs, and what it shows.
 
-use super::stage::{Outcome, Play, Stage, percentile};
+use super::stage::{Outcome, Play, Stage};
 use super::{Bench, Report, SEED};
 use anyhow::Result;
 use articula_build::scene::{PLAZA_COUNT, Phases, Scene, plaza, plaza_2};
 use articula_core::crowd::{CacheUse, Detail};
+use articula_core::percentile_at_or_above;
 
 /// Frames that are looked back on to tell a budget's overrun.
 const OVERRUN: f64 = 0.95;
@@ -150,7 +151,7 @@ fn budget(
         "p95, px",
         "near, px",
     ]);
-    let demand_ms = percentile(merged.evaluate_ms.clone(), 0.5);
+    let demand_ms = percentile_at_or_above(&mut merged.evaluate_ms.clone(), 0.5);
     for share in [2.0, 1.0, 0.75, 0.5] {
         let budget_ms = share * demand_ms;
         let play = Play {
@@ -163,8 +164,9 @@ fn budget(
             look_at_one_of: if bench.small { 40 } else { 97 },
         };
         let outcome = stage.play(scene, play)?;
-        let over = percentile(outcome.evaluate_ms.clone(), OVERRUN) / budget_ms - 1.0;
-        let used_ms = percentile(outcome.evaluate_ms.clone(), 0.5);
+        let over =
+            percentile_at_or_above(&mut outcome.evaluate_ms.clone(), OVERRUN) / budget_ms - 1.0;
+        let used_ms = percentile_at_or_above(&mut outcome.evaluate_ms.clone(), 0.5);
         report.row(&[
             format!("{share:.2}"),
             format!("{budget_ms:.3}"),

@@ -3,17 +3,14 @@
 use super::access::Access;
 use super::ours::Batched;
 use super::plaza::AtOnePixel;
-use super::stage::{Errors, NEAR_METRES, distance_px, percentile_px};
+use super::stage::{Errors, NEAR_METRES, distance_px, p95_px};
 use super::{Bench, Report, SEED};
 use crate::measure::race;
 use crate::peers::ranks::{Beyond, Moment, Rank, Ranks};
 use anyhow::{Context, Result};
 use articula_build::evaluate::Points;
 use articula_build::scene::{Member, PLAZA_COUNT, Scene, plaza};
-use articula_core::clip_set::{ClipSet, Storage};
-use articula_core::ladder::Ladder;
-use articula_core::palette::{PaletteForm, PaletteMap};
-use articula_core::view::Camera;
+use articula_core::{Camera, ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
 use glam::Vec3;
 
 /// Skin points of a character that are watched.
@@ -183,7 +180,7 @@ impl Trial<'_> {
         }
         Ok(Seen {
             evaluations: evaluations as f64 / frames as f64,
-            p95_px: percentile_px(errors.drawn),
+            p95_px: p95_px(errors.drawn),
             near_px: errors.near_px,
         })
     }

@@ -7,22 +7,15 @@ use articula_build::ladder::{LevelOptions, merged_levels};
 use articula_build::motion_bounds::motion_bounds;
 use articula_build::pose_cache::{CacheOptions, cached_poses};
 use articula_build::scene::{Member, Scene};
-use articula_core::Backend;
-use articula_core::blend::blend;
 use articula_core::budget::{CostModel, Policy};
-use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::crowd::{
     CacheUse, Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, Player, Sight, Voice,
 };
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::palette::{PaletteForm, PaletteRows};
-use articula_core::pose::ModelPose;
-use articula_core::pose_cache::CachedRows;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{palette, skin_points};
-use articula_core::view::Camera;
 use articula_core::visibility::View;
+use articula_core::{
+    Backend, CachedRows, Camera, ClipSet, Mesh, PaletteForm, PaletteRows, PosedMesh, Storage, Wrap,
+    blend, percentile_at_or_above, sample, skin_points,
+};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
 /// Time from frame to frame.
@@ -81,13 +74,14 @@ impl Outcome {
     /// A percentile of the whole frame's milliseconds.
     pub(super) fn frame_ms(&self, share: f64) -> f64 {
         let whole = self.select_ms.iter().zip(&self.evaluate_ms);
-        percentile(whole.map(|(a, b)| a + b).collect(), share)
+        let mut whole: Vec<f64> = whole.map(|(a, b)| a + b).collect();
+        percentile_at_or_above(&mut whole, share)
     }
 
     /// Selection as a share of the evaluation that it governs, medians.
     pub(super) fn selection_share(&self) -> f64 {
-        let evaluate = percentile(self.evaluate_ms.clone(), 0.5);
-        percentile(self.select_ms.clone(), 0.5) / evaluate.max(1e-9)
+        let evaluate = percentile_at_or_above(&mut self.evaluate_ms.clone(), 0.5);
+        percentile_at_or_above(&mut self.select_ms.clone(), 0.5) / evaluate.max(1e-9)
     }
 }
 
@@ -242,7 +236,7 @@ impl<'a> Stage<'a> {
         }
         outcome.resident_mb = 1e-6 * (state + 16 * rows.len()) as f64;
         outcome.near_px = errors.near_px;
-        outcome.p95_px = percentile_px(errors.drawn);
+        outcome.p95_px = p95_px(errors.drawn);
         Ok(outcome)
     }
 
@@ -366,12 +360,9 @@ impl<'a> Stage<'a> {
         if let Some(other) = player.next() {
             blend(&mut local, &pose(other), player.fade(), &asset.rig.all());
         }
-        let mut model = ModelPose::new(asset.rig.len());
-        local_to_model(&asset.rig, &local, &mut model);
-        let mut matrices = vec![Affine3A::IDENTITY; asset.mesh.bindings.len()];
-        palette(&asset.mesh, &model, &mut matrices);
         let mut points = vec![Vec3::ZERO; self.vertices.len()];
-        skin_points(&asset.mesh, &matrices, &self.vertices, &mut points);
+        let mut posed = PosedMesh::new(&asset.rig, &asset.mesh);
+        posed.pose(&local).points(&self.vertices, &mut points);
         points
     }
 }
@@ -406,19 +397,13 @@ pub(super) fn distance_px(camera: &Camera, member: &Member, shown: &[Vec3], trut
         let on_screen = truth.cmpge(Vec2::ZERO).all() && truth.cmple(size).all();
         (depth > NEAR_PLANE_METRES && on_screen).then(|| shown.distance(truth))
     });
-    percentile_px(apart.collect())
+    p95_px(apart.collect())
 }
 
 /// 95th percentile, the value at or above it; 0 of nothing.
-pub(super) fn percentile_px(values: Vec<f32>) -> f32 {
-    percentile(values.into_iter().map(f64::from).collect(), 0.95) as f32
-}
-
-/// A percentile, the value at or above it; 0 of nothing.
-pub(super) fn percentile(mut values: Vec<f64>, share: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let at = (share * values.len().saturating_sub(1) as f64).ceil() as usize;
-    values.get(at).copied().unwrap_or(0.0)
+pub(super) fn p95_px(values: Vec<f32>) -> f32 {
+    let mut values: Vec<f64> = values.into_iter().map(f64::from).collect();
+    percentile_at_or_above(&mut values, 0.95) as f32
 }
 
 #[cfg(test)]
@@ -447,8 +432,7 @@ mod tests {
     #[test]
     fn the_95th_of_a_hundred() {
         let values: Vec<f32> = (0..=100).rev().map(|i| i as f32).collect();
-        assert_eq!(percentile_px(values), 95.0);
-        assert_eq!(percentile_px(Vec::new()), 0.0);
-        assert_eq!(percentile(vec![3.0, 1.0, 2.0], 0.5), 2.0);
+        assert_eq!(p95_px(values), 95.0);
+        assert_eq!(p95_px(Vec::new()), 0.0);
     }
 }

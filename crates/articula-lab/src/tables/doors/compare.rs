@@ -2,13 +2,11 @@
 
 use anyhow::{Context, Result};
 use articula_build::clip::source_rate_hz;
-use articula_core::articulation::{Articulation, JointArticulation};
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::{Character, Clip, Joint, Property, evaluate};
+use articula_core::{
+    Articulation, JointArticulation, LocalPose, Mesh, ModelPose, PosedMesh, Rig, SkinnedMesh,
+    local_to_model,
+};
 use std::collections::{HashMap, VecDeque};
 
 /// Most frames of a clip whose joints are compared; they are spread evenly.
@@ -182,16 +180,16 @@ impl<'a> Side<'a> {
     }
 
     fn skin(&mut self) {
-        let mut matrices = vec![glam::Affine3A::IDENTITY; self.mesh.bindings.len()];
-        palette(&self.mesh, &self.model, &mut matrices);
-        skin(&self.mesh, &matrices, &self.morphs, &mut self.skinned);
+        let mut posed = PosedMesh::new(&self.rig, &self.mesh);
+        posed.model.clone_from(&self.model);
+        posed.skin(&self.morphs, &mut self.skinned);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::math::Transform;
+    use articula_core::Transform;
     use articula_formats::profile;
     use glam::Vec3;
 

@@ -5,7 +5,7 @@ use articula::flatten::{Framed, FramedParts, Shot};
 use articula::{Figure, Opened};
 use articula_build::decimate::decimate;
 use articula_core::source::{Character, Clip as SourceClip, Property};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{Camera, Viewport};
 use articula_flat::frame::Bounds;
 use articula_flat::planar::bake::{BakeOptions, Lamp, Subject, Turn};
 use articula_flat::planar::stage;

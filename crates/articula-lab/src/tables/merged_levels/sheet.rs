@@ -3,14 +3,7 @@
 use anyhow::{Context, Result};
 use articula_build::character::Asset;
 use articula_build::ladder::{LevelOptions, merged_levels};
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::view::Viewport;
+use articula_core::{Clip, Mesh, PosedMesh, Rig, SkinnedMesh, Viewport, Wrap};
 use articula_flat::Picture;
 use articula_flat::appearance::Appearance;
 use articula_flat::codec;
@@ -18,7 +11,7 @@ use articula_flat::contact_sheet::{Cell, ContactSheet, Row, Tile};
 use articula_flat::frame::{Bounds, orbit_view};
 use articula_flat::render::{RenderOptions, render};
 use articula_formats::{Limits, gltf};
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use std::path::Path;
 
 const TILE: (u32, u32) = (220, 300);
@@ -101,26 +94,9 @@ pub(super) fn write(data: &Path, name: &str, asset: &Asset, path: &Path) -> Resu
 }
 
 fn skinned(look: &Look<'_>, secs: f64) -> SkinnedMesh {
-    let mut pose = look.rig.rest_pose().clone();
-    sample(
-        &look.clips[0],
-        secs,
-        Wrap::Clamp,
-        &look.rig.all(),
-        &mut pose,
-    );
-    let mut model = ModelPose::new(look.rig.len());
-    local_to_model(look.rig, &pose, &mut model);
-    let mut matrices = vec![Affine3A::IDENTITY; look.mesh.bindings.len()];
-    palette(&look.mesh, &model, &mut matrices);
-    let mut skinned = SkinnedMesh::new(&look.mesh);
-    skin(
-        &look.mesh,
-        &matrices,
-        &look.mesh.morph_weights,
-        &mut skinned,
-    );
-    skinned
+    let mut posed = PosedMesh::new(look.rig, &look.mesh);
+    let posed = posed.pose_at(&look.clips[0], secs, Wrap::Clamp);
+    posed.skinned(&look.mesh.morph_weights)
 }
 
 /// The character large, and small as the level is made for.

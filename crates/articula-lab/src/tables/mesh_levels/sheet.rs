@@ -1,21 +1,19 @@
 //! A character in motion at every level, whole and close up, to be looked at: hands, face and armpits.
 
+use super::QUARTER;
 use super::SHARES;
 use super::characters::Subject;
 use super::contestants::{Contestant, Posed, levels};
-use super::QUARTER;
 use anyhow::{Context, Result};
 use articula_build::poses::SkinPose;
 use articula_build::simplify::LevelTriangles;
-use articula_core::mesh::Mesh;
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::view::Viewport;
+use articula_core::{Mesh, SkinnedMesh, Viewport};
 use articula_flat::appearance::Appearance;
 use articula_flat::codec;
 use articula_flat::contact_sheet::{Cell, ContactSheet, Row, Tile};
 use articula_flat::frame::{Bounds, orbit_view};
 use articula_flat::render::{RenderOptions, render};
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 use std::path::Path;
 
 const TILE_PX: (u32, u32) = (230, 250);
@@ -89,12 +87,7 @@ pub(super) fn write(
 }
 
 fn skinned(subject: &Subject, pose: &SkinPose) -> SkinnedMesh {
-    let mesh = &subject.asset.mesh;
-    let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-    palette(mesh, &pose.model(&subject.asset), &mut matrices);
-    let mut skinned = SkinnedMesh::new(mesh);
-    skin(mesh, &matrices, &pose.morphs, &mut skinned);
-    skinned
+    pose.skinned(&subject.asset, &subject.asset.mesh)
 }
 
 fn row(

@@ -3,11 +3,7 @@
 use super::cases::Actor;
 use super::measure::Played;
 use anyhow::{Context, Result};
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{Camera, Mesh, ModelPose, PosedMesh, Rig, SkinnedMesh, Viewport};
 use articula_flat::appearance::Appearance;
 use articula_flat::contact_sheet::{Cell, Row, Tile};
 use articula_flat::frame::{Bounds, orbit_view};
@@ -128,16 +124,9 @@ impl<'a> Artist<'a> {
     }
 
     fn skinned(&self, model: &ModelPose) -> SkinnedMesh {
-        let mut matrices = vec![Affine3A::IDENTITY; self.mesh.bindings.len()];
-        palette(&self.mesh, model, &mut matrices);
-        let mut skinned = SkinnedMesh::new(&self.mesh);
-        skin(
-            &self.mesh,
-            &matrices,
-            &self.mesh.morph_weights,
-            &mut skinned,
-        );
-        skinned
+        let mut posed = PosedMesh::new(&self.played.rig, &self.mesh);
+        posed.model.clone_from(model);
+        posed.skinned(&self.mesh.morph_weights)
     }
 }
 

@@ -80,7 +80,7 @@ impl JointSet {
     }
 
     /// Whether no joint is in both sets.
-    pub fn is_disjoint(&self, other: &Self) -> bool {
+    pub(crate) fn is_disjoint(&self, other: &Self) -> bool {
         let mut words = self.words.iter().zip(&other.words);
         words.all(|(a, b)| a & b == 0)
     }

@@ -25,7 +25,7 @@ pub struct Tangents {
 
 impl Tangents {
     /// Of a picture that is centred on the viewing direction.
-    pub fn of(viewport: &Viewport) -> Self {
+    pub(crate) fn of(viewport: &Viewport) -> Self {
         let up = (0.5 * viewport.fov_y_radians).tan();
         let side = up * viewport.width_px / viewport.height_px;
         Self {
@@ -55,7 +55,7 @@ pub struct Frustum {
 
 impl Frustum {
     /// Sees nothing.
-    pub const NOTHING: Self = Self {
+    pub(crate) const NOTHING: Self = Self {
         eye: Vec3::ZERO,
         forward: Vec3::NAN,
         sides: [Vec4::NAN; 4],

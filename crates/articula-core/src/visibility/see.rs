@@ -10,11 +10,11 @@
 //! Bodies are taken by fours through `glam`'s vectors, in blocks that stay in the nearest cache
 //! however many views there are.
 
+use super::frustum::Frustum;
+use super::world_bounds::{LANES, columns, filled};
 use crate::Mismatch;
-use crate::frustum::Frustum;
 use crate::sphere::Sphere;
 use crate::view::Camera;
-use crate::world_bounds::{LANES, columns, filled};
 use glam::{Vec3, Vec4};
 
 /// Depth below which nothing is taken to come closer, so that a camera inside a body still gets
@@ -119,7 +119,7 @@ impl<'a> View<'a> {
     /// more than `limit` pixels. 0 if it already does or the limit is no number; infinite if it
     /// cannot (as at [`LEAST_DEPTH_METRES`]) or while this view does not see the bound: that it
     /// comes into view is told by [`see`].
-    pub fn secs_until_denser(&self, bound: Sphere, limit: f32, closing: Closing) -> f32 {
+    pub(crate) fn secs_until_denser(&self, bound: Sphere, limit: f32, closing: Closing) -> f32 {
         if limit.is_nan() || limit <= 0.0 {
             return 0.0;
         }
@@ -177,7 +177,7 @@ impl<'a> Bodies<'a> {
     ///
     /// - `bounds`: in the world, each holding its body from now until it is looked for again.
     ///   They change when a root moves or the clip goes on, which need not be at every frame;
-    ///   [`crate::world_bounds::carry`] makes many at once.
+    ///   [`crate::visibility::carry`] makes many at once.
     /// - `wake_metres`: how far root motion may carry the bound meanwhile (see [`wake_metres`]);
     ///   what is no number counts as 0.
     ///
@@ -195,7 +195,7 @@ impl<'a> Bodies<'a> {
     }
 
     /// Number of bodies.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.bounds.len()
     }
 
@@ -523,7 +523,7 @@ mod tests {
     fn both_eyes_of_a_headset_see() {
         // What is far to the left is seen by the left eye alone.
         let eye = |side: f32, left, right| {
-            let tangents = crate::frustum::Tangents {
+            let tangents = super::super::frustum::Tangents {
                 left,
                 right,
                 down: 1.0,

@@ -13,9 +13,9 @@
 //! It never hides a body behind its own capsules, since these lie behind the front of its box.
 //! Draw where bodies are in this frame, not in the last one, else who steps out comes late.
 
+use super::frustum::Tangents;
 use crate::Mismatch;
 use crate::capsule::Capsule;
-use crate::frustum::Tangents;
 use crate::motion_bounds::Bound;
 use crate::view::Camera;
 use glam::{Mat3, Quat, Vec2, Vec3, Vec4};

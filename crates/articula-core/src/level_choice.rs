@@ -1,0 +1,89 @@
+//! The rule by which a level is chosen, for joints and for meshes: the coarsest whose error is not
+//! seen, with hysteresis.
+
+/// A coarser level is taken only when its error is below this part of the tolerance, so that a
+/// character on the border does not change to and fro.
+const HYSTERESIS: f32 = 0.8;
+
+/// The coarsest level within a tolerance, from the level that is shown now. A tolerance that is
+/// no number gives full detail.
+#[inline]
+pub(crate) fn level_within(
+    tolerance_metres: f32,
+    shown: Option<usize>,
+    coarsest: usize,
+    error_metres: impl Fn(usize) -> f32,
+) -> usize {
+    let start = shown.unwrap_or(0);
+    let mut level = start;
+    let fits = |level, part: f32| error_metres(level) <= tolerance_metres * part;
+    while level > 0 && !fits(level, 1.0) {
+        level -= 1;
+    }
+    if level == start {
+        // Who just came into view has nothing to keep.
+        let part = if shown.is_some() { HYSTERESIS } else { 1.0 };
+        while level < coarsest && fits(level + 1, part) {
+            level += 1;
+        }
+    }
+    level
+}
+
+/// The pixels per metre from which on a level is coarse enough, and from which on too coarse:
+/// between them [`level_within`] keeps it.
+#[inline]
+pub(crate) fn kept_between(errors_metres: &[f32], level: usize, px: f32) -> [f32; 2] {
+    // Full detail is never too coarse, the coarsest level never too fine. A tolerance that is no
+    // number keeps nothing.
+    let most = px / errors_metres[level];
+    let least = errors_metres
+        .get(level + 1)
+        .map_or(0.0, |next| px * HYSTERESIS / next);
+    if px > 0.0 {
+        [least, most]
+    } else {
+        [f32::INFINITY, 0.0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn by_hand() {
+        let errors = [0.0, 0.01, 0.02, 0.04];
+        let level = |tolerance, shown| level_within(tolerance, shown, 3, |l| errors[l]);
+        assert_eq!(level(0.02, None), 2);
+        assert_eq!(level(f32::NAN, Some(2)), 0);
+        assert_eq!(level(0.0, None), 0);
+        assert_eq!(level(9.0, Some(1)), 3);
+        // On the border: kept when it is shown, not taken when a finer one is.
+        assert_eq!(level(0.02, Some(2)), 2);
+        assert_eq!(level(0.02, Some(1)), 1);
+        assert_eq!(level(0.026, Some(1)), 2);
+        assert_eq!(level(0.019, Some(2)), 1);
+    }
+
+    #[test]
+    fn a_level_is_kept_just_where_it_would_be_chosen_again() {
+        let errors = [0.0, 0.01, 0.02, 0.02, 0.04];
+        for (px, level) in [0.5, 1.0, 2.0]
+            .into_iter()
+            .flat_map(|px| (0..5).map(move |l| (px, l)))
+        {
+            let [least, most] = kept_between(&errors, level, px);
+            for density in (1..4000).map(|i| i as f32 * 0.1) {
+                let again = level_within(px / density, Some(level), 4, |l| errors[l]);
+                let kept = (least..most).contains(&density);
+                let at_border = [least, most].iter().any(|b| (b - density).abs() < 1e-3 * b);
+                assert!(
+                    at_border || kept == (again == level),
+                    "{px} px, {density} px/m, {level}"
+                );
+            }
+        }
+        assert_eq!(kept_between(&errors, 1, f32::NAN), [f32::INFINITY, 0.0]);
+    }
+}
