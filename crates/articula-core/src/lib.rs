@@ -73,14 +73,15 @@ pub mod skin;
 pub mod skin_groups;
 pub mod source;
 pub mod sphere;
-pub mod stream;
 pub mod thesis_metric;
 pub mod view;
 pub mod visibility;
 pub mod world_bounds;
 
+mod bytes;
 mod mismatch;
 mod simd;
+pub use bytes::{BadBytes, Bytes, push_varint};
 pub use mismatch::Mismatch;
 pub use simd::half::{f32_from_half, half_from_f32};
 pub use simd::{Backend, LANES, Tile};

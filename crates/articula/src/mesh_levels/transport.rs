@@ -4,8 +4,8 @@ use super::parts_of_meshes;
 use crate::prepared::Prepared;
 use anyhow::Context;
 use articula_build::mesh_levels::MeshLevels;
-use articula_formats::clustered_stream::{ObjectLevels, StreamObject, write};
-use articula_formats::mesh_codec::{Grid, Precision, quantise};
+use articula_stream::mesh::{Grid, Precision, quantise};
+use articula_stream::mesh::{ObjectLevels, StreamObject, write};
 
 /// The levels of a character, coded.
 #[derive(Debug)]

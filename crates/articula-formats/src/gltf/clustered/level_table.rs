@@ -83,7 +83,7 @@ fn read_table(extension: &Place<'_>, levels: usize) -> Result<LevelTable, ReadEr
 }
 
 fn read_row(row: &Place<'_>) -> Result<LevelRow, ReadError> {
-    let error = |key| {
+    let error = |key| -> Result<SurfaceError, ReadError> {
         let Some(place) = row.get(key) else {
             return Ok(SurfaceError::UNKNOWN);
         };

@@ -8,8 +8,8 @@ use anyhow::{Context, Result, ensure};
 use articula_build::clusters::{Order, cluster};
 use articula_build::simplify::LevelTriangles;
 use articula_core::source::Primitive;
-use articula_formats::Limits;
-use articula_formats::mesh_codec::{
+use articula_stream::StreamLimits;
+use articula_stream::mesh::{
     Grid, Quantised, QuantisedMesh, decode_level, decode_refinement, encode_level,
     encode_refinement, quantise,
 };
@@ -185,8 +185,10 @@ fn race(objects: &[Object]) -> Result<[f64; 2]> {
         let mut level: Option<QuantisedMesh> = None;
         for chunk in chunks {
             level = Some(match level {
-                Some(coarse) => decode_refinement(&coarse, chunk, layout, &Limits::default())?,
-                None => decode_level(chunk, layout, &Limits::default())?,
+                Some(coarse) => {
+                    decode_refinement(&coarse, chunk, layout, &StreamLimits::default())?
+                }
+                None => decode_level(chunk, layout, &StreamLimits::default())?,
             });
         }
         back.push(level.context("no level")?);

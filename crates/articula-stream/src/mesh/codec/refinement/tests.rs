@@ -83,7 +83,7 @@ fn shuffled(mesh: &QuantisedMesh, seed: u64) -> QuantisedMesh {
 }
 
 fn check_chain(coarse: &QuantisedMesh, fine: &QuantisedMesh) {
-    let (layout, limits) = (layout(), Limits::default());
+    let (layout, limits) = (layout(), StreamLimits::default());
     let alone = encode_level(fine, &layout).unwrap();
     assert_eq!(
         soup(&decode_level(&alone, &layout, &limits).unwrap()),
@@ -239,7 +239,7 @@ fn any_surface() -> impl Strategy<Value = QuantisedMesh> {
 /// A level may drop a wedge that a finer one has again: the one that was kept is meant.
 #[test]
 fn what_comes_back_keeps_its_id() {
-    let (layout, limits) = (layout(), Limits::default());
+    let (layout, limits) = (layout(), StreamLimits::default());
     let first = mesh_of(&grid(6, 5, [true, true], 0));
     let second = QuantisedMesh {
         faces: first.faces[..20].to_vec(),
@@ -282,7 +282,7 @@ proptest! {
         at: prop::sample::Index,
         flip in 1u8..=255,
     ) {
-        let (layout, limits) = (layout(), Limits::default());
+        let (layout, limits) = (layout(), StreamLimits::default());
         let coarse = coarser(&fine, seed);
         let bytes = encode_refinement(&coarse, &fine, &layout).unwrap();
         let cut = at.index(bytes.len().max(1));
@@ -300,7 +300,7 @@ proptest! {
 
     #[test]
     fn any_bytes_are_harmless(bytes in prop::collection::vec(any::<u8>(), 0..200), coarse in any_soup()) {
-        let limits = Limits { elements: 20_000, ..Limits::default() };
+        let limits = StreamLimits { elements: 20_000, ..StreamLimits::default() };
         if let Ok(found) = decode_refinement(&coarse, &bytes, &layout(), &limits) {
             found.check(&layout()).unwrap();
         }

@@ -16,7 +16,7 @@ use super::positions;
 use super::range_coder::{Coder, Decoder, Encoder};
 use super::seams::{self, Known, Wedges};
 use super::surface::Surface;
-use crate::{Limits, ReadError};
+use crate::{StreamError, StreamLimits};
 use articula_core::Mismatch;
 
 /// One level alone.
@@ -32,12 +32,12 @@ pub fn encode_level(mesh: &QuantisedMesh, layout: &Layout) -> Result<Vec<u8>, Mi
 /// The level that [`encode_level`] was given, in an order of its own.
 ///
 /// # Errors
-/// A [`ReadError`] that says where the bytes make no level, or that it is too large.
+/// A [`StreamError`] that says where the bytes make no level, or that it is too large.
 pub fn decode_level(
     bytes: &[u8],
     layout: &Layout,
-    limits: &Limits,
-) -> Result<QuantisedMesh, ReadError> {
+    limits: &StreamLimits,
+) -> Result<QuantisedMesh, StreamError> {
     decode_refinement(&QuantisedMesh::empty(layout), bytes, layout, limits)
 }
 
@@ -76,15 +76,15 @@ pub fn encode_refinement(
 /// new ones follow in the order of discovery; the faces are its own.
 ///
 /// # Errors
-/// A [`ReadError`] that says where the bytes make no level over this coarser one, or that it is
+/// A [`StreamError`] that says where the bytes make no level over this coarser one, or that it is
 /// too large.
 pub fn decode_refinement(
     coarse: &QuantisedMesh,
     bytes: &[u8],
     layout: &Layout,
-    limits: &Limits,
-) -> Result<QuantisedMesh, ReadError> {
-    let wrong = |m: Mismatch| ReadError::malformed(format!("coarser level: {}", m.at), m.what);
+    limits: &StreamLimits,
+) -> Result<QuantisedMesh, StreamError> {
+    let wrong = |m: Mismatch| StreamError::malformed(format!("coarser level: {}", m.at), m.what);
     coarse.check(layout).map_err(wrong)?;
     let sorted = Canonical::new(coarse);
     let mut decoder = Decoder::new(bytes);
@@ -92,13 +92,13 @@ pub fn decode_refinement(
         elements: limits.elements,
     };
     let coded = code(&mut decoder, &sorted.mesh, layout, &bounds, None);
-    let mesh = coded.map_err(|fault| ReadError::malformed("mesh level", fault))?;
+    let mesh = coded.map_err(|fault| StreamError::malformed("mesh level", fault))?;
     if !decoder.is_spent() {
         let what = "there are bytes after the end of the level";
-        return Err(ReadError::malformed("mesh level", what));
+        return Err(StreamError::malformed("mesh level", what));
     }
     let mesh = restored(mesh, coarse, &sorted);
-    let wrong = |m: Mismatch| ReadError::malformed(format!("mesh level: {}", m.at), m.what);
+    let wrong = |m: Mismatch| StreamError::malformed(format!("mesh level: {}", m.at), m.what);
     mesh.check(layout).map_err(wrong)?;
     Ok(mesh)
 }

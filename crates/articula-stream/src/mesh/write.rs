@@ -1,12 +1,12 @@
 //! From the levels of all objects to a stream.
 
+use super::codec::{QuantisedMesh, encode_level, encode_refinement};
+use super::hash::{Hash, hash_of};
 use super::head::{self, MeshStream, StreamObject};
-use super::{Hash, hash};
-use crate::Limits;
-use crate::mesh_codec::{QuantisedMesh, encode_level, encode_refinement};
+use crate::StreamLimits;
+use crate::unit::Unit;
 use articula_core::Mismatch;
 use articula_core::level_table::LevelTable;
-use articula_core::stream::Unit;
 use std::ops::Range;
 
 /// An object with all its levels in whole numbers.
@@ -78,10 +78,10 @@ pub fn write(
         mixable_from: levels.mixable_from.saturating_sub(shown.start),
     };
     let mut bytes = head::write(shown.start, &table, &records, &entries);
-    let limits = Limits {
+    let limits = StreamLimits {
         bytes: u64::MAX,
         elements: u64::MAX,
-        ..Limits::default()
+        ..StreamLimits::default()
     };
     let opened = MeshStream::open(&bytes, &limits);
     let stream = opened.map_err(|e| Mismatch::new("levels", e.to_string()))?;
@@ -90,10 +90,4 @@ pub fn write(
         unit: stream.unit(),
         bytes,
     })
-}
-
-/// The hash of a chunk; of a level that is coded alone it is another one than of what the same
-/// level adds.
-pub(super) fn hash_of(level: usize, is_alone: bool, record: &[u8], chunk: &[u8]) -> Hash {
-    hash(2 * level + usize::from(is_alone), record, chunk)
 }

@@ -4,11 +4,11 @@
 //! vertices are matched with those of the coarser level: no attribute is sent twice). In the
 //! order of the line:
 //!
-//! - [`mesh`]: a mesh in whole numbers
+//! - `mesh`: a mesh in whole numbers
 //! - `surface`: what is known of a level when its values are coded
-//! - [`mod@quantise`]: from floating point to whole numbers and back
+//! - `quantise`: from floating point to whole numbers and back
 //! - `check`: whether a mesh holds to its layout
-//! - [`refinement`]: levels as bytes and back, the whole walk
+//! - `refinement`: levels as bytes and back, the whole walk
 //! - `canonical`: an order that depends on values alone
 //! - `half_edges`: which faces lie beside each other
 //! - `connectivity`: which corners the faces join
@@ -24,13 +24,13 @@ mod check;
 mod connectivity;
 mod half_edges;
 mod matching;
-pub mod mesh;
+mod mesh;
 mod mixing;
 mod number;
 mod positions;
-pub mod quantise;
+mod quantise;
 mod range_coder;
-pub mod refinement;
+mod refinement;
 mod seams;
 mod surface;
 

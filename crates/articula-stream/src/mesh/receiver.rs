@@ -1,9 +1,9 @@
 //! The client's side of a stream: chunks in, vertices that only grow at the end out.
 
+use super::codec::{QuantisedMesh, decode_level, decode_refinement, restore};
+use super::hash::hash_of;
 use super::head::MeshStream;
-use super::write::hash_of;
-use crate::mesh_codec::{QuantisedMesh, decode_level, decode_refinement, restore};
-use crate::{Limits, ReadError};
+use crate::{StreamError, StreamLimits};
 use articula_core::clustered::{Cluster, ClusteredTriangles, Clusters};
 use articula_core::source::Primitive;
 
@@ -27,13 +27,13 @@ struct Held {
 #[derive(Debug, Clone)]
 pub struct Receiver {
     stream: MeshStream,
-    limits: Limits,
+    limits: StreamLimits,
     held: Vec<Held>,
 }
 
 impl Receiver {
     /// Waits for the chunks of a stream.
-    pub fn new(stream: MeshStream, limits: Limits) -> Self {
+    pub fn new(stream: MeshStream, limits: StreamLimits) -> Self {
         let held = vec![Held::default(); stream.objects.len()];
         Self {
             stream,
@@ -47,7 +47,7 @@ impl Receiver {
     ///
     /// # Errors
     /// As [`MeshStream::open`] and [`Self::refine`]; a stream that ends early is no error.
-    pub fn read(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
+    pub fn read(bytes: &[u8], limits: &StreamLimits) -> Result<Self, StreamError> {
         let mut receiver = Self::new(MeshStream::open(bytes, limits)?, *limits);
         for level in 0..receiver.stream.levels.levels.len() {
             let objects = 0..receiver.stream.objects.len();
@@ -87,13 +87,13 @@ impl Receiver {
     /// Takes the next chunk of an object.
     ///
     /// # Errors
-    /// [`ReadError::Malformed`] if there is no such object or no further level, the bytes are not
+    /// [`StreamError::Malformed`] if there is no such object or no further level, the bytes are not
     /// those that the head names, or what they hold breaks the rules of the codec;
-    /// [`ReadError::LimitExceeded`]. Nothing has changed then.
-    pub fn refine(&mut self, object: usize, chunk: &[u8]) -> Result<(), ReadError> {
+    /// [`StreamError::LimitExceeded`]. Nothing has changed then.
+    pub fn refine(&mut self, object: usize, chunk: &[u8]) -> Result<(), StreamError> {
         let level = self.levels(object);
         let place = format!("chunk of level {level}, object {object}");
-        let bad = |what: &str| ReadError::malformed(place.clone(), what);
+        let bad = |what: &str| StreamError::malformed(place.clone(), what);
         if object >= self.held.len() || level >= self.stream.levels.levels.len() {
             return Err(bad("there is no such chunk"));
         }

@@ -5,7 +5,7 @@ use super::residual::{Residuals, SIZES, class_of};
 use super::siblings::SameValue;
 use super::stencil::{CLASSES, FRACTION, PREDICTORS};
 use super::{Place, Walk};
-use crate::mesh_codec::range_coder::Coder;
+use crate::mesh::codec::range_coder::Coder;
 
 /// Codes the colours of all new wedges. `agree` says whether two wedges agree in the kinds
 /// before.

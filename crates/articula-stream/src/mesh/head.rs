@@ -1,11 +1,12 @@
 //! The head of a stream: what the objects are, what each level costs, where each chunk lies.
 
-use super::Hash;
-use crate::bytes::{Bytes, varint};
-use crate::mesh_codec::{Grid, Layout, MorphLayout, Scale, TexcoordGrid};
-use crate::{Limits, ReadError};
+use super::codec::{Grid, Layout, MorphLayout, Scale, TexcoordGrid};
+use super::hash::Hash;
+use crate::coding::Coding;
+use crate::unit::{Field, Marker, Unit, bits_of};
+use crate::{StreamError, StreamLimits};
 use articula_core::level_table::{LevelRow, LevelTable, SurfaceError};
-use articula_core::stream::{Field, Marker, Unit, bits_of};
+use articula_core::{Bytes, push_varint};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 
@@ -56,16 +57,16 @@ impl MeshStream {
     /// Bytes of the head of a stream of which at least the first 12 are at hand.
     ///
     /// # Errors
-    /// [`ReadError::Malformed`] if this is no stream, [`ReadError::Unsupported`] for another
+    /// [`StreamError::Malformed`] if this is no stream, [`StreamError::Unsupported`] for another
     /// version.
-    pub fn head_length(bytes: &[u8]) -> Result<usize, ReadError> {
+    pub fn head_length(bytes: &[u8]) -> Result<usize, StreamError> {
         let mut r = Bytes::new(bytes);
         if r.take::<4>()? != *MAGIC {
-            return Err(ReadError::malformed("byte 0", "no \"AMSH\" mesh stream"));
+            return Err(StreamError::malformed("byte 0", "no \"AMSH\" mesh stream"));
         }
         let [version, ..] = r.take::<4>()?;
         if version != VERSION {
-            return Err(ReadError::Unsupported {
+            return Err(StreamError::Unsupported {
                 at: "byte 4".into(),
                 what: format!("version {version} of the mesh stream"),
                 mend: "write it again with this version of Articula".into(),
@@ -73,7 +74,7 @@ impl MeshStream {
         }
         let length = r.u32()? as usize;
         if length < FIXED {
-            return Err(r.bad(format!("a head of {length} bytes")));
+            return Err(r.bad(format!("a head of {length} bytes")).into());
         }
         Ok(length)
     }
@@ -81,30 +82,33 @@ impl MeshStream {
     /// Opens a stream of which at least the head is at hand.
     ///
     /// # Errors
-    /// [`ReadError::Malformed`] with the byte offset, [`ReadError::Unsupported`] for another
-    /// version, [`ReadError::LimitExceeded`].
-    pub fn open(bytes: &[u8], limits: &Limits) -> Result<Self, ReadError> {
+    /// [`StreamError::Malformed`] with the byte offset, [`StreamError::Unsupported`] for another
+    /// version, [`StreamError::LimitExceeded`].
+    pub fn open(bytes: &[u8], limits: &StreamLimits) -> Result<Self, StreamError> {
         let head_bytes = Self::head_length(bytes)?;
-        Limits::check("byte 8", "bytes", head_bytes as u64, limits.bytes)?;
+        StreamLimits::check("byte 8", "bytes", head_bytes as u64, limits.bytes)?;
         let Some(head) = bytes.get(..head_bytes) else {
             let what = format!("the end, a head of {head_bytes} bytes is expected");
-            return Err(ReadError::malformed(format!("byte {}", bytes.len()), what));
+            return Err(StreamError::malformed(
+                format!("byte {}", bytes.len()),
+                what,
+            ));
         };
         let mut r = Bytes::new(head);
-        r.at = FIXED;
+        r.take::<FIXED>()?;
         let (first_level, levels) = read_levels(&mut r)?;
-        let count = r.count("objects", MAX_OBJECTS)?;
+        let count = count_of(&mut r, "objects", MAX_OBJECTS)?;
         let mut objects = Vec::new();
         let mut records = Vec::new();
         for _ in 0..count {
-            let start = r.at;
+            let start = r.at();
             objects.push(read_object(&mut r)?);
-            records.push(head[start..r.at].to_vec());
+            records.push(head[start..r.at()].to_vec());
         }
         let chunks = levels.levels.len() * count;
-        if (head.len() - r.at) as u64 != (chunks * ENTRY) as u64 {
-            let what = format!("{} bytes for {chunks} chunks", head.len() - r.at);
-            return Err(r.bad(what));
+        if r.left() as u64 != (chunks * ENTRY) as u64 {
+            let what = format!("{} bytes for {chunks} chunks", r.left());
+            return Err(r.bad(what).into());
         }
         let mut entries = Vec::with_capacity(chunks);
         for _ in 0..chunks {
@@ -113,7 +117,7 @@ impl MeshStream {
         r.end()?;
         let all = entries.iter().map(|e| u64::from(e.0)).sum::<u64>();
         // Also so that places of chunks can be told in 32 bits.
-        Limits::check(
+        StreamLimits::check(
             "byte 8",
             "bytes",
             head_bytes as u64 + all,
@@ -156,9 +160,11 @@ impl MeshStream {
     /// into the head's field of its length, in the order of the chunks.
     pub fn unit(&self) -> Unit {
         let table = self.head_bytes - ENTRY * self.entries.len();
-        let field = |i| Field {
-            name: "length",
+        let field = |i: usize| Field {
+            name: "length".into(),
             bits: bits_of(table + ENTRY * i..table + ENTRY * i + 4),
+            value: u64::from(self.entries[i].0),
+            coding: Coding::LittleEndian,
         };
         let head = Unit {
             fields: (0..self.entries.len()).map(field).collect(),
@@ -179,16 +185,15 @@ impl MeshStream {
                     ("region", object.region),
                 ];
                 chunks.push(Unit {
-                    markers: marks.map(|(scheme, value)| Marker { scheme, value }).into(),
+                    markers: marks
+                        .map(|(scheme, value)| Marker::new(scheme, value))
+                        .into(),
                     ..Unit::of_bytes("chunk", at..end)
                 });
                 at = end;
             }
             children.push(Unit {
-                markers: vec![Marker {
-                    scheme: "level",
-                    value: (self.first_level + level) as u32,
-                }],
+                markers: vec![Marker::new("level", (self.first_level + level) as u32)],
                 children: chunks,
                 ..Unit::of_bytes("level", start..at)
             });
@@ -210,11 +215,11 @@ pub(super) fn write(
     let mut out = MAGIC.to_vec();
     out.extend([VERSION, 0, 0, 0]);
     out.extend([0; 4]);
-    varint(&mut out, first_level as u64);
-    varint(&mut out, levels.levels.len() as u64);
+    push_varint(&mut out, first_level as u64);
+    push_varint(&mut out, levels.levels.len() as u64);
     for level in &levels.levels {
-        varint(&mut out, level.triangles);
-        varint(&mut out, level.vertices);
+        push_varint(&mut out, level.triangles);
+        push_varint(&mut out, level.vertices);
         for error in [&level.rest, &level.motion] {
             for metres in [
                 error.max_metres,
@@ -226,13 +231,13 @@ pub(super) fn write(
             }
         }
     }
-    varint(&mut out, levels.mixable_from as u64);
-    varint(&mut out, levels.regions.len() as u64);
+    push_varint(&mut out, levels.mixable_from as u64);
+    push_varint(&mut out, levels.regions.len() as u64);
     for region in &levels.regions {
-        varint(&mut out, region.len() as u64);
+        push_varint(&mut out, region.len() as u64);
         out.extend(region.as_bytes());
     }
-    varint(&mut out, records.len() as u64);
+    push_varint(&mut out, records.len() as u64);
     records.iter().for_each(|record| out.extend(record));
     for (length, hash) in entries {
         out.extend(length.to_le_bytes());
@@ -247,7 +252,7 @@ pub(super) fn write(
 pub(super) fn record(object: &StreamObject) -> Vec<u8> {
     let mut out = Vec::new();
     for number in [object.mesh, object.primitive, object.region] {
-        varint(&mut out, u64::from(number));
+        push_varint(&mut out, u64::from(number));
     }
     let layout = &object.layout;
     out.extend([
@@ -256,8 +261,8 @@ pub(super) fn record(object: &StreamObject) -> Vec<u8> {
         layout.texcoord_bits,
         u8::from(layout.has_colors),
     ]);
-    varint(&mut out, u64::from(layout.joints));
-    varint(&mut out, layout.morphs.len() as u64);
+    push_varint(&mut out, u64::from(layout.joints));
+    push_varint(&mut out, layout.morphs.len() as u64);
     out.extend(layout.morphs.iter().map(|m| u8::from(m.has_normals)));
     let scale = &object.scale;
     let mut metres = vec![scale.grid.step, scale.texcoords.step];
@@ -267,11 +272,11 @@ pub(super) fn record(object: &StreamObject) -> Vec<u8> {
     out
 }
 
-fn read_levels(r: &mut Bytes<'_>) -> Result<(usize, LevelTable), ReadError> {
-    let first = r.count("levels", MAX_LEVELS)?;
-    let count = r.count("levels", MAX_LEVELS)?;
+fn read_levels(r: &mut Bytes<'_>) -> Result<(usize, LevelTable), StreamError> {
+    let first = count_of(r, "levels", MAX_LEVELS)?;
+    let count = count_of(r, "levels", MAX_LEVELS)?;
     if count == 0 {
-        return Err(r.bad("no level"));
+        return Err(r.bad("no level").into());
     }
     let mut levels = Vec::with_capacity(count);
     for _ in 0..count {
@@ -282,11 +287,11 @@ fn read_levels(r: &mut Bytes<'_>) -> Result<(usize, LevelTable), ReadError> {
             motion: read_error(r)?,
         });
     }
-    let mixable_from = r.count("levels", MAX_LEVELS)?;
+    let mixable_from = count_of(r, "levels", MAX_LEVELS)?;
     let mut regions = Vec::new();
-    for _ in 0..r.count("regions", MAX_REGIONS)? {
+    for _ in 0..count_of(r, "regions", MAX_REGIONS)? {
         let mut name = Vec::new();
-        for _ in 0..r.count("bytes of a name", MAX_NAME)? {
+        for _ in 0..count_of(r, "bytes of a name", MAX_NAME)? {
             name.extend(r.take::<1>()?);
         }
         regions.push(String::from_utf8(name).map_err(|_| r.bad("a name that is no UTF-8"))?);
@@ -299,7 +304,7 @@ fn read_levels(r: &mut Bytes<'_>) -> Result<(usize, LevelTable), ReadError> {
     Ok((first, levels))
 }
 
-fn read_error(r: &mut Bytes<'_>) -> Result<SurfaceError, ReadError> {
+fn read_error(r: &mut Bytes<'_>) -> Result<SurfaceError, StreamError> {
     let mut metres = || {
         let value = f32::from_le_bytes(r.take()?);
         match value >= 0.0 {
@@ -315,7 +320,7 @@ fn read_error(r: &mut Bytes<'_>) -> Result<SurfaceError, ReadError> {
     })
 }
 
-fn read_object(r: &mut Bytes<'_>) -> Result<StreamObject, ReadError> {
+fn read_object(r: &mut Bytes<'_>) -> Result<StreamObject, StreamError> {
     let mut number = || {
         let value = r.varint()?;
         u32::try_from(value).map_err(|_| r.bad(format!("index {value}")))
@@ -323,7 +328,7 @@ fn read_object(r: &mut Bytes<'_>) -> Result<StreamObject, ReadError> {
     let (mesh, primitive, region) = (number()?, number()?, number()?);
     let [position_bits, normal_bits, texcoord_bits, flags] = r.take::<4>()?;
     let joints = r.varint()?;
-    let morphs = r.count("morph targets", MAX_MORPHS)?;
+    let morphs = count_of(r, "morph targets", MAX_MORPHS)?;
     let mut layout = Layout {
         position_bits,
         normal_bits,
@@ -335,14 +340,16 @@ fn read_object(r: &mut Bytes<'_>) -> Result<StreamObject, ReadError> {
     for _ in 0..morphs {
         let [has_normals] = r.take::<1>()?;
         if has_normals > 1 {
-            return Err(r.bad("a morph target that is neither with nor without normals"));
+            return Err(r
+                .bad("a morph target that is neither with nor without normals")
+                .into());
         }
         layout.morphs.push(MorphLayout {
             has_normals: has_normals == 1,
         });
     }
     if flags > 1 {
-        return Err(r.bad(format!("flags {flags}")));
+        return Err(r.bad(format!("flags {flags}")).into());
     }
     layout
         .check()
@@ -382,4 +389,12 @@ fn read_object(r: &mut Bytes<'_>) -> Result<StreamObject, ReadError> {
             },
         },
     })
+}
+
+/// A number of things that is to be no more than so many.
+fn count_of(r: &mut Bytes<'_>, which: &'static str, limit: usize) -> Result<usize, StreamError> {
+    let at = format!("byte {}", r.at());
+    let count = r.varint()?;
+    StreamLimits::check(&at, which, count, limit as u64)?;
+    Ok(count as usize)
 }

@@ -6,10 +6,10 @@ use articula_build::clip::ClipOptions;
 use articula_build::human::{HumanOptions, human};
 use articula_build::mesh_levels::{MeshLevelOptions, mesh_levels};
 use articula_core::level_table::LevelTable;
-use articula_core::stream::Unit;
-use articula_formats::clustered_stream::{MeshStream, ObjectLevels, Receiver, StreamObject, write};
-use articula_formats::mesh_codec::{Grid, Precision, QuantisedMesh, quantise};
-use articula_formats::{Limits, ReadError};
+use articula_stream::Unit;
+use articula_stream::mesh::{Grid, Precision, QuantisedMesh, quantise};
+use articula_stream::mesh::{MeshStream, ObjectLevels, Receiver, StreamObject, write};
+use articula_stream::{StreamError, StreamLimits};
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 
@@ -77,7 +77,7 @@ fn refining_gives_at_each_step_the_mesh_of_direct_delivery() {
     let (table, objects) = levels();
     let count = table.levels.len();
     let whole = write(table, objects, 0..count).unwrap().bytes;
-    let limits = Limits::default();
+    let limits = StreamLimits::default();
     let mut receiver = Receiver::new(MeshStream::open(&whole, &limits).unwrap(), limits);
     for level in 0..count {
         let alone = write(table, objects, level..level + 1).unwrap().bytes;
@@ -103,7 +103,7 @@ fn refining_gives_at_each_step_the_mesh_of_direct_delivery() {
 fn one_level_alone_refines_with_the_chunks_of_the_whole() {
     let (table, objects) = levels();
     let count = table.levels.len();
-    let limits = Limits::default();
+    let limits = StreamLimits::default();
     let whole = write(table, objects, 0..count).unwrap().bytes;
     let from_2 = write(table, objects, 2..count).unwrap().bytes;
     let (whole_head, head) = (
@@ -128,7 +128,7 @@ fn one_level_alone_refines_with_the_chunks_of_the_whole() {
 #[test]
 fn freed_levels_come_back_the_same() {
     let (table, objects) = levels();
-    let limits = Limits::default();
+    let limits = StreamLimits::default();
     let whole = write(table, objects, 0..table.levels.len()).unwrap().bytes;
     let fine = Receiver::read(&whole, &limits).unwrap();
     let mut receiver = fine.clone();
@@ -152,7 +152,7 @@ fn freed_levels_come_back_the_same() {
 #[test]
 fn damaged_and_misplaced_chunks_change_nothing() {
     let (table, objects) = levels();
-    let limits = Limits::default();
+    let limits = StreamLimits::default();
     let whole = write(table, objects, 0..table.levels.len()).unwrap().bytes;
     let stream = MeshStream::open(&whole, &limits).unwrap();
     let chunk = |level, o| whole[stream.chunk(level, o).unwrap()].to_vec();
@@ -162,7 +162,7 @@ fn damaged_and_misplaced_chunks_change_nothing() {
     let good = chunk(1, 0);
     let refused = |receiver: &mut Receiver, bytes: &[u8]| {
         let error = receiver.refine(0, bytes).unwrap_err();
-        assert!(matches!(error, ReadError::Malformed { .. }), "{error}");
+        assert!(matches!(error, StreamError::Malformed { .. }), "{error}");
         assert!(error.to_string().contains("level 1, object 0"), "{error}");
     };
     for at in (0..good.len()).step_by(7) {
@@ -182,7 +182,7 @@ fn damaged_and_misplaced_chunks_change_nothing() {
 #[test]
 fn a_stream_cut_after_any_level_is_a_whole_coarser_character() {
     let (table, objects) = levels();
-    let limits = Limits::default();
+    let limits = StreamLimits::default();
     let written = write(table, objects, 0..table.levels.len()).unwrap();
     written.unit.check().unwrap();
     assert_eq!(written.unit.bytes() as usize, written.bytes.len());
@@ -202,7 +202,7 @@ fn a_stream_cut_after_any_level_is_a_whole_coarser_character() {
 #[test]
 fn an_object_ends_where_a_chunk_was_cut_out() {
     let (table, objects) = levels();
-    let limits = Limits::default();
+    let limits = StreamLimits::default();
     let written = write(table, objects, 0..table.levels.len()).unwrap();
     let stream = MeshStream::open(&written.bytes, &limits).unwrap();
     // As a cut does it: the bytes go, their length in the head becomes 0.
@@ -223,7 +223,7 @@ fn an_object_ends_where_a_chunk_was_cut_out() {
 #[test]
 fn heads_of_other_files_and_short_ones_are_errors() {
     let (table, objects) = levels();
-    let limits = Limits::default();
+    let limits = StreamLimits::default();
     let whole = write(table, objects, 0..table.levels.len()).unwrap().bytes;
     let head = MeshStream::open(&whole, &limits).unwrap().head_bytes();
     assert_eq!(MeshStream::head_length(&whole[..12]).unwrap(), head);

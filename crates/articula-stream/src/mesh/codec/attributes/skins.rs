@@ -7,8 +7,8 @@ use super::Walk;
 use super::blend::{Blend, Sample};
 use super::residual::{BOTH, Misses, NEAR, Residuals, SIZES, both, class_of, sign_of};
 use super::stencil::{CLASSES, FRACTION, PREDICTORS};
-use crate::mesh_codec::mixing::{MixedNatural, Weights, decide};
-use crate::mesh_codec::range_coder::{Bit, Coder};
+use crate::mesh::codec::mixing::{MixedNatural, Weights, decide};
+use crate::mesh::codec::range_coder::{Bit, Coder};
 
 /// Joints of neighbours that are asked about.
 const MOST_ASKED: usize = 24;

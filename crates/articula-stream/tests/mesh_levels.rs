@@ -10,12 +10,14 @@
 
 use articula_build::simplify::{SimplifyOptions, simplify};
 use articula_core::mesh::Mesh;
-use articula_formats::mesh_codec::{
+use articula_formats::{Limits, gltf};
+use articula_stream::StreamLimits;
+use articula_stream::mesh::{
     Grid, Layout, Precision, Quantised, QuantisedMesh, decode_level, decode_refinement,
     encode_level, encode_refinement, quantise,
 };
-use articula_formats::{Limits, gltf};
 
+#[path = "../../articula-formats/tests/real/mod.rs"]
 mod real;
 
 /// The first primitive of a character at five levels, the coarsest first, without its morphs,
@@ -78,7 +80,7 @@ fn faces(mesh: &QuantisedMesh) -> Vec<[Corner; 3]> {
 
 /// Bytes of the coarsest level and all refinements, each checked by what comes back.
 fn whole(levels: &[QuantisedMesh], layout: &Layout) -> usize {
-    let limits = Limits::default();
+    let limits = StreamLimits::default();
     let bytes = encode_level(&levels[0], layout).unwrap();
     let mut shown = decode_level(&bytes, layout, &limits).unwrap();
     assert_eq!(faces(&shown), faces(&levels[0]));
@@ -109,7 +111,7 @@ fn check_sizes(name: &str, draco: usize, meshopt: usize) {
     let Some(found) = levels(name) else { return };
     let finest = found.levels.last().unwrap();
     let alone = encode_level(finest, &found.layout).unwrap();
-    let back = decode_level(&alone, &found.layout, &Limits::default()).unwrap();
+    let back = decode_level(&alone, &found.layout, &StreamLimits::default()).unwrap();
     assert_eq!(faces(&back), faces(finest));
     let whole = whole(&found.levels, &found.layout);
     println!(
