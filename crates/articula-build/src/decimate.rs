@@ -60,7 +60,7 @@ pub fn decimate(
     Ok(simplified
         .levels
         .into_iter()
-        .next()
+        .next_back()
         .map_or_else(Vec::new, |level| level.triangles))
 }
 

@@ -45,7 +45,7 @@ fn picks() -> impl Strategy<Value = Vec<Vec<(usize, usize)>>> {
     prop::collection::vec(of_one, 0..7)
 }
 
-/// Levels, coarsest first, each made from the next finer one, or each from the finest.
+/// Levels, finest first, each made from the next finer one, or each from the finest.
 fn levels(side: u32, picks: &[Vec<(usize, usize)>], chained: bool) -> Vec<Level> {
     let mut levels = vec![sheet(side)];
     for picks in picks {
@@ -56,7 +56,6 @@ fn levels(side: u32, picks: &[Vec<(usize, usize)>], chained: bool) -> Vec<Level>
         };
         levels.push(collapsed(from, picks));
     }
-    levels.reverse();
     levels
 }
 
@@ -79,8 +78,8 @@ fn shown(c: &Clustered, ranges: impl Iterator<Item = std::ops::Range<u32>>) -> L
 fn check(levels: &[Level], c: &Clustered, order: Order) {
     assert_eq!(c.clusters.levels(), levels.len());
     let mut seen = vec![false; c.triangles.len()];
-    for (i, level) in levels.iter().enumerate() {
-        let ranges: Vec<_> = c.clusters.ranges(i).collect();
+    for (l, level) in levels.iter().enumerate() {
+        let ranges: Vec<_> = c.clusters.ranges(l).collect();
         for range in &ranges {
             seen[range.start as usize..range.end as usize].fill(true);
         }
@@ -89,21 +88,23 @@ fn check(levels: &[Level], c: &Clustered, order: Order) {
             apart && ranges.iter().all(|r| r.start < r.end),
             "{ranges:?}"
         );
-        // With the range of vertices that is i + 2 at most, and never above 3 i + 1.
+        // With the range of vertices that is i + 2 at most, and never above 3 i + 1, as the thesis
+        // counts levels: from the coarsest.
+        let i = levels.len() - 1 - l;
         let most = match order {
             Order::Chunks => i + 1,
-            Order::Store if i + 1 == levels.len() => 1,
+            Order::Store if l == 0 => 1,
             Order::Store => 1 + i.div_ceil(2),
         };
-        assert!(ranges.len() <= most, "{} ranges at level {i}", ranges.len());
+        assert!(ranges.len() <= most, "{} ranges at level {l}", ranges.len());
         let shown = shown(c, ranges.into_iter());
-        let below = c.clusters.vertices(i);
+        let below = c.clusters.vertices(l);
         assert!(shown.as_flattened().iter().all(|v| *v < below));
         let original = shown.iter().map(|t| t.map(|v| c.vertices[v as usize]));
         assert_eq!(
             counted(original),
             counted(level.iter().copied()),
-            "level {i}"
+            "level {l}"
         );
     }
     assert!(seen.iter().all(|s| *s), "a triangle that no level shows");
@@ -160,7 +161,7 @@ proptest! {
             .collect();
         let regions: Vec<u16> = (0..row * row).map(half).collect();
         let c = cluster(&levels, regions.len(), &regions, Order::Store).unwrap();
-        prop_assert_eq!(c.mixable_from, 0);
+        prop_assert_eq!(c.mixable_to, levels.len() - 1);
         prop_assume!(c.clusters.regions() == 2);
         let mix = [mix.0, mix.1].map(|l| l % levels.len() as u16);
         let shown = shown(&c, c.clusters.ranges_of(&mix).unwrap());
@@ -177,6 +178,5 @@ fn levels_of(finest: Level, picks: &[Vec<(usize, usize)>]) -> Vec<Level> {
     for picks in picks {
         levels.push(collapsed(levels.last().unwrap(), picks));
     }
-    levels.reverse();
     levels
 }

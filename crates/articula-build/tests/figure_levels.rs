@@ -22,7 +22,7 @@ type Triangles = Vec<[u32; 3]>;
 struct Figure {
     asset: Asset,
     merged: MergedLevels,
-    /// Coarsest first.
+    /// Finest first.
     mesh_levels: Vec<Triangles>,
     poses: Vec<Vec<Vec3>>,
 }
@@ -49,10 +49,10 @@ fn someone() -> &'static Figure {
         Figure {
             merged: merged_levels(&asset, &options()).unwrap(),
             mesh_levels: vec![
-                clustered(&asset, 0.12),
-                clustered(&asset, 0.06),
-                clustered(&asset, 0.03),
                 asset.mesh.triangles.clone(),
+                clustered(&asset, 0.03),
+                clustered(&asset, 0.06),
+                clustered(&asset, 0.12),
             ],
             poses: positions(&asset, &shaping),
             asset,
@@ -115,7 +115,7 @@ fn nothing_grows_but_the_error_and_every_step_is_worth_it() {
     let figure = someone();
     let found = found(figure);
     let full = found.levels[0];
-    assert_eq!((full.joint_level, full.mesh_level), (0, 3));
+    assert_eq!((full.joint_level, full.mesh_level), (0, 0));
     assert_eq!((full.joints, full.cost), (figure.asset.rig.len(), 3.0));
     assert!(found.levels.len() > 5, "{:?}", found.levels);
     for pair in found.levels.windows(2) {
@@ -125,7 +125,7 @@ fn nothing_grows_but_the_error_and_every_step_is_worth_it() {
         assert!(b.cost < a.cost);
     }
     let last = found.levels[found.levels.len() - 1];
-    assert_eq!(last.mesh_level, 0, "the coarsest mesh is used");
+    assert_eq!(last.mesh_level, 3, "the coarsest mesh is used");
     let clips = figure.asset.clips.len();
     found
         .merged
@@ -187,7 +187,7 @@ fn what_is_stated_is_what_the_slow_way_sees() {
 #[test]
 fn without_coarser_meshes_errors_are_those_of_the_joints() {
     let figure = someone();
-    let whole = slices(&figure.mesh_levels[3..]);
+    let whole = slices(&figure.mesh_levels[..1]);
     let found = figure_levels(
         &figure.asset,
         &figure.merged,
@@ -229,9 +229,9 @@ fn one_joint_is_enough_for_levels_and_what_does_not_fit_is_refused() {
     assert_eq!(at(&[], &figure.poses), "mesh_levels");
     assert_eq!(at(&levels, &[]), "poses");
     assert_eq!(at(&levels, &[vec![]]), "poses[0]");
-    assert_eq!(at(&[&[], levels[3]], &figure.poses), "mesh_levels[0]");
+    assert_eq!(at(&[&[], levels[0]], &figure.poses), "mesh_levels[0]");
     assert_eq!(
-        at(&[&[[0, 1, u32::MAX]], levels[3]], &figure.poses),
+        at(&[&[[0, 1, u32::MAX]], levels[0]], &figure.poses),
         "mesh_levels[0]"
     );
 

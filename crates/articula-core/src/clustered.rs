@@ -7,7 +7,8 @@
 //!
 //! Source: thesis 3.1.2, `spec/clustered-mesh.md` 3 and 4. Different from both: a noun that takes
 //! its clusters in any order; how many ranges a level has is decided by who orders them
-//! (`articula_build::clusters`): at most one for each level up to it.
+//! (`articula_build::clusters`): at most one for each level up to it. Levels are numbered as
+//! everywhere, 0 the finest; the thesis counts from the coarsest.
 
 use crate::Mismatch;
 use std::ops::Range;
@@ -15,10 +16,10 @@ use std::ops::Range;
 /// Triangles that are shown from one level to another.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Cluster {
+    /// Finest level that shows them, the lowest number.
+    pub finest_level: u16,
     /// Coarsest level that shows them.
-    pub first_level: u16,
-    /// Finest level that shows them.
-    pub last_level: u16,
+    pub coarsest_level: u16,
     /// Region whose level decides, below [`Clusters::regions`].
     pub region: u16,
     /// Where they lie in the index list, in triangles.
@@ -26,9 +27,8 @@ pub struct Cluster {
 }
 
 impl Cluster {
-    /// Whether `level` shows these triangles.
-    pub fn is_shown_at(&self, level: usize) -> bool {
-        usize::from(self.first_level) <= level && level <= usize::from(self.last_level)
+    fn is_shown_at(&self, level: usize) -> bool {
+        usize::from(self.finest_level) <= level && level <= usize::from(self.coarsest_level)
     }
 }
 
@@ -37,17 +37,17 @@ impl Cluster {
 /// ```
 /// use articula_core::clustered::{Cluster, Clusters};
 ///
-/// // A square of two triangles that level 1 cuts into four around its centre.
+/// // A square of four triangles around its centre; level 1 shows two without it.
 /// let cluster = |level, triangles| Cluster {
-///     first_level: level,
-///     last_level: level,
+///     finest_level: level,
+///     coarsest_level: level,
 ///     region: 0,
 ///     triangles,
 /// };
-/// let square = Clusters::new(vec![4, 5], vec![cluster(0, 0..2), cluster(1, 2..6)])?;
-/// assert_eq!(square.ranges(0).collect::<Vec<_>>(), [0..2]);
-/// assert_eq!(square.ranges(1).collect::<Vec<_>>(), [2..6]);
-/// assert_eq!(square.vertices(0), 4);
+/// let square = Clusters::new(vec![5, 4], vec![cluster(1, 0..2), cluster(0, 2..6)])?;
+/// assert_eq!(square.ranges(0).collect::<Vec<_>>(), [2..6]);
+/// assert_eq!(square.ranges(1).collect::<Vec<_>>(), [0..2]);
+/// assert_eq!(square.vertices(1), 4);
 /// # Ok::<(), articula_core::Mismatch>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -58,20 +58,20 @@ pub struct Clusters {
 }
 
 impl Clusters {
-    /// Checks and takes the vertex count of each level, coarsest first, and the clusters in the
+    /// Checks and takes the vertex count of each level, finest first, and the clusters in the
     /// order of the index list.
     ///
     /// # Errors
-    /// A [`Mismatch`] if there is no level, vertex counts fall, levels of a cluster are turned
+    /// A [`Mismatch`] if there is no level, vertex counts rise, levels of a cluster are turned
     /// round or not there, or the clusters do not follow each other from triangle 0.
     pub fn new(vertices: Vec<u32>, clusters: Vec<Cluster>) -> Result<Self, Mismatch> {
         if vertices.is_empty() || vertices.len() > usize::from(u16::MAX) + 1 {
             let what = format!("{} levels, expected 1 to 65536", vertices.len());
             return Err(Mismatch::new("vertices", what));
         }
-        if let Some(i) = vertices.windows(2).position(|w| w[1] < w[0]) {
+        if let Some(i) = vertices.windows(2).position(|w| w[1] > w[0]) {
             let what = format!(
-                "{} after {}, a finer level has more",
+                "{} after {}, a coarser level has no more",
                 vertices[i + 1],
                 vertices[i]
             );
@@ -79,9 +79,9 @@ impl Clusters {
         }
         let mut end = 0;
         for (c, cluster) in clusters.iter().enumerate() {
-            let (first, last) = (cluster.first_level, cluster.last_level);
-            if first > last || usize::from(last) >= vertices.len() {
-                let what = format!("levels {first} to {last} of {}", vertices.len());
+            let (finest, coarsest) = (cluster.finest_level, cluster.coarsest_level);
+            if finest > coarsest || usize::from(coarsest) >= vertices.len() {
+                let what = format!("levels {finest} to {coarsest} of {}", vertices.len());
                 return Err(Mismatch::new(format!("clusters[{c}]"), what));
             }
             let Range { start, end: after } = cluster.triangles;
@@ -99,7 +99,7 @@ impl Clusters {
         })
     }
 
-    /// Number of levels, at least 1. Level 0 is the coarsest, `levels() - 1` the original.
+    /// Number of levels, at least 1. Level 0 is the original, `levels() - 1` the coarsest.
     pub fn levels(&self) -> usize {
         self.vertices.len()
     }
@@ -115,17 +115,17 @@ impl Clusters {
     }
 
     /// Number of triangles in the index list, those of all levels together.
-    pub fn stored_triangles(&self) -> u32 {
+    fn stored_triangles(&self) -> u32 {
         self.clusters.last().map_or(0, |c| c.triangles.end)
     }
 
-    /// Number of vertices of a level: it uses no index from here on. A level above the finest is
-    /// the finest, here and below.
+    /// Number of vertices of a level: it uses no index from here on. A level beyond the coarsest
+    /// is the coarsest, here and below.
     pub fn vertices(&self, level: usize) -> u32 {
         self.vertices[level.min(self.levels() - 1)]
     }
 
-    /// Vertex counts of all levels, coarsest first.
+    /// Vertex counts of all levels, finest first.
     pub fn vertex_counts(&self) -> &[u32] {
         &self.vertices
     }
@@ -157,9 +157,9 @@ impl Clusters {
             let what = format!("{} levels for {} regions", levels.len(), self.regions);
             return Err(Mismatch::new("levels", what));
         }
-        let finest = self.levels() - 1;
+        let coarsest = self.levels() - 1;
         let shown = move |c: &&Cluster| {
-            c.is_shown_at(usize::from(levels[usize::from(c.region)]).min(finest))
+            c.is_shown_at(usize::from(levels[usize::from(c.region)]).min(coarsest))
         };
         Ok(merged(self.clusters.iter().filter(shown)))
     }
@@ -167,13 +167,9 @@ impl Clusters {
     /// Number of vertices that are needed when every region has a level of its own: those of the
     /// finest.
     pub fn vertices_of(&self, levels: &[u16]) -> u32 {
-        self.vertices(levels.iter().max().map_or(0, |l| usize::from(*l)))
-    }
-
-    /// The greatest number of ranges of any one level: how large a caller's buffer must be.
-    pub fn most_ranges(&self) -> usize {
-        let counts = (0..self.levels()).map(|level| self.ranges(level).count());
-        counts.max().unwrap_or(0)
+        let coarsest = self.levels() - 1;
+        let finest = levels.iter().min();
+        self.vertices(finest.map_or(coarsest, |l| usize::from(*l)))
     }
 }
 
@@ -183,7 +179,7 @@ impl Clusters {
 pub struct ClusteredTriangles {
     /// Which levels show which of the triangles.
     pub clusters: Clusters,
-    /// [`Clusters::stored_triangles`] of them.
+    /// Those of all levels together, in the order of the clusters.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -205,18 +201,18 @@ impl ClusteredTriangles {
             let what = format!("{} for clusters of {stored}", self.triangles.len());
             return Err(Mismatch::new("triangles", what));
         }
-        let finest = self.clusters.vertices(usize::MAX);
+        let finest = self.clusters.vertices(0);
         if finest as usize != vertex_count {
             let what = format!("{finest} in the finest level, {vertex_count} in all");
             return Err(Mismatch::new("clusters.vertices", what));
         }
         for cluster in self.clusters.clusters() {
-            let below = self.clusters.vertices(usize::from(cluster.first_level));
+            let below = self.clusters.vertices(usize::from(cluster.coarsest_level));
             let range = cluster.triangles.start as usize..cluster.triangles.end as usize;
             let mut corners = self.triangles[range.clone()].as_flattened().iter();
             if let Some(c) = corners.position(|v| *v >= below) {
                 let at = format!("triangles[{}]", range.start + c / 3);
-                let level = cluster.first_level;
+                let level = cluster.coarsest_level;
                 let what = format!("a vertex that level {level} with {below} vertices lacks");
                 return Err(Mismatch::new(at, what));
             }
@@ -250,52 +246,57 @@ mod tests {
     )]
     use super::*;
 
-    fn cluster(first_level: u16, last_level: u16, region: u16, triangles: Range<u32>) -> Cluster {
+    fn cluster(
+        finest_level: u16,
+        coarsest_level: u16,
+        region: u16,
+        triangles: Range<u32>,
+    ) -> Cluster {
         Cluster {
-            first_level,
-            last_level,
+            finest_level,
+            coarsest_level,
             region,
             triangles,
         }
     }
 
-    /// The worked example of the specification: C(0,1) | C(1,2) C(1,1) | C(2,2).
+    /// The worked example of the specification, whose levels count from the coarsest:
+    /// C(0,1) | C(1,2) C(1,1) | C(2,2).
     fn example() -> Clusters {
         let clusters = vec![
-            cluster(0, 0, 0, 0..2),
+            cluster(2, 2, 0, 0..2),
             cluster(1, 1, 0, 2..4),
-            cluster(1, 2, 0, 4..6),
-            cluster(2, 2, 0, 6..10),
+            cluster(0, 1, 0, 4..6),
+            cluster(0, 0, 0, 6..10),
         ];
-        Clusters::new(vec![4, 5, 6], clusters).unwrap()
+        Clusters::new(vec![6, 5, 4], clusters).unwrap()
     }
 
     #[test]
     fn levels_of_the_worked_example() {
         let mesh = example();
         let ranges = |level| mesh.ranges(level).collect::<Vec<_>>();
-        assert_eq!(ranges(0), [0..2]);
+        assert_eq!(ranges(0), [4..10]);
         assert_eq!(ranges(1), [2..6]);
-        assert_eq!(ranges(2), [4..10]);
-        assert_eq!(ranges(7), [4..10], "above the finest is the finest");
-        assert_eq!(mesh.vertex_counts(), [4, 5, 6]);
-        assert_eq!([0, 1, 2].map(|i| mesh.triangles(i)), [2, 4, 6]);
-        assert_eq!((mesh.stored_triangles(), mesh.most_ranges()), (10, 1));
+        assert_eq!(ranges(2), [0..2]);
+        assert_eq!(ranges(7), [0..2], "beyond the coarsest is the coarsest");
+        assert_eq!(mesh.vertex_counts(), [6, 5, 4]);
+        assert_eq!([0, 1, 2].map(|i| mesh.triangles(i)), [6, 4, 2]);
+        assert_eq!(mesh.stored_triangles(), 10);
     }
 
     #[test]
     fn empty_clusters_neither_show_nor_part_their_neighbours() {
         let clusters = vec![
             cluster(0, 1, 0, 0..3),
-            cluster(0, 0, 0, 3..3),
-            cluster(1, 1, 0, 3..4),
-            cluster(0, 0, 0, 4..5),
+            cluster(1, 1, 0, 3..3),
+            cluster(0, 0, 0, 3..4),
+            cluster(1, 1, 0, 4..5),
             cluster(0, 1, 0, 5..6),
         ];
         let mesh = Clusters::new(vec![3, 3], clusters).unwrap();
-        assert_eq!(mesh.ranges(1).collect::<Vec<_>>(), [0..4, 5..6]);
-        assert_eq!(mesh.ranges(0).collect::<Vec<_>>(), [0..3, 4..6]);
-        assert_eq!(mesh.most_ranges(), 2);
+        assert_eq!(mesh.ranges(0).collect::<Vec<_>>(), [0..4, 5..6]);
+        assert_eq!(mesh.ranges(1).collect::<Vec<_>>(), [0..3, 4..6]);
         let nothing = Clusters::new(vec![0], vec![]).unwrap();
         assert_eq!(
             (nothing.stored_triangles(), nothing.ranges(0).count()),
@@ -306,19 +307,19 @@ mod tests {
     #[test]
     fn each_region_at_its_level() {
         let clusters = vec![
-            cluster(0, 0, 0, 0..2),
-            cluster(0, 0, 1, 2..4),
-            cluster(1, 1, 0, 4..8),
-            cluster(1, 1, 1, 8..12),
+            cluster(1, 1, 0, 0..2),
+            cluster(1, 1, 1, 2..4),
+            cluster(0, 0, 0, 4..8),
+            cluster(0, 0, 1, 8..12),
         ];
-        let mesh = Clusters::new(vec![4, 9], clusters).unwrap();
+        let mesh = Clusters::new(vec![9, 4], clusters).unwrap();
         assert_eq!(mesh.regions(), 2);
         let of = |levels: &[u16]| mesh.ranges_of(levels).unwrap().collect::<Vec<_>>();
-        assert_eq!(of(&[1, 0]), [2..8]);
-        assert_eq!(of(&[0, 1]), [0..2, 8..12]);
-        assert_eq!(of(&[1, 1]), mesh.ranges(1).collect::<Vec<_>>());
+        assert_eq!(of(&[0, 1]), [2..8]);
+        assert_eq!(of(&[1, 0]), [0..2, 8..12]);
+        assert_eq!(of(&[0, 0]), mesh.ranges(0).collect::<Vec<_>>());
         assert_eq!(
-            [mesh.vertices_of(&[0, 0]), mesh.vertices_of(&[0, 1])],
+            [mesh.vertices_of(&[1, 1]), mesh.vertices_of(&[1, 0])],
             [4, 9]
         );
         assert_eq!(mesh.ranges_of(&[0]).map(|_| ()).unwrap_err().at, "levels");
@@ -326,14 +327,14 @@ mod tests {
 
     #[test]
     fn no_level_names_a_vertex_of_a_finer_one() {
-        let clusters = vec![cluster(0, 0, 0, 0..1), cluster(1, 1, 0, 1..2)];
+        let clusters = vec![cluster(1, 1, 0, 0..1), cluster(0, 0, 0, 1..2)];
         let of = |triangles: &[[u32; 3]]| ClusteredTriangles {
-            clusters: Clusters::new(vec![3, 4], clusters.clone()).unwrap(),
+            clusters: Clusters::new(vec![4, 3], clusters.clone()).unwrap(),
             triangles: triangles.to_vec(),
         };
         let good = of(&[[0, 1, 2], [0, 1, 3]]);
         assert_eq!(good.check(4), Ok(()));
-        assert_eq!(good.level(1).collect::<Vec<_>>(), [[0, 1, 3]]);
+        assert_eq!(good.level(0).collect::<Vec<_>>(), [[0, 1, 3]]);
         let at = |of: ClusteredTriangles, count| of.check(count).unwrap_err().at;
         assert_eq!(at(good, 5), "clusters.vertices");
         assert_eq!(at(of(&[[0, 1, 3], [0, 1, 3]]), 4), "triangles[0]");
@@ -349,7 +350,7 @@ mod tests {
                 .at
         };
         assert_eq!(at(&[], &[]), "vertices");
-        assert_eq!(at(&[3, 2], &[]), "vertices[1]");
+        assert_eq!(at(&[2, 3], &[]), "vertices[1]");
         assert_eq!(at(&[3], &[cluster(0, 1, 0, 0..1)]), "clusters[0]");
         assert_eq!(at(&[3, 3], &[cluster(1, 0, 0, 0..1)]), "clusters[0]");
         let gap = [cluster(0, 0, 0, 0..1), cluster(0, 0, 0, 2..3)];

@@ -45,19 +45,19 @@ pub struct LevelRow {
 /// The levels of all meshes of a character.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct LevelTable {
-    /// Coarsest first; the last is the original.
+    /// The original first, then coarser and coarser ones.
     pub levels: Vec<LevelRow>,
     /// Names of the regions that may have levels of their own; none if there is but one.
     pub regions: Vec<String>,
-    /// Coarsest level from which on regions may be at different levels.
-    pub mixable_from: usize,
+    /// Coarsest level up to which regions may be at different levels, beginning with the original.
+    pub mixable_to: usize,
 }
 
 impl LevelTable {
     /// The errors in motion that a level is chosen by.
     ///
     /// # Errors
-    /// A [`Mismatch`] if there is no level, or the last one is not free of error.
+    /// A [`Mismatch`] if there is no level, or the first one is not free of error.
     pub fn errors(&self) -> Result<MeshErrors, Mismatch> {
         let list = |number: fn(&SurfaceError) -> f32| -> Vec<f32> {
             self.levels.iter().map(|l| number(&l.motion)).collect()
@@ -86,18 +86,15 @@ mod tests {
         };
         let mut table = LevelTable {
             levels: vec![
-                row(error(0.01, 0.05)),
-                row(error(0.01, 0.011)),
                 row(error(0.0, 0.0)),
+                row(error(0.01, 0.011)),
+                row(error(0.01, 0.05)),
             ],
             ..LevelTable::default()
         };
         let errors = table.errors().unwrap();
-        assert_eq!(
-            [0, 1, 2].map(|l| errors.error_metres(l)),
-            [0.025, 0.01, 0.0]
-        );
-        table.levels.pop();
+        assert_eq!(errors.levels_metres(), [0.0, 0.01, 0.025]);
+        table.levels.remove(0);
         assert!(table.errors().is_err());
     }
 }

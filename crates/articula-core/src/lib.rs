@@ -22,7 +22,6 @@
 //! - [`motion_bounds`]: what holds a moving character, by the second of its clip
 //! - [`motion_error`]: what a held joint costs, in metres and in pixels
 //! - [`attention`]: when a clip and who plays it matter more, so that less error is tolerated
-//! - [`thesis_metric`]: the second step of the thesis' metric, kept as a baseline
 //! - [`drift`]: ours, untabled: holds joints while what is shown stays within the tolerance
 //! - [`budget`]: one option for each character of a crowd, least error within the budget
 //! - [`key_table`]: ours, tabled: nested keys for a ladder of tolerances
@@ -73,7 +72,6 @@ pub mod skin;
 pub mod skin_groups;
 pub mod source;
 pub mod sphere;
-pub mod thesis_metric;
 pub mod view;
 pub mod visibility;
 pub mod world_bounds;

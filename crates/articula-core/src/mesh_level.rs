@@ -2,8 +2,8 @@
 //!
 //! Source: `spec/clustered-mesh.md` 7, and the choice of joint levels (`crate::crowd`), whose rule
 //! and hysteresis are taken over: a level's error in metres, times the pixels that a metre spans
-//! at the character's nearest depth, is its error in pixels. Differs: mesh levels are numbered
-//! from the coarsest, 0, to the original, and a level that is not there yet cannot be shown.
+//! at the character's nearest depth, is its error in pixels. Level 0 is the original. Differs: a
+//! level that is not there yet cannot be shown.
 //!
 //! Pure functions over a table; nothing here allocates but its making.
 
@@ -14,8 +14,8 @@ use crate::level_error::judged_metres;
 /// Errors of the levels of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshErrors {
-    /// From the original, which has none, to the coarsest: the order of joint levels.
-    from_original_metres: Vec<f32>,
+    /// From the original, which has none, to the coarsest.
+    levels_metres: Vec<f32>,
 }
 
 /// What was chosen for a character.
@@ -30,28 +30,28 @@ pub struct MeshChoice {
 }
 
 impl MeshErrors {
-    /// Takes the error of each level in metres, the coarsest first. A level that is worse than a
-    /// coarser one counts as bad as that one does.
+    /// Takes the error of each level in metres, the original first. A level counts as at least as
+    /// bad as every finer one.
     ///
     /// # Errors
-    /// A [`Mismatch`] if there is no level, an error is negative or no number, or the last level,
+    /// A [`Mismatch`] if there is no level, an error is negative or no number, or the first level,
     /// the original, is not free of error. An error may be infinite: that of an empty level.
     pub fn new(levels_metres: &[f32]) -> Result<Self, Mismatch> {
         if let Some(l) = levels_metres.iter().position(|e| e.is_nan() || *e < 0.0) {
             let what = format!("{} is no error", levels_metres[l]);
             return Err(Mismatch::new(format!("levels[{l}]"), what));
         }
-        if levels_metres.last() != Some(&0.0) {
-            let what = "the last level is the original and has no error";
+        if levels_metres.first() != Some(&0.0) {
+            let what = "the first level is the original and has no error";
             return Err(Mismatch::new("levels", what));
         }
         let mut greatest = 0.0f32;
-        let rising = levels_metres.iter().rev().map(|e| {
+        let rising = levels_metres.iter().map(|e| {
             greatest = greatest.max(*e);
             greatest
         });
         Ok(Self {
-            from_original_metres: rising.collect(),
+            levels_metres: rising.collect(),
         })
     }
 
@@ -70,17 +70,9 @@ impl MeshErrors {
         Self::new(&judged)
     }
 
-    /// Number of levels, at least 1.
-    pub fn levels(&self) -> usize {
-        self.from_original_metres.len()
-    }
-
-    /// Error of a level, metres.
-    ///
-    /// # Panics
-    /// If there is no such level.
-    pub fn error_metres(&self, level: usize) -> f32 {
-        self.from_original_metres[self.original() - level]
+    /// Errors of all levels, metres: at least 1, rising from the original's 0.
+    pub fn levels_metres(&self) -> &[f32] {
+        &self.levels_metres
     }
 
     /// The coarsest level within a tolerance, which is pixels over pixels per metre, times what
@@ -96,17 +88,14 @@ impl MeshErrors {
         shown: Option<usize>,
         finest_loaded: usize,
     ) -> MeshChoice {
-        let original = self.original();
-        let shown = shown.map(|level| original - level.min(original));
-        let found = level_within(tolerance_metres, shown, original, |l| {
-            self.from_original_metres[l]
-        });
-        let wanted = original - found;
-        let level = wanted.min(finest_loaded);
+        let coarsest = self.levels_metres.len() - 1;
+        let shown = shown.map(|level| level.min(coarsest));
+        let wanted = level_within(tolerance_metres, shown, coarsest, |l| self.levels_metres[l]);
+        let level = wanted.max(finest_loaded).min(coarsest);
         MeshChoice {
             level,
             wanted,
-            error_metres: self.error_metres(level),
+            error_metres: self.levels_metres[level],
         }
     }
 
@@ -118,12 +107,7 @@ impl MeshErrors {
     /// If there is no such level.
     #[inline]
     pub fn kept_between(&self, level: usize, px: f32) -> [f32; 2] {
-        kept_between(&self.from_original_metres, self.original() - level, px)
-    }
-
-    /// Number of the original.
-    fn original(&self) -> usize {
-        self.from_original_metres.len() - 1
+        kept_between(&self.levels_metres, level, px)
     }
 }
 
@@ -134,24 +118,24 @@ mod tests {
 
     #[test]
     fn by_hand() {
-        // 8, 4, 2 and 0 mm; 2 px at 500 px/m tolerate 4 mm.
-        let errors = MeshErrors::new(&[8e-3, 4e-3, 2e-3, 0.0]).unwrap();
-        let all = 3;
+        // 0, 2, 4 and 8 mm; 2 px at 500 px/m tolerate 4 mm.
+        let errors = MeshErrors::new(&[0.0, 2e-3, 4e-3, 8e-3]).unwrap();
+        let all = 0;
         let choose = |tolerance, shown, loaded| errors.choose(tolerance, shown, loaded);
-        assert_eq!(choose(4e-3, None, all).level, 1);
+        assert_eq!(choose(4e-3, None, all).level, 2);
         // From a finer level it is taken only with some room: 4 mm are 0.8 of 5 mm.
-        assert_eq!(choose(4e-3, Some(2), all).level, 2);
-        assert_eq!(choose(5.01e-3, Some(2), all).level, 1);
-        assert_eq!(choose(4e-3, Some(1), all).level, 1, "kept");
-        assert_eq!(choose(3.9e-3, Some(1), all).level, 2, "too coarse");
-        assert_eq!(choose(1.0, None, all).level, 0);
-        assert_eq!(choose(f32::NAN, Some(0), all).level, 3);
-        assert_eq!(choose(0.0, Some(9), all).level, 3);
+        assert_eq!(choose(4e-3, Some(1), all).level, 1);
+        assert_eq!(choose(5.01e-3, Some(1), all).level, 2);
+        assert_eq!(choose(4e-3, Some(2), all).level, 2, "kept");
+        assert_eq!(choose(3.9e-3, Some(2), all).level, 1, "too coarse");
+        assert_eq!(choose(1.0, None, all).level, 3);
+        assert_eq!(choose(f32::NAN, Some(3), all).level, 0);
+        assert_eq!(choose(0.0, Some(9), all).level, 0);
         // Only the two coarsest are loaded.
-        let capped = choose(1e-3, Some(1), 1);
-        assert_eq!((capped.level, capped.wanted), (1, 3));
+        let capped = choose(1e-3, Some(2), 2);
+        assert_eq!((capped.level, capped.wanted), (2, 0));
         assert_eq!(capped.error_metres, 4e-3);
-        let [least, most] = errors.kept_between(1, 2.0);
+        let [least, most] = errors.kept_between(2, 2.0);
         assert!((least - 2.0 * 0.8 / 8e-3).abs() < 1e-3 && (most - 500.0).abs() < 1e-3);
     }
 
@@ -160,17 +144,21 @@ mod tests {
         let at = |levels: &[f32]| MeshErrors::new(levels).unwrap_err().at;
         assert_eq!(at(&[]), "levels");
         assert_eq!(at(&[0.1]), "levels");
-        assert_eq!(at(&[0.1, f32::NAN, 0.0]), "levels[1]");
-        assert_eq!(at(&[-0.1, 0.0]), "levels[0]");
+        assert_eq!(at(&[0.0, f32::NAN, 0.1]), "levels[1]");
+        assert_eq!(at(&[0.0, -0.1]), "levels[1]");
         let other = MeshErrors::of_statistics(&[0.0], &[]).unwrap_err();
         assert_eq!(other.at, "max_metres");
-        let empty = MeshErrors::new(&[f32::INFINITY, 0.0]).unwrap();
-        assert_eq!(empty.choose(1e9, None, 1).level, 1);
-        let odd = MeshErrors::new(&[1.0, 3.0, 0.0]).unwrap();
-        assert_eq!(odd.error_metres(0), 3.0, "a coarser one is never better");
+        let empty = MeshErrors::new(&[0.0, f32::INFINITY]).unwrap();
+        assert_eq!(empty.choose(1e9, None, 0).level, 0);
+        let odd = MeshErrors::new(&[0.0, 3.0, 1.0]).unwrap();
+        assert_eq!(
+            odd.levels_metres(),
+            [0.0, 3.0, 3.0],
+            "a coarser one is never better"
+        );
         // 10 mm in a twentieth of the vertices, 30 mm in one finger: judged by the finger.
-        let both = MeshErrors::of_statistics(&[0.01, 0.0], &[0.03, 0.0]).unwrap();
-        assert_eq!(both.error_metres(0), 0.015);
+        let both = MeshErrors::of_statistics(&[0.0, 0.01], &[0.0, 0.03]).unwrap();
+        assert_eq!(both.levels_metres()[1], 0.015);
     }
 
     proptest! {
@@ -184,23 +172,23 @@ mod tests {
             for step in &steps {
                 levels.push(levels[levels.len() - 1] + step);
             }
-            levels.reverse();
             let errors = MeshErrors::new(&levels).unwrap();
             let mut shown = None;
             for tolerance in &tolerances {
-                let fresh = errors.choose(*tolerance, None, steps.len());
+                let fresh = errors.choose(*tolerance, None, 0);
                 prop_assert!(fresh.error_metres <= *tolerance);
-                prop_assert!(fresh.level == 0 || errors.error_metres(fresh.level - 1) > *tolerance);
-                let kept = errors.choose(*tolerance, shown, steps.len());
+                let coarser = levels.get(fresh.level + 1);
+                prop_assert!(coarser.is_none_or(|e| e > tolerance));
+                let kept = errors.choose(*tolerance, shown, 0);
                 prop_assert!(kept.error_metres <= *tolerance, "hysteresis only keeps finer");
-                prop_assert!(kept.level >= fresh.level);
+                prop_assert!(kept.level <= fresh.level);
                 shown = Some(kept.level);
             }
             // A size that trembles by less than the hysteresis changes a level once at most.
-            let mut level = errors.choose(1.0, shown, steps.len()).level;
+            let mut level = errors.choose(1.0, shown, 0).level;
             let mut changes = 0;
             for tremble in &wobble {
-                let next = errors.choose(*tremble, Some(level), steps.len()).level;
+                let next = errors.choose(*tremble, Some(level), 0).level;
                 changes += u32::from(next != level);
                 level = next;
             }

@@ -7,18 +7,19 @@ use articula_core::clustered::{Cluster, Clusters};
 #[test]
 fn choosing_ranges_allocates_nothing() {
     let regions = 3;
-    let lives = (0..5u16).flat_map(|first| (first..5).map(move |last| (first, last)));
+    let lives = (0..5u16).flat_map(|finest| (finest..5).map(move |coarsest| (finest, coarsest)));
     let lives = lives.flat_map(|life| (0..regions).map(move |region| (life, region)));
     let clusters = lives
         .zip(0..)
-        .map(|(((first_level, last_level), region), i)| Cluster {
-            first_level,
-            last_level,
+        .map(|(((finest_level, coarsest_level), region), i)| Cluster {
+            finest_level,
+            coarsest_level,
             region,
             triangles: 7 * i..7 * (i + 1),
         });
-    let mesh = Clusters::new(vec![4, 9, 16, 25, 36], clusters.collect()).unwrap();
-    let mut buffer = vec![0..0; mesh.most_ranges() * usize::from(regions)];
+    let mesh = Clusters::new(vec![36, 25, 16, 9, 4], clusters.collect()).unwrap();
+    let most = (0..5).map(|l| mesh.ranges(l).count()).max().unwrap();
+    let mut buffer = vec![0..0; most * usize::from(regions)];
     let mut drawn = 0;
     let counted = allocation_counter::measure(|| {
         for frame in 0..100u16 {

@@ -15,7 +15,6 @@ use articula_core::rig::Rig;
 use articula_core::sample::{Wrap, sample, sample_morphs};
 use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::{self, Joint, MorphTarget, Primitive, Skeleton, Skin};
-use articula_core::thesis_metric::{ErrorMatrix, switch};
 use articula_core::view::Viewport;
 use glam::{Affine3A, Quat, Vec3};
 
@@ -100,7 +99,7 @@ fn still_camera(distance: f32) -> impl Fn(f64) -> f32 {
 const ROUNDING_PX: f32 = 2e-3;
 
 #[test]
-fn a_slow_turn_is_followed_by_ours_and_never_by_the_thesis() {
+fn a_slow_turn_is_followed() {
     let clip = turning(60.0, 30.0, |t| t.to_radians());
     let opts = DriftOptions::default();
     let run = play(&clip, 30.0, opts, still_camera(5.0));
@@ -112,32 +111,6 @@ fn a_slow_turn_is_followed_by_ours_and_never_by_the_thesis() {
     // A degree moves the skin by 5.2 mm, 0.91 px at 5 m: some fifty corrections a minute, not
     // none and not one for each of the 1800 frames.
     assert!((30..900).contains(&updates), "{updates} updates");
-
-    // The thesis compares neighbouring frames. Its values are divided by the clip's largest;
-    // one quick joint beside the slow one puts that below every threshold for ever.
-    let slow_of_quick = (1.0f32 / 30.0).to_radians() / 2.0f32.to_radians() * 0.01;
-    let matrix = ErrorMatrix::new(1, vec![slow_of_quick; clip.frames()]).unwrap();
-    let mut states = JointStates::new(
-        &rest(),
-        TransitionOptions {
-            secs: 0.0,
-            ..TransitionOptions::default()
-        },
-    );
-    let mut pose = rest();
-    let mut worst: f32 = 0.0;
-    for i in 0..clip.frames() {
-        let secs = i as f64 / 30.0;
-        sample(&clip, secs, Wrap::Clamp, &JointSet::first(1), &mut pose);
-        switch(&matrix, i, 1e-3, &mut states, secs, &pose);
-        let shown = states.step(secs, &pose).rotations[0];
-        worst = worst.max(angle_between(shown, pose.rotations[0]));
-    }
-    assert_eq!(states.state(0), JointState::Passive);
-    assert!(
-        worst > 59.0f32.to_radians(),
-        "frozen at the first frame, {worst} rad away at last"
-    );
 }
 
 #[test]

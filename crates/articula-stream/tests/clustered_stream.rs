@@ -79,7 +79,7 @@ fn refining_gives_at_each_step_the_mesh_of_direct_delivery() {
     let whole = write(table, objects, 0..count).unwrap().bytes;
     let limits = StreamLimits::default();
     let mut receiver = Receiver::new(MeshStream::open(&whole, &limits).unwrap(), limits);
-    for level in 0..count {
+    for level in (0..count).rev() {
         let alone = write(table, objects, level..level + 1).unwrap().bytes;
         let direct = Receiver::read(&alone, &limits).unwrap();
         for (o, object) in objects.iter().enumerate() {
@@ -105,24 +105,29 @@ fn one_level_alone_refines_with_the_chunks_of_the_whole() {
     let count = table.levels.len();
     let limits = StreamLimits::default();
     let whole = write(table, objects, 0..count).unwrap().bytes;
-    let from_2 = write(table, objects, 2..count).unwrap().bytes;
+    let from = count - 3;
+    let to_finest = write(table, objects, 0..from + 1).unwrap().bytes;
     let (whole_head, head) = (
         MeshStream::open(&whole, &limits).unwrap(),
-        MeshStream::open(&from_2, &limits).unwrap(),
+        MeshStream::open(&to_finest, &limits).unwrap(),
     );
-    assert_eq!(head.first_level, 2);
+    assert_eq!((head.finest_level, head.levels.levels.len()), (0, from + 1));
     let mut receiver = Receiver::new(head.clone(), limits);
     for o in 0..objects.len() {
         receiver
-            .refine(o, &from_2[head.chunk(0, o).unwrap()])
+            .refine(o, &to_finest[head.chunk(from, o).unwrap()])
             .unwrap();
-        for level in 3..count {
+        for level in (0..from).rev() {
             let chunk = whole_head.chunk(level, o).unwrap();
             receiver.refine(o, &whole[chunk]).unwrap();
         }
-        let finest = by_value(objects[o].levels.last().unwrap());
-        assert!(by_value(receiver.mesh(o).unwrap()) == finest);
+        assert!(by_value(receiver.mesh(o).unwrap()) == by_value(&objects[o].levels[0]));
     }
+    // A level in the middle knows its number, and what it is marked with.
+    let alone = write(table, objects, 2..3).unwrap();
+    let head = MeshStream::open(&alone.bytes, &limits).unwrap();
+    assert_eq!((head.finest_level, head.levels.levels.len()), (2, 1));
+    assert_eq!(alone.unit.children[1].marker("level"), Some(2));
 }
 
 #[test]
@@ -132,21 +137,29 @@ fn freed_levels_come_back_the_same() {
     let whole = write(table, objects, 0..table.levels.len()).unwrap().bytes;
     let fine = Receiver::read(&whole, &limits).unwrap();
     let mut receiver = fine.clone();
+    let count = table.levels.len();
+    let kept = count - 2;
     for (o, object) in objects.iter().enumerate() {
-        receiver.coarsen(o, 2);
-        assert_eq!(receiver.levels(o), 2);
-        assert!(by_value(receiver.mesh(o).unwrap()) == by_value(&object.levels[1]));
+        receiver.coarsen(o, kept);
+        assert_eq!(receiver.finest_level(o), Some(kept));
+        assert_eq!(receiver.next_level(o), Some(kept - 1));
+        assert!(by_value(receiver.mesh(o).unwrap()) == by_value(&object.levels[kept]));
         let triangles = receiver.triangles(o).unwrap();
         let vertices = receiver.primitive(o).unwrap().positions.len();
         assert_eq!(triangles.check(vertices), Ok(()));
-        for level in 2..table.levels.len() {
+        for level in (0..kept).rev() {
             let chunk = fine.stream().chunk(level, o).unwrap();
             receiver.refine(o, &whole[chunk]).unwrap();
         }
         assert_eq!(receiver.mesh(o), fine.mesh(o));
-        let shown: Vec<_> = fine.triangles(o).unwrap().level(2).collect();
-        assert_eq!(shown.len(), object.levels[2].faces.len());
+        assert_eq!(receiver.next_level(o), None);
+        let shown: Vec<_> = fine.triangles(o).unwrap().level(1).collect();
+        assert_eq!(shown.len(), object.levels[1].faces.len());
     }
+    receiver.coarsen(0, count);
+    assert_eq!(receiver.finest_level(0), None);
+    assert_eq!(receiver.mesh(0).unwrap().faces.len(), 0);
+    assert_eq!(receiver.next_level(9), None, "there is no such object");
 }
 
 #[test]
@@ -157,13 +170,16 @@ fn damaged_and_misplaced_chunks_change_nothing() {
     let stream = MeshStream::open(&whole, &limits).unwrap();
     let chunk = |level, o| whole[stream.chunk(level, o).unwrap()].to_vec();
     let mut receiver = Receiver::new(stream.clone(), limits);
-    receiver.refine(0, &chunk(0, 0)).unwrap();
+    let first = table.levels.len() - 1;
+    let next = first - 1;
+    receiver.refine(0, &chunk(first, 0)).unwrap();
     let before = receiver.mesh(0).cloned();
-    let good = chunk(1, 0);
+    let good = chunk(next, 0);
     let refused = |receiver: &mut Receiver, bytes: &[u8]| {
         let error = receiver.refine(0, bytes).unwrap_err();
         assert!(matches!(error, StreamError::Malformed { .. }), "{error}");
-        assert!(error.to_string().contains("level 1, object 0"), "{error}");
+        let place = format!("level {next}, object 0");
+        assert!(error.to_string().contains(&place), "{error}");
     };
     for at in (0..good.len()).step_by(7) {
         let mut bad = good.clone();
@@ -171,12 +187,13 @@ fn damaged_and_misplaced_chunks_change_nothing() {
         refused(&mut receiver, &bad);
         refused(&mut receiver, &good[..at]);
     }
-    refused(&mut receiver, &chunk(2, 0));
-    refused(&mut receiver, &chunk(1, 1));
+    refused(&mut receiver, &chunk(next - 1, 0));
+    refused(&mut receiver, &chunk(next, 1));
     refused(&mut receiver, &[]);
     assert_eq!(receiver.mesh(0).cloned(), before);
     receiver.refine(0, &good).unwrap();
-    assert!(receiver.refine(9, &good).is_err());
+    let nobody = receiver.refine(9, &good).unwrap_err();
+    assert!(matches!(nobody, StreamError::Mismatch(_)), "{nobody}");
 }
 
 #[test]
@@ -185,14 +202,16 @@ fn a_stream_cut_after_any_level_is_a_whole_coarser_character() {
     let limits = StreamLimits::default();
     let written = write(table, objects, 0..table.levels.len()).unwrap();
     written.unit.check().unwrap();
+    written.unit.check_values(&written.bytes).unwrap();
     assert_eq!(written.unit.bytes() as usize, written.bytes.len());
     let of_level = |u: &&Unit| u.label == "level";
-    for (l, unit) in written.unit.children.iter().filter(of_level).enumerate() {
+    let units = written.unit.children.iter().filter(of_level);
+    for (unit, l) in units.zip((0..table.levels.len()).rev()) {
         assert_eq!(unit.marker("level"), Some(l as u32));
         let cut = (unit.bits.end / 8) as usize;
         let receiver = Receiver::read(&written.bytes[..cut], &limits).unwrap();
         for (o, object) in objects.iter().enumerate() {
-            assert_eq!(receiver.levels(o), l + 1);
+            assert_eq!(receiver.finest_level(o), Some(l));
             assert!(by_value(receiver.mesh(o).unwrap()) == by_value(&object.levels[l]));
             assert_eq!(unit.children[o].marker("object"), Some(o as u32));
         }
@@ -206,18 +225,21 @@ fn an_object_ends_where_a_chunk_was_cut_out() {
     let written = write(table, objects, 0..table.levels.len()).unwrap();
     let stream = MeshStream::open(&written.bytes, &limits).unwrap();
     // As a cut does it: the bytes go, their length in the head becomes 0.
-    let gone = stream.chunk(2, 0).unwrap();
-    let field = &written.unit.children[0].fields[2 * objects.len()];
-    let length = (field.bits.start / 8) as usize;
+    let cut = table.levels.len() - 3;
+    let gone = stream.chunk(cut, 0).unwrap();
+    let length = &written.unit.children[0].fields[2 * objects.len()];
+    assert_eq!(length.value as usize, gone.len());
     let mut bytes = written.bytes.clone();
+    length.coding.write(&mut bytes, &length.bits, 0).unwrap();
     bytes.drain(gone);
-    bytes[length..length + 4].fill(0);
     let receiver = Receiver::read(&bytes, &limits).unwrap();
-    assert_eq!(receiver.levels(0), 2);
-    assert_eq!(receiver.levels(1), table.levels.len());
-    assert!(by_value(receiver.mesh(0).unwrap()) == by_value(&objects[0].levels[1]));
-    let finest = objects[1].levels.last().unwrap();
-    assert!(by_value(receiver.mesh(1).unwrap()) == by_value(finest));
+    assert_eq!(receiver.finest_level(0), Some(cut + 1));
+    assert_eq!(receiver.finest_level(1), Some(0));
+    assert!(by_value(receiver.mesh(0).unwrap()) == by_value(&objects[0].levels[cut + 1]));
+    assert!(by_value(receiver.mesh(1).unwrap()) == by_value(&objects[1].levels[0]));
+    let left = receiver.stream().unit();
+    left.check().unwrap();
+    left.check_values(&bytes).unwrap();
 }
 
 #[test]

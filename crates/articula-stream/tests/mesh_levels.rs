@@ -20,7 +20,7 @@ use articula_stream::mesh::{
 #[path = "../../articula-formats/tests/real/mod.rs"]
 mod real;
 
-/// The first primitive of a character at five levels, the coarsest first, without its morphs,
+/// The first primitive of a character at five levels, the finest first, without its morphs,
 /// which the codecs that it is compared with do not have.
 fn levels(name: &str) -> Option<Quantised> {
     let Some(bytes) = real::bytes(name) else {
@@ -81,24 +81,26 @@ fn faces(mesh: &QuantisedMesh) -> Vec<[Corner; 3]> {
 /// Bytes of the coarsest level and all refinements, each checked by what comes back.
 fn whole(levels: &[QuantisedMesh], layout: &Layout) -> usize {
     let limits = StreamLimits::default();
-    let bytes = encode_level(&levels[0], layout).unwrap();
+    let coarsest = levels.last().unwrap();
+    let bytes = encode_level(coarsest, layout).unwrap();
     let mut shown = decode_level(&bytes, layout, &limits).unwrap();
-    assert_eq!(faces(&shown), faces(&levels[0]));
+    assert_eq!(faces(&shown), faces(coarsest));
     let mut size = bytes.len();
-    for pair in levels.windows(2) {
-        let bytes = encode_refinement(&pair[0], &pair[1], layout).unwrap();
+    for pair in levels.windows(2).rev() {
+        let [fine, coarse] = [&pair[0], &pair[1]];
+        let bytes = encode_refinement(coarse, fine, layout).unwrap();
         let finer = decode_refinement(&shown, &bytes, layout, &limits).unwrap();
-        assert_eq!(faces(&finer), faces(&pair[1]));
+        assert_eq!(faces(&finer), faces(fine));
         assert_eq!(finer.positions[..shown.points()], shown.positions);
         assert_eq!(finer.skins[..shown.points()], shown.skins);
         assert_eq!(finer.wedge_points[..shown.wedges()], shown.wedge_points);
         assert_eq!(finer.normals[..shown.normals.len()], shown.normals);
         assert_eq!(finer.texcoords[..shown.texcoords.len()], shown.texcoords);
         // A level that came alone is refined by the same bytes to the same mesh.
-        let alone = encode_level(&pair[0], layout).unwrap();
+        let alone = encode_level(coarse, layout).unwrap();
         let alone = decode_level(&alone, layout, &limits).unwrap();
         let other = decode_refinement(&alone, &bytes, layout, &limits).unwrap();
-        assert_eq!(faces(&other), faces(&pair[1]));
+        assert_eq!(faces(&other), faces(fine));
         shown = finer;
         size += bytes.len();
     }
@@ -109,7 +111,7 @@ fn whole(levels: &[QuantisedMesh], layout: &Layout) -> usize {
 /// its slowest, quantised alike; meshoptimizer's codecs of vertices and indices.
 fn check_sizes(name: &str, draco: usize, meshopt: usize) {
     let Some(found) = levels(name) else { return };
-    let finest = found.levels.last().unwrap();
+    let finest = &found.levels[0];
     let alone = encode_level(finest, &found.layout).unwrap();
     let back = decode_level(&alone, &found.layout, &StreamLimits::default()).unwrap();
     assert_eq!(faces(&back), faces(finest));

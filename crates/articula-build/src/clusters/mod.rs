@@ -9,6 +9,8 @@
 //! Source: thesis 3.1.2, `spec/clustered-mesh.md` 3 to 5. Different: lives instead of the
 //! thesis' sets (its `C(k,j)` lives from `k` to `j - 1`), so levels need not be chained; lists of
 //! the written form lie in a serpentine order that needs half the ranges ([`Order::Store`]).
+//! Level 0 is the finest for every caller; inside, a *step* counts levels from the coarsest, as
+//! the thesis does and as everything is stored.
 
 mod order;
 mod vertex_cache;
@@ -17,6 +19,7 @@ pub use order::Order;
 
 use articula_core::Mismatch;
 use articula_core::clustered::{Cluster, Clusters};
+use std::cmp::Reverse;
 use std::collections::HashMap;
 
 /// An object with all its levels, each vertex and triangle where it is stored.
@@ -26,18 +29,19 @@ pub struct Clustered {
     pub clusters: Clusters,
     /// Triangles of all levels in the order of `clusters`, numbering the vertices below.
     pub triangles: Vec<[u32; 3]>,
-    /// Original number of each stored vertex: those of level 0, those that level 1 adds, and so
-    /// on. Vertices that no level uses are left out.
+    /// Original number of each stored vertex: those of the coarsest level, those that the next
+    /// finer one adds, and so on. Vertices that no level uses are left out.
     pub vertices: Vec<u32>,
     /// Triangles that are stored again because they vanish and come back. 0 if each level is made
     /// from the next finer one.
     pub copies: usize,
-    /// Coarsest level from which on regions may be at different levels: no step above it changes
-    /// a triangle that has corners in two regions, so the seam between them is the same.
-    pub mixable_from: usize,
+    /// Coarsest level up to which regions may be at different levels: from it to the finest no
+    /// step changes a triangle that has corners in two regions, so the seam between them is the
+    /// same.
+    pub mixable_to: usize,
 }
 
-/// Clusters the levels of one object, coarsest first, whose triangles name original vertices.
+/// Clusters the levels of one object, finest first, whose triangles name original vertices.
 ///
 /// `regions` is the region of each original vertex, or empty for one region; a triangle belongs
 /// to the lowest region of its corners. Triangles are the same if they differ by rotation alone;
@@ -74,8 +78,8 @@ pub fn cluster<L: AsRef<[[u32; 3]]>>(
         let together: Vec<_> = group.iter().map(|(_, life)| life.triangle).collect();
         triangles.extend(vertex_cache::order(&together));
         clusters.push(Cluster {
-            first_level: group[0].1.first,
-            last_level: group[0].1.last,
+            finest_level: finest - group[0].1.last,
+            coarsest_level: finest - group[0].1.first,
             region: region(group[0].1.triangle),
             triangles: start..triangles.len() as u32,
         });
@@ -87,7 +91,7 @@ pub fn cluster<L: AsRef<[[u32; 3]]>>(
         triangles,
         vertices,
         copies,
-        mixable_from: mixable_from(&lives, regions, levels.len()),
+        mixable_to: levels.len() - 1 - mixable_from(&lives, regions, levels.len()),
     })
 }
 
@@ -119,7 +123,7 @@ fn check<L: AsRef<[[u32; 3]]>>(
     Ok(())
 }
 
-/// A triangle and the levels that show it.
+/// A triangle and the levels that show it, as steps from the coarsest level, 0.
 struct Life {
     triangle: [u32; 3],
     first: u16,
@@ -133,7 +137,7 @@ fn lives<L: AsRef<[[u32; 3]]>>(levels: &[L]) -> (Vec<Life>, usize) {
     let mut copies = 0;
     // Where the last life of the n-th triangle with these corners is. Only looked up, never walked.
     let mut latest = HashMap::<([u32; 3], u32), usize>::new();
-    for (l, level) in levels.iter().enumerate() {
+    for (l, level) in levels.iter().rev().enumerate() {
         let l = l as u16;
         let mut times = HashMap::<[u32; 3], u32>::new();
         for &triangle in level.as_ref() {
@@ -172,8 +176,8 @@ pub(crate) fn rotated([a, b, c]: [u32; 3]) -> [u32; 3] {
     }
 }
 
-/// Original vertices in stored order, and how many of them each level has: inside a level they
-/// come as its triangles use them.
+/// Original vertices in stored order, and how many of them each level has, finest first: inside a
+/// level they come as its triangles use them.
 fn vertex_order(
     clusters: &[Cluster],
     triangles: &[[u32; 3]],
@@ -181,12 +185,14 @@ fn vertex_order(
     levels: usize,
 ) -> (Vec<u32>, Vec<u32>) {
     let mut by_level: Vec<&Cluster> = clusters.iter().collect();
-    by_level.sort_by_key(|c| c.first_level);
+    by_level.sort_by_key(|c| Reverse(c.coarsest_level));
     let mut is_stored = vec![false; vertex_count];
     let mut vertices = Vec::new();
+    // From the coarsest up: a level has what all coarser ones have, and what it adds.
     let mut counts = Vec::with_capacity(levels);
-    for group in by_level.chunk_by(|a, b| a.first_level == b.first_level) {
-        counts.resize(usize::from(group[0].first_level), vertices.len() as u32);
+    for group in by_level.chunk_by(|a, b| a.coarsest_level == b.coarsest_level) {
+        let coarser = levels - 1 - usize::from(group[0].coarsest_level);
+        counts.resize(coarser, vertices.len() as u32);
         for cluster in group {
             let range = cluster.triangles.start as usize..cluster.triangles.end as usize;
             for &v in triangles[range].as_flattened() {
@@ -197,6 +203,7 @@ fn vertex_order(
         }
     }
     counts.resize(levels, vertices.len() as u32);
+    counts.reverse();
     (vertices, counts)
 }
 
@@ -210,7 +217,7 @@ fn renumber(triangles: &mut [[u32; 3]], vertices: &[u32], vertex_count: usize) {
     }
 }
 
-/// The finest level at which a triangle between regions begins or after which one ends.
+/// The last step at which a triangle between regions begins or after which one ends.
 fn mixable_from(lives: &[Life], regions: &[u16], levels: usize) -> usize {
     if regions.is_empty() {
         return 0;
@@ -241,11 +248,9 @@ mod tests {
     )]
     use super::*;
 
-    /// The worked example of the specification, coarsest level first.
+    /// The worked example of the specification.
     fn example() -> [Vec<[u32; 3]>; 3] {
         [
-            vec![[1, 2, 0], [2, 3, 0]],
-            vec![[0, 1, 4], [3, 0, 4], [1, 2, 4], [2, 3, 4]],
             vec![
                 [0, 1, 4],
                 [3, 0, 4],
@@ -254,6 +259,8 @@ mod tests {
                 [1, 2, 5],
                 [2, 3, 5],
             ],
+            vec![[0, 1, 4], [3, 0, 4], [1, 2, 4], [2, 3, 4]],
+            vec![[1, 2, 0], [2, 3, 0]],
         ]
     }
 
@@ -282,10 +289,10 @@ mod tests {
         assert_eq!(named(&c, 6..10), set(&finest), "C(2,2)");
         let ranges = |level| c.clusters.ranges(level).collect::<Vec<_>>();
         assert_eq!(
-            (ranges(0), ranges(1), ranges(2)),
+            (ranges(2), ranges(1), ranges(0)),
             (Vec::from([0..2]), Vec::from([2..6]), Vec::from([4..10]),)
         );
-        assert_eq!(c.clusters.vertex_counts(), [4, 5, 6]);
+        assert_eq!(c.clusters.vertex_counts(), [6, 5, 4]);
         assert_eq!(c.vertices[4..], [4, 5]);
         assert_eq!(c.copies, 0);
     }
@@ -295,13 +302,13 @@ mod tests {
         let c = cluster(&example(), 6, &[], Order::Store).unwrap();
         assert_eq!(
             named(&c, 0..6),
-            set(&example()[2]),
+            set(&example()[0]),
             "survivors are the finest level"
         );
         // C(2,2) C(1,1) | C(0,1) | C(1,2)
         let ranges = |level| c.clusters.ranges(level).collect::<Vec<_>>();
         assert_eq!(
-            (ranges(0), ranges(1), ranges(2)),
+            (ranges(2), ranges(1), ranges(0)),
             (
                 Vec::from([6..8]),
                 Vec::from([4..6, 8..10]),
@@ -313,9 +320,9 @@ mod tests {
     #[test]
     fn a_triangle_that_comes_back_is_a_copy_and_one_named_twice_is_two() {
         let levels = [
-            vec![[0, 1, 2]],
-            vec![[0, 1, 3], [0, 1, 3]],
             vec![[2, 0, 1], [0, 1, 3], [3, 3, 3]],
+            vec![[0, 1, 3], [0, 1, 3]],
+            vec![[0, 1, 2]],
         ];
         let c = cluster(&levels, 9, &[], Order::Chunks).unwrap();
         assert_eq!(c.copies, 1);
@@ -339,7 +346,7 @@ mod tests {
     fn levels_without_triangles() {
         let levels: [Vec<[u32; 3]>; 3] = [vec![], vec![[0, 1, 2]], vec![]];
         let c = cluster(&levels, 3, &[], Order::Store).unwrap();
-        assert_eq!(c.clusters.vertex_counts(), [0, 3, 3]);
+        assert_eq!(c.clusters.vertex_counts(), [3, 3, 0]);
         assert_eq!([0, 1, 2].map(|i| c.clusters.triangles(i)), [0, 1, 0]);
         assert_eq!(
             cluster::<Vec<_>>(&[], 0, &[], Order::Store).unwrap_err().at,
@@ -355,23 +362,23 @@ mod tests {
         );
     }
 
-    /// Two regions that touch in one triangle: level 1 thins out region 0 alone, level 0 also
+    /// Two regions that touch in one triangle: level 1 thins out region 0 alone, level 2 also
     /// takes the seam.
     #[test]
     fn regions_mix_while_their_seam_is_whole() {
         let levels = [
-            vec![[0, 1, 4]],
-            vec![[0, 1, 2], [1, 3, 2], [3, 4, 5]],
             vec![[0, 1, 6], [1, 2, 6], [2, 0, 6], [1, 3, 2], [3, 4, 5]],
+            vec![[0, 1, 2], [1, 3, 2], [3, 4, 5]],
+            vec![[0, 1, 4]],
         ];
         let regions = [0, 0, 0, 1, 1, 1, 0];
         let c = cluster(&levels, 7, &regions, Order::Store).unwrap();
-        assert_eq!(c.mixable_from, 1);
+        assert_eq!(c.mixable_to, 1);
         assert_eq!(c.clusters.regions(), 2);
         let count = |levels: &[u16]| {
             let ranges = c.clusters.ranges_of(levels).unwrap();
             ranges.map(|r| r.end - r.start).sum::<u32>()
         };
-        assert_eq!([count(&[1, 2]), count(&[2, 1])], [3, 5]);
+        assert_eq!([count(&[1, 0]), count(&[0, 1])], [3, 5]);
     }
 }

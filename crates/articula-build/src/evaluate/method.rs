@@ -7,11 +7,11 @@ use crate::motion_error::bounds::ChainShare;
 use crate::motion_error::contacts::attention;
 use crate::motion_error::keys::{Segment, central_rotation, linear_keys, pose_segments};
 use crate::motion_error::thesis::{ThesisOptions, radii};
+use crate::motion_error::thesis_metric::{ErrorMatrix, Threshold, switch};
 use crate::motion_error::{ahn, closed_loop};
 use articula_core::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
 use articula_core::loa::JointSet;
 use articula_core::math::nlerp;
-use articula_core::thesis_metric::{ErrorMatrix, Threshold, switch};
 use glam::{Quat, Vec3};
 
 /// Form of our metric.

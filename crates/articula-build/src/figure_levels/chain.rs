@@ -23,7 +23,7 @@ impl Candidate {
     fn is_within(&self, other: &FigureLevel) -> bool {
         let level = &self.level;
         level.joint_level >= other.joint_level
-            && level.mesh_level <= other.mesh_level
+            && level.mesh_level >= other.mesh_level
             && level.influences <= other.influences
     }
 }
@@ -119,7 +119,7 @@ mod tests {
             skin: 0,
             level: FigureLevel {
                 joint_level: 100 - joints,
-                mesh_level: triangles / 100,
+                mesh_level: 10 - triangles / 100,
                 joints,
                 triangles,
                 vertices: triangles / 2,

@@ -35,7 +35,7 @@ const INFLUENCES: [usize; 3] = [4, 2, 1];
 pub struct FigureLevel {
     /// Level of the ladder that it was made from: which joints it keeps.
     pub joint_level: usize,
-    /// Mesh level, 0 the coarsest.
+    /// Mesh level, 0 the original.
     pub mesh_level: usize,
     /// Joints that it keeps.
     pub joints: usize,
@@ -76,7 +76,7 @@ impl FigureLevels {
 /// Chooses levels of joints and mesh together.
 ///
 /// `merged` are the levels of the joints (far ones are left out), `mesh_levels` the triangles of
-/// each mesh level over the vertices of the asset's mesh, coarsest first and the original last;
+/// each mesh level over the vertices of the asset's mesh, the original first;
 /// `poses` are positions of all vertices, the rest pose first, that decide which point of a level
 /// stands for which vertex ([`attach`]). Tolerances begin at `opts.first_metres` and grow by half
 /// an octave; there are at most `opts.most_levels` levels.
@@ -97,7 +97,7 @@ pub fn figure_levels(
         .iter()
         .enumerate()
         .map(|(l, level)| {
-            if l + 1 == mesh_levels.len() {
+            if l == 0 {
                 watched.vertices.iter().map(|v| SkinPoint::at(*v)).collect()
             } else {
                 attach(level, &watched.vertices, poses, &mesh.parts)
@@ -188,7 +188,8 @@ fn candidates(
     let vertices: Vec<usize> = mesh_levels.iter().map(|l| chain::vertices(l)).collect();
     let mut all = Vec::with_capacity(skins.len() * mesh_levels.len());
     for (s, skin) in skins.iter().enumerate() {
-        for (mesh_level, triangles) in mesh_levels.iter().enumerate() {
+        // Of two that are as good the coarser mesh is taken: it comes first.
+        for (mesh_level, triangles) in mesh_levels.iter().enumerate().rev() {
             let level = FigureLevel {
                 joint_level: skin.joint_level,
                 mesh_level,

@@ -25,7 +25,7 @@ pub struct MeshLevelOptions {
     pub distance: DistanceOptions,
 }
 
-/// All mesh levels of a character; level 0 is the coarsest, the last the original.
+/// All mesh levels of a character; level 0 is the original, the last the coarsest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshLevels {
     /// What each level shows and loses, at rest and in poses that it was not made by.
@@ -104,7 +104,7 @@ pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels,
     let table = LevelTable {
         levels: distances.iter().enumerate().map(row).collect(),
         regions: Vec::new(),
-        mixable_from: objects.iter().map(|o| o.mixable_from).max().unwrap_or(0),
+        mixable_to: objects.iter().map(|o| o.mixable_to).min().unwrap_or(0),
     };
     Ok(MeshLevels {
         table,
@@ -131,14 +131,14 @@ fn measured(
     poses: &Poses,
     opts: &DistanceOptions,
 ) -> Result<Vec<LevelDistances>, Mismatch> {
-    let Some((original, coarser)) = simplified.levels.split_last() else {
+    let Some((original, coarser)) = simplified.levels.split_first() else {
         return Ok(Vec::new());
     };
     let coarser: Vec<&[[u32; 3]]> = coarser.iter().map(|l| l.triangles.as_slice()).collect();
     let rest = positions(asset, &poses.shaping[..1]);
     let motion = positions(asset, &poses.measuring);
-    let mut all = surface_distances(&original.triangles, &coarser, &rest[0], &motion, opts)?;
+    let coarser = surface_distances(&original.triangles, &coarser, &rest[0], &motion, opts)?;
     // The original lies on itself.
-    all.push(LevelDistances::default());
-    Ok(all)
+    let original = std::iter::once(LevelDistances::default());
+    Ok(original.chain(coarser).collect())
 }

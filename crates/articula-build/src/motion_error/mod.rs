@@ -8,6 +8,7 @@
 //! - [`pose_keys`]: whole-pose keys between which palettes blend
 //! - [`contacts`]: when feet and hands stand still
 //! - [`thesis`], [`ahn`]: the two metrics of the literature, as baselines
+//! - [`thesis_metric`]: the second step of the thesis' metric: threshold and switching
 
 pub mod ahn;
 pub mod bounds;
@@ -19,3 +20,4 @@ pub mod pose_keys;
 pub(crate) mod runs;
 pub mod tables;
 pub mod thesis;
+pub mod thesis_metric;

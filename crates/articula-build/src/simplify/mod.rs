@@ -90,9 +90,9 @@ pub struct LevelTriangles {
 /// A mesh at several levels.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Simplified {
-    /// Levels, coarsest first; the last is the original.
+    /// Levels, the original first, then coarser and coarser ones.
     ///
-    /// It has each triangle once: copies of one (the same corners in the same turn and part) and
+    /// The original has each triangle once: copies of one (the same corners in the same turn and part) and
     /// those with a vertex twice are left out, and of vertices that equal each other in all
     /// attributes the first stands for all.
     pub levels: Vec<LevelTriangles>,
@@ -131,7 +131,6 @@ pub fn simplify(
         simplifier.run(target);
         found.push(simplifier.level(&sources));
     }
-    found.reverse();
     Ok(Simplified {
         levels: found,
         position_classes: classes.of_vertex,

@@ -36,7 +36,7 @@ pub(crate) fn check(mesh: &Mesh, found: &Simplified, options: &SimplifyOptions) 
     let mut before = BTreeSet::new();
     let mut gone = BTreeSet::<(usize, [u32; 3])>::new();
     let mut vertices: BTreeSet<u32> = (0..mesh.len() as u32).collect();
-    for level in found.levels.iter().rev() {
+    for level in &found.levels {
         assert_eq!(level.parts.len(), mesh.parts.len());
         let mut faces = BTreeSet::new();
         let mut next = 0;

@@ -23,7 +23,7 @@ fn nothing_has_empty_levels() {
 #[test]
 fn a_triangle_is_kept_as_long_as_levels_ask_for_one() {
     let one = mesh(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
-    assert_eq!(fine(&one)[2..], [0, 1, 1], "a half of one is rounded up");
+    assert_eq!(fine(&one)[..3], [1, 1, 0], "a half of one is rounded up");
 }
 
 #[test]
@@ -39,8 +39,8 @@ fn copies_and_faces_without_three_corners_are_left_out() {
     twice.triangles.extend([[3, 3, 4], [5, 5, 5]]);
     twice.parts[0].triangles = 0..twice.triangles.len();
     let levels = fine(&twice);
-    assert_eq!(levels[4], count);
-    assert!(levels[0] <= 8);
+    assert_eq!(levels[0], count);
+    assert!(levels[4] <= 8);
 }
 
 #[test]
@@ -59,9 +59,9 @@ fn both_sides_of_a_sheet_are_one_surface() {
     };
     let found = of(&both, &options);
     check(&both, &found, &options);
-    assert_eq!(found.levels[0].triangles.len(), 4, "two on each side");
+    assert_eq!(found.levels[1].triangles.len(), 4, "two on each side");
     let corners = [0u32, 8, 72, 80];
-    let used = |v: &u32| found.levels[0].triangles.iter().flatten().any(|w| w == v);
+    let used = |v: &u32| found.levels[1].triangles.iter().flatten().any(|w| w == v);
     assert!(corners.iter().all(used), "the outline is kept");
 }
 
@@ -98,8 +98,8 @@ fn vertices_that_are_nowhere_stay() {
     let options = SimplifyOptions::default();
     let found = of(&holed, &options);
     check(&holed, &found, &options);
-    assert!(found.levels[0].triangles.iter().flatten().any(|v| *v == 40));
-    assert!(found.levels[0].triangles.len() < 60);
+    assert!(found.levels[4].triangles.iter().flatten().any(|v| *v == 40));
+    assert!(found.levels[4].triangles.len() < 60);
     fine(&mesh(vec![Vec3::NAN; 3], vec![[0, 1, 2]]));
 }
 
@@ -124,7 +124,7 @@ fn hubs_and_books_of_many_faces_take_no_longer_for_it() {
     points.extend((0..rim).map(|i| Vec3::new(angle(i).cos(), 0.0, angle(i).sin())));
     let fan = (0..rim).map(|i| [0, 1 + (i + 1) % rim, 1 + i]).collect();
     let levels = fine(&mesh(points.clone(), fan));
-    assert!(levels[0] < 1000, "{levels:?}");
+    assert!(levels[4] < 1000, "{levels:?}");
     let book = (2..rim).map(|i| [0, 1, i]).collect();
     fine(&mesh(points, book));
 }
@@ -167,6 +167,6 @@ proptest! {
         check(&mesh, &found, &options);
         prop_assert_eq!(&simplify(&mesh, &poses, &options).unwrap(), &found);
         let counts: Vec<usize> = found.levels.iter().map(|l| l.triangles.len()).collect();
-        prop_assert!(counts.is_sorted());
+        prop_assert!(counts.is_sorted_by(|a, b| a >= b));
     }
 }

@@ -191,7 +191,7 @@ fn same_levels(before: &Mesh, after: &Mesh, of: &[Clustered], count: usize) {
             assert_eq!(shown, set(level.iter().copied()), "level {l}");
         }
         let new = &after.primitives[p];
-        assert_eq!(new.triangles, object.level(count).collect::<Vec<_>>());
+        assert_eq!(new.triangles, object.level(0).collect::<Vec<_>>());
         assert_eq!(new.positions, picked(&part.positions, &of[p].vertices));
         assert_eq!(new.normals, picked(&part.normals, &of[p].vertices));
         assert_eq!(new.texcoords, picked(&part.texcoords, &of[p].vertices));
@@ -382,14 +382,14 @@ fn a_mesh_that_two_nodes_show_is_stored_once_if_it_can_be() {
     store(&mut same, &[of.clone(), of.clone()]).unwrap();
     assert_eq!(same.document.json["meshes"].as_array().unwrap().len(), 1);
     let mut levels = levels(&file.character.meshes[0].primitives[0], 4);
-    levels[0].truncate(1);
+    levels[3].truncate(1);
     let order = articula_build::clusters::Order::Store;
     let other = articula_build::clusters::cluster(&levels, 27, &[], order).unwrap();
     let mut apart = file.clone();
     store(&mut apart, &[of.clone(), vec![other]]).unwrap();
     assert_eq!(apart.document.json["meshes"].as_array().unwrap().len(), 2);
     let meshes = reread(&apart.document).character.meshes;
-    let coarsest = [0, 1].map(|m: usize| meshes[m].clustered[0].clusters.triangles(0));
+    let coarsest = [0, 1].map(|m: usize| meshes[m].clustered[0].clusters.triangles(3));
     assert_ne!(coarsest[0], coarsest[1]);
     assert_eq!(coarsest[1], 1);
 }
@@ -506,10 +506,10 @@ fn level_nodes_show_the_same_levels() {
     assert_eq!(mesh.levels.len(), 3);
     for (i, level) in mesh.levels.iter().enumerate() {
         let object = &mesh.clustered[0];
-        let shown: Vec<_> = object.level(2 - i).collect();
+        let shown: Vec<_> = object.level(i + 1).collect();
         let part: &Primitive = &level.primitives[0];
         assert_eq!(part.triangles, shown);
-        let prefix = object.clusters.vertices(2 - i) as usize;
+        let prefix = object.clusters.vertices(i + 1) as usize;
         assert_eq!(part.positions, mesh.primitives[0].positions[..prefix]);
         assert_eq!(
             part.weights,
@@ -551,7 +551,7 @@ fn level_nodes_show_the_same_levels() {
 fn a_mesh_that_vanishes_is_not_drawn_when_small() {
     let mut file = sheet().read().unwrap().value;
     let mut levels = levels(&file.character.meshes[0].primitives[0], 3);
-    levels[0].clear();
+    levels[2].clear();
     let order = articula_build::clusters::Order::Store;
     let of = articula_build::clusters::cluster(&levels, 27, &[], order).unwrap();
     store(&mut file, &[vec![of]]).unwrap();

@@ -11,7 +11,7 @@ use articula_core::source::{Mesh, Primitive};
 use articula_formats::gltf::clustered::{MeshParts, PartLevels};
 use articula_formats::gltf::{GltfFile, WriteError};
 
-/// Levels of a primitive, coarsest first: in each step vertices move onto neighbours that stay.
+/// Levels of a primitive, finest first: in each step vertices move onto neighbours that stay.
 pub(crate) fn levels(primitive: &Primitive, count: usize) -> Vec<Vec<[u32; 3]>> {
     let mut levels = vec![primitive.triangles.clone()];
     for step in 1..count {
@@ -30,7 +30,6 @@ pub(crate) fn levels(primitive: &Primitive, count: usize) -> Vec<Vec<[u32; 3]>> 
         let whole = |[a, b, c]: &[u32; 3]| a != b && b != c && c != a;
         levels.push(coarser.filter(whole).collect());
     }
-    levels.reverse();
     levels
 }
 
@@ -44,7 +43,7 @@ pub(crate) fn clustered(mesh: &Mesh, count: usize) -> Vec<Clustered> {
 /// Numbers that rise as levels get coarser.
 pub(crate) fn table(count: usize) -> LevelTable {
     let row = |level: usize| {
-        let metres = 0.002 * (count - 1 - level) as f32;
+        let metres = 0.002 * level as f32;
         let error = SurfaceError {
             max_metres: 2.0 * metres,
             p99_metres: 1.5 * metres,
@@ -52,8 +51,8 @@ pub(crate) fn table(count: usize) -> LevelTable {
             mean_metres: 0.25 * metres,
         };
         LevelRow {
-            triangles: 10 * level as u64,
-            vertices: 5 * level as u64,
+            triangles: 10 * (count - 1 - level) as u64,
+            vertices: 5 * (count - 1 - level) as u64,
             rest: error,
             motion: error,
         }
@@ -61,7 +60,7 @@ pub(crate) fn table(count: usize) -> LevelTable {
     LevelTable {
         levels: (0..count).map(row).collect(),
         regions: vec![],
-        mixable_from: 0,
+        mixable_to: count - 1,
     }
 }
 

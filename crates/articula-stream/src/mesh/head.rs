@@ -1,7 +1,7 @@
 //! The head of a stream: what the objects are, what each level costs, where each chunk lies.
 
 use super::codec::{Grid, Layout, MorphLayout, Scale, TexcoordGrid};
-use super::hash::Hash;
+use super::hash::{Hash, hash_of};
 use crate::coding::Coding;
 use crate::unit::{Field, Marker, Unit, bits_of};
 use crate::{StreamError, StreamLimits};
@@ -11,7 +11,9 @@ use glam::{Vec2, Vec3};
 use std::ops::Range;
 
 const MAGIC: &[u8; 4] = b"AMSH";
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
+/// What counted levels from the coarsest, 0.
+const OLD_VERSION: u8 = 1;
 /// Bytes before the length of the head, and that length.
 const FIXED: usize = 12;
 /// Bytes of a chunk's entry in the table: its length and its hash.
@@ -40,9 +42,10 @@ pub struct StreamObject {
 /// The head of a stream, opened: enough to ask for any chunk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshStream {
-    /// Number, in the whole character, of the coarsest level in this stream.
-    pub first_level: usize,
-    /// The levels in this stream, the coarsest first.
+    /// Number, in the whole character, of the finest level in this stream; 0 is the original. A
+    /// stream of version 1 does not say it: 0 then.
+    pub finest_level: usize,
+    /// The levels in this stream, the finest first.
     pub levels: LevelTable,
     /// The objects.
     pub objects: Vec<StreamObject>,
@@ -50,7 +53,18 @@ pub struct MeshStream {
     pub(super) records: Vec<Vec<u8>>,
     /// Length and hash of each chunk, level after level, object after object.
     pub(super) entries: Vec<(u32, Hash)>,
-    pub(super) head_bytes: usize,
+    head_bytes: usize,
+    counts: Counts,
+}
+
+/// How the hashes of a stream count levels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Counts {
+    /// From the original, 0.
+    FromFinest,
+    /// From the coarsest of the whole character, 0, as version 1 did: this is the number of the
+    /// coarsest in the stream.
+    FromCoarsest(usize),
 }
 
 impl MeshStream {
@@ -65,7 +79,7 @@ impl MeshStream {
             return Err(StreamError::malformed("byte 0", "no \"AMSH\" mesh stream"));
         }
         let [version, ..] = r.take::<4>()?;
-        if version != VERSION {
+        if version != VERSION && version != OLD_VERSION {
             return Err(StreamError::Unsupported {
                 at: "byte 4".into(),
                 what: format!("version {version} of the mesh stream"),
@@ -96,7 +110,8 @@ impl MeshStream {
         };
         let mut r = Bytes::new(head);
         r.take::<FIXED>()?;
-        let (first_level, levels) = read_levels(&mut r)?;
+        let is_old = head[MAGIC.len()] == OLD_VERSION;
+        let (number, levels) = read_levels(&mut r, is_old)?;
         let count = count_of(&mut r, "objects", MAX_OBJECTS)?;
         let mut objects = Vec::new();
         let mut records = Vec::new();
@@ -123,13 +138,18 @@ impl MeshStream {
             head_bytes as u64 + all,
             limits.bytes.min(u64::from(u32::MAX)),
         )?;
+        let (finest_level, counts) = match is_old {
+            true => (0, Counts::FromCoarsest(number)),
+            false => (number, Counts::FromFinest),
+        };
         Ok(Self {
-            first_level,
+            finest_level,
             levels,
             objects,
             records,
             entries,
             head_bytes,
+            counts,
         })
     }
 
@@ -138,16 +158,33 @@ impl MeshStream {
         self.head_bytes
     }
 
-    /// Where the chunk of a level of this stream (0 is the first in it) and an object lies, in
+    /// Where the chunk of a level of this stream (0 is the finest in it) and an object lies, in
     /// bytes from the start; empty for a chunk that was cut out. `None` if there is no such one.
     pub fn chunk(&self, level: usize, object: usize) -> Option<Range<usize>> {
         if level >= self.levels.levels.len() || object >= self.objects.len() {
             return None;
         }
-        let at = level * self.objects.len() + object;
+        let at = self.place(level, object);
         let before = self.entries[..at].iter().map(|e| e.0 as usize);
         let start = self.head_bytes + before.sum::<usize>();
         Some(start..start + self.entries[at].0 as usize)
+    }
+
+    /// Place of a chunk in the order of the bytes, which begin with the coarsest level.
+    fn place(&self, level: usize, object: usize) -> usize {
+        (self.levels.levels.len() - 1 - level) * self.objects.len() + object
+    }
+
+    /// Whether the head names just these bytes for a chunk.
+    pub(super) fn names(&self, level: usize, object: usize, chunk: &[u8]) -> bool {
+        let coarsest = self.levels.levels.len() - 1;
+        let number = match self.counts {
+            Counts::FromFinest => self.finest_level + level,
+            Counts::FromCoarsest(first) => first + coarsest - level,
+        };
+        let record = &self.records[object];
+        let entry = &self.entries[self.place(level, object)];
+        hash_of(number, level == coarsest, record, chunk) == entry.1
     }
 
     /// Bytes of the whole stream.
@@ -155,9 +192,10 @@ impl MeshStream {
         self.head_bytes + self.entries.iter().map(|e| e.0 as usize).sum::<usize>()
     }
 
-    /// What is where: a unit for each level, in it one for each object's chunk, marked `level`
-    /// (of the whole character), `object`, `mesh` and `region`. A cut that drops a chunk writes 0
-    /// into the head's field of its length, in the order of the chunks.
+    /// What is where: a unit for each level, the coarsest first as the bytes are, in it one for
+    /// each object's chunk, marked `level` (of the whole character), `object`, `mesh` and
+    /// `region`. A cut that drops a chunk writes 0 into the head's field of its length, in the
+    /// order of the chunks.
     pub fn unit(&self) -> Unit {
         let table = self.head_bytes - ENTRY * self.entries.len();
         let field = |i: usize| Field {
@@ -172,12 +210,12 @@ impl MeshStream {
         };
         let mut at = self.head_bytes;
         let mut children = vec![head];
-        for level in 0..self.levels.levels.len() {
+        for level in (0..self.levels.levels.len()).rev() {
             let start = at;
+            let number = (self.finest_level + level) as u32;
             let mut chunks = Vec::with_capacity(self.objects.len());
             for (o, object) in self.objects.iter().enumerate() {
-                let end = at + self.entries[level * self.objects.len() + o].0 as usize;
-                let number = (self.first_level + level) as u32;
+                let end = at + self.entries[self.place(level, o)].0 as usize;
                 let marks = [
                     ("level", number),
                     ("object", o as u32),
@@ -193,7 +231,7 @@ impl MeshStream {
                 at = end;
             }
             children.push(Unit {
-                markers: vec![Marker::new("level", (self.first_level + level) as u32)],
+                markers: vec![Marker::new("level", number)],
                 children: chunks,
                 ..Unit::of_bytes("level", start..at)
             });
@@ -205,9 +243,9 @@ impl MeshStream {
     }
 }
 
-/// Writes a head; `entries` are those of all chunks.
+/// Writes a head; `entries` are those of all chunks, in their order.
 pub(super) fn write(
-    first_level: usize,
+    finest_level: usize,
     levels: &LevelTable,
     records: &[Vec<u8>],
     entries: &[(u32, Hash)],
@@ -215,9 +253,10 @@ pub(super) fn write(
     let mut out = MAGIC.to_vec();
     out.extend([VERSION, 0, 0, 0]);
     out.extend([0; 4]);
-    push_varint(&mut out, first_level as u64);
+    push_varint(&mut out, finest_level as u64);
     push_varint(&mut out, levels.levels.len() as u64);
-    for level in &levels.levels {
+    // The coarsest first, as their chunks lie.
+    for level in levels.levels.iter().rev() {
         push_varint(&mut out, level.triangles);
         push_varint(&mut out, level.vertices);
         for error in [&level.rest, &level.motion] {
@@ -231,7 +270,7 @@ pub(super) fn write(
             }
         }
     }
-    push_varint(&mut out, levels.mixable_from as u64);
+    push_varint(&mut out, levels.mixable_to as u64);
     push_varint(&mut out, levels.regions.len() as u64);
     for region in &levels.regions {
         push_varint(&mut out, region.len() as u64);
@@ -272,8 +311,9 @@ pub(super) fn record(object: &StreamObject) -> Vec<u8> {
     out
 }
 
-fn read_levels(r: &mut Bytes<'_>) -> Result<(usize, LevelTable), StreamError> {
-    let first = count_of(r, "levels", MAX_LEVELS)?;
+/// The number of a level of the stream, as its version has it, and the table.
+fn read_levels(r: &mut Bytes<'_>, is_old: bool) -> Result<(usize, LevelTable), StreamError> {
+    let number = count_of(r, "levels", MAX_LEVELS)?;
     let count = count_of(r, "levels", MAX_LEVELS)?;
     if count == 0 {
         return Err(r.bad("no level").into());
@@ -287,7 +327,8 @@ fn read_levels(r: &mut Bytes<'_>) -> Result<(usize, LevelTable), StreamError> {
             motion: read_error(r)?,
         });
     }
-    let mixable_from = count_of(r, "levels", MAX_LEVELS)?;
+    levels.reverse();
+    let mixable = count_of(r, "levels", MAX_LEVELS)?;
     let mut regions = Vec::new();
     for _ in 0..count_of(r, "regions", MAX_REGIONS)? {
         let mut name = Vec::new();
@@ -299,9 +340,13 @@ fn read_levels(r: &mut Bytes<'_>) -> Result<(usize, LevelTable), StreamError> {
     let levels = LevelTable {
         levels,
         regions,
-        mixable_from,
+        mixable_to: if is_old {
+            count.saturating_sub(1 + mixable)
+        } else {
+            mixable
+        },
     };
-    Ok((first, levels))
+    Ok((number, levels))
 }
 
 fn read_error(r: &mut Bytes<'_>) -> Result<SurfaceError, StreamError> {

@@ -1,9 +1,9 @@
 //! The client's side of a stream: chunks in, vertices that only grow at the end out.
 
 use super::codec::{QuantisedMesh, decode_level, decode_refinement, restore};
-use super::hash::hash_of;
 use super::head::MeshStream;
 use crate::{StreamError, StreamLimits};
+use articula_core::Mismatch;
 use articula_core::clustered::{Cluster, ClusteredTriangles, Clusters};
 use articula_core::source::Primitive;
 
@@ -12,7 +12,8 @@ use articula_core::source::Primitive;
 struct Held {
     /// The finest level that is there.
     mesh: QuantisedMesh,
-    /// Of each level that is there: its points, its wedges, its faces.
+    /// Of each level that is there, the coarsest first as they came: its points, its wedges, its
+    /// faces.
     levels: Vec<(usize, usize, Vec<[u32; 3]>)>,
 }
 
@@ -49,7 +50,7 @@ impl Receiver {
     /// As [`MeshStream::open`] and [`Self::refine`]; a stream that ends early is no error.
     pub fn read(bytes: &[u8], limits: &StreamLimits) -> Result<Self, StreamError> {
         let mut receiver = Self::new(MeshStream::open(bytes, limits)?, *limits);
-        for level in 0..receiver.stream.levels.levels.len() {
+        for level in (0..receiver.stream.levels.levels.len()).rev() {
             let objects = 0..receiver.stream.objects.len();
             let ends = objects
                 .clone()
@@ -63,9 +64,9 @@ impl Receiver {
             }
             for object in objects {
                 let chunk = receiver.stream.chunk(level, object).unwrap_or_default();
-                let is_cut = chunk.is_empty() && !receiver.names(level, object, &[]);
+                let is_cut = chunk.is_empty() && !receiver.stream.names(level, object, &[]);
                 // What was cut out of an object ends it there.
-                if receiver.levels(object) == level && !is_cut {
+                if receiver.next_level(object) == Some(level) && !is_cut {
                     receiver.refine(object, &bytes[chunk])?;
                 }
             }
@@ -78,33 +79,40 @@ impl Receiver {
         &self.stream
     }
 
-    /// Levels of an object that are there; the next chunk to ask for is that of this level of the
-    /// stream.
-    pub fn levels(&self, object: usize) -> usize {
-        self.held.get(object).map_or(0, |h| h.levels.len())
+    /// Level of the stream, 0 its finest, whose chunk an object needs next; `None` if it has all,
+    /// or there is no such object.
+    pub fn next_level(&self, object: usize) -> Option<usize> {
+        let there = self.held.get(object)?.levels.len();
+        self.stream.levels.levels.len().checked_sub(1 + there)
     }
 
-    /// Takes the next chunk of an object.
+    /// The finest level of the stream that an object has; `None` if it has none.
+    pub fn finest_level(&self, object: usize) -> Option<usize> {
+        let there = self.held.get(object)?.levels.len();
+        (there > 0).then(|| self.stream.levels.levels.len() - there)
+    }
+
+    /// Takes the next chunk of an object, that of [`Self::next_level`].
     ///
     /// # Errors
-    /// [`StreamError::Malformed`] if there is no such object or no further level, the bytes are not
-    /// those that the head names, or what they hold breaks the rules of the codec;
-    /// [`StreamError::LimitExceeded`]. Nothing has changed then.
+    /// [`StreamError::Mismatch`] if there is no such object or no further level,
+    /// [`StreamError::Malformed`] if the bytes are not those that the head names, or what they
+    /// hold breaks the rules of the codec; [`StreamError::LimitExceeded`]. Nothing has changed
+    /// then.
     pub fn refine(&mut self, object: usize, chunk: &[u8]) -> Result<(), StreamError> {
-        let level = self.levels(object);
-        let place = format!("chunk of level {level}, object {object}");
-        let bad = |what: &str| StreamError::malformed(place.clone(), what);
-        if object >= self.held.len() || level >= self.stream.levels.levels.len() {
-            return Err(bad("there is no such chunk"));
-        }
-        if !self.names(level, object, chunk) {
-            return Err(bad(
-                "the bytes are not those that the head names; fetch the chunk again",
-            ));
+        let Some(level) = self.next_level(object) else {
+            let what = "there is no further chunk";
+            return Err(Mismatch::new(format!("object {object}"), what).into());
+        };
+        let number = self.stream.finest_level + level;
+        if !self.stream.names(level, object, chunk) {
+            let place = format!("chunk of level {number}, object {object}");
+            let what = "the bytes are not those that the head names; fetch the chunk again";
+            return Err(StreamError::malformed(place, what));
         }
         let held = &mut self.held[object];
         let layout = &self.stream.objects[object].layout;
-        let mesh = if level == 0 {
+        let mesh = if held.levels.is_empty() {
             decode_level(chunk, layout, &self.limits)?
         } else {
             decode_refinement(&held.mesh, chunk, layout, &self.limits)?
@@ -115,17 +123,11 @@ impl Receiver {
         Ok(())
     }
 
-    /// Whether the head names just these bytes for a chunk.
-    fn names(&self, level: usize, object: usize, chunk: &[u8]) -> bool {
-        let number = self.stream.first_level + level;
-        let record = &self.stream.records[object];
-        let entry = &self.stream.entries[level * self.stream.objects.len() + object];
-        hash_of(number, level == 0, record, chunk) == entry.1
-    }
-
-    /// Frees what levels above the first `levels` of an object take. Drawing a coarser level needs
-    /// no call: its ranges are in [`Self::triangles`].
-    pub fn coarsen(&mut self, object: usize, levels: usize) {
+    /// Frees what an object has that is finer than a level of the stream; a level beyond the
+    /// coarsest frees the object. Drawing a coarser level needs no call: its ranges are in
+    /// [`Self::triangles`].
+    pub fn coarsen(&mut self, object: usize, finest: usize) {
+        let levels = self.stream.levels.levels.len().saturating_sub(finest);
         let Some(held) = self.held.get_mut(object) else {
             return;
         };
@@ -160,19 +162,20 @@ impl Receiver {
     }
 
     /// The triangles of all levels of an object that are there, over the vertices of
-    /// [`Self::primitive`]: for the frame, that only switches ranges. `None` if none is there.
+    /// [`Self::primitive`]: for the frame, that only switches ranges. Level 0 is the finest that is
+    /// there. `None` if none is.
     pub fn triangles(&self, object: usize) -> Option<ClusteredTriangles> {
         let held = self.held.get(object)?;
-        let vertices = held.levels.iter().map(|l| l.1 as u32).collect();
+        let vertices = held.levels.iter().rev().map(|l| l.1 as u32).collect();
         let mut triangles = Vec::new();
         let mut clusters = Vec::new();
         for (level, (_, _, faces)) in held.levels.iter().enumerate() {
             let start = triangles.len() as u32;
             triangles.extend_from_slice(faces);
-            let level = level as u16;
+            let level = (held.levels.len() - 1 - level) as u16;
             clusters.push(Cluster {
-                first_level: level,
-                last_level: level,
+                finest_level: level,
+                coarsest_level: level,
                 region: 0,
                 triangles: start..triangles.len() as u32,
             });

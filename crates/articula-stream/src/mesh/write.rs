@@ -14,7 +14,7 @@ use std::ops::Range;
 pub struct ObjectLevels {
     /// What it is.
     pub object: StreamObject,
-    /// Its levels, the coarsest first.
+    /// Its levels, the finest first.
     pub levels: Vec<QuantisedMesh>,
 }
 
@@ -54,20 +54,21 @@ pub fn write(
     let records: Vec<Vec<u8>> = objects.iter().map(|o| head::record(&o.object)).collect();
     let mut entries: Vec<(u32, Hash)> = Vec::new();
     let mut chunks = Vec::new();
-    for level in shown.clone() {
+    let coarsest = shown.end - 1;
+    for level in shown.clone().rev() {
         for (o, (object, record)) in objects.iter().zip(&records).enumerate() {
             let layout = &object.object.layout;
             let mesh = &object.levels[level];
-            let chunk = if level == shown.start {
+            let chunk = if level == coarsest {
                 encode_level(mesh, layout)
             } else {
-                encode_refinement(&object.levels[level - 1], mesh, layout)
+                encode_refinement(&object.levels[level + 1], mesh, layout)
             };
             let within = |e: Mismatch| Mismatch::new(format!("objects[{o}].{}", e.at), e.what);
             let chunk = chunk.map_err(within)?;
             entries.push((
                 chunk.len() as u32,
-                hash_of(level, level == shown.start, record, &chunk),
+                hash_of(level, level == coarsest, record, &chunk),
             ));
             chunks.extend(chunk);
         }
@@ -75,13 +76,12 @@ pub fn write(
     let table = LevelTable {
         levels: levels.levels[shown.clone()].to_vec(),
         regions: levels.regions.clone(),
-        mixable_from: levels.mixable_from.saturating_sub(shown.start),
+        mixable_to: levels.mixable_to.saturating_sub(shown.start),
     };
     let mut bytes = head::write(shown.start, &table, &records, &entries);
     let limits = StreamLimits {
         bytes: u64::MAX,
         elements: u64::MAX,
-        ..StreamLimits::default()
     };
     let opened = MeshStream::open(&bytes, &limits);
     let stream = opened.map_err(|e| Mismatch::new("levels", e.to_string()))?;

@@ -7,7 +7,7 @@ use serde::Serialize;
 /// One level, as scripts read it. Errors are null for a level without triangles.
 #[derive(Debug, Serialize)]
 pub(crate) struct Level {
-    /// Its number: 0 is the coarsest.
+    /// Its number: 0 is the finest.
     level: usize,
     pub(crate) triangles: u64,
     pub(crate) vertices: u64,
@@ -41,7 +41,7 @@ pub(crate) struct Bytes {
 /// The levels, the finest first.
 pub(crate) fn levels(made: &Levels) -> Vec<Level> {
     let finite = |metres: f32| metres.is_finite().then_some(metres);
-    let rows = made.made.table.levels.iter().enumerate().rev();
+    let rows = made.made.table.levels.iter().enumerate();
     rows.map(|(l, row)| Level {
         level: l,
         triangles: row.triangles,
@@ -67,7 +67,7 @@ pub(crate) fn bytes(made: &Levels, store: usize) -> Bytes {
     let direct = &made.transport.direct;
     Bytes {
         clustered: made.transport.stream.len(),
-        finest_alone: direct.last().copied().unwrap_or(0),
+        finest_alone: direct.first().copied().unwrap_or(0),
         discrete_sum: direct.iter().sum(),
         store,
     }

@@ -12,7 +12,7 @@ use articula_stream::mesh::{ObjectLevels, StreamObject, write};
 pub(crate) struct Transport {
     /// The whole stream.
     pub(crate) stream: Vec<u8>,
-    /// Bytes of each level coded alone, head included; the coarsest first.
+    /// Bytes of each level coded alone, head included; the finest first.
     pub(crate) direct: Vec<usize>,
     /// Bytes of what each level adds in the whole stream.
     pub(crate) chunks: Vec<usize>,
@@ -34,7 +34,8 @@ pub(crate) fn coded(
         direct.push(alone.bytes.len());
     }
     Ok(Transport {
-        chunks: levels.map(|u| u.bytes() as usize).collect(),
+        // The stream begins with the coarsest level.
+        chunks: levels.rev().map(|u| u.bytes() as usize).collect(),
         stream: whole.bytes,
         direct,
     })

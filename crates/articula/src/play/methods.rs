@@ -5,12 +5,12 @@ use anyhow::Context;
 use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
 use articula_build::motion_error::bounds::ChainShare;
 use articula_build::motion_error::thesis::{Direction, Radius};
+use articula_build::motion_error::thesis_metric::ThresholdCurve;
 use articula_core::articulation::Complexity;
 use articula_core::drift::DriftOptions;
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::{Expression, JointSet, selection};
 use articula_core::rig::Rig;
-use articula_core::thesis_metric::ThresholdCurve;
 use clap::{Args, ValueEnum};
 
 use crate::arguments::{not_negative, positive};

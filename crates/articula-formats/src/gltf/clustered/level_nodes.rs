@@ -89,7 +89,7 @@ impl Document {
         let mut coverages = Vec::new();
         let mut least = 1.0f32;
         let mut arrays = BTreeMap::new();
-        for level in (0..count - 1).rev() {
+        for level in 1..count {
             least = least.min(opts.coverage(levels, level));
             coverages.push(least);
             let parts = self.level_primitives((node, level), &objects, &mut arrays);

@@ -1,5 +1,6 @@
 //! The table of levels in the extension of the document.
 
+use super::version::{Counts, VERSION};
 use super::{MOST_LEVELS, NAME};
 use crate::error::ReadError;
 use crate::gltf::append::{set, short};
@@ -28,10 +29,10 @@ pub(super) fn table(levels: &LevelTable) -> Result<Value, WriteError> {
         }
         rows.push(row);
     }
-    let mut table = json!({ "levels": rows });
+    let mut table = json!({"version": VERSION, "levels": rows});
     if !levels.regions.is_empty() {
         set(&mut table, "regions", levels.regions.clone());
-        set(&mut table, "mixableFrom", levels.mixable_from);
+        set(&mut table, "mixableTo", levels.mixable_to);
     }
     Ok(table)
 }
@@ -67,6 +68,7 @@ pub(super) fn count(root: &Place<'_>) -> usize {
 }
 
 fn read_table(extension: &Place<'_>, levels: usize) -> Result<LevelTable, ReadError> {
+    let counts = Counts::of(extension)?;
     let rows = extension.entries("levels")?;
     let rows = rows.iter().map(read_row).collect::<Result<Vec<_>, _>>()?;
     let regions = extension.entries("regions")?;
@@ -74,11 +76,16 @@ fn read_table(extension: &Place<'_>, levels: usize) -> Result<LevelTable, ReadEr
         let name = p.value().as_str().map(str::to_owned);
         name.ok_or_else(|| p.malformed("expected a name"))
     };
-    let mixable_from = extension.get("mixableFrom");
+    let mixable = match counts {
+        Counts::FromFinest => extension.get("mixableTo"),
+        Counts::FromCoarsest => extension.get("mixableFrom"),
+    };
+    let mixable = mixable.map(|p| p.index_below(levels)).transpose()?;
+    let mixable = mixable.and_then(|stored| counts.level(stored, levels));
     Ok(LevelTable {
-        levels: rows,
+        levels: counts.list(rows),
         regions: regions.iter().map(name).collect::<Result<_, _>>()?,
-        mixable_from: mixable_from.map_or(Ok(0), |p| p.index_below(levels))?,
+        mixable_to: mixable.unwrap_or(levels - 1),
     })
 }
 

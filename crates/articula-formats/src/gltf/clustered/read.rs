@@ -1,6 +1,7 @@
 //! Levels out of a document, believed only after every number was compared.
 
 use super::level_table;
+use super::version::Counts;
 use super::{MOST_LEVELS, NAME};
 use crate::error::ReadError;
 use crate::gltf::origin::origins;
@@ -58,7 +59,7 @@ fn try_read(
         // Of vertices that several primitives share not all were kept: this fails then.
         let fits = object.check(part.positions.len());
         fits.map_err(|e| extension.malformed(e.to_string()))?;
-        if !object.level(usize::MAX).eq(part.triangles.iter().copied()) {
+        if !object.level(0).eq(part.triangles.iter().copied()) {
             return Err(extension.malformed("the finest level is not what the primitive shows"));
         }
         out.push(object);
@@ -83,10 +84,16 @@ pub(super) fn read_part(
         let what = format!("{} levels, at most {MOST_LEVELS} are read", vertices.len());
         return Err(extension.malformed(what));
     }
-    let vertices = vertices
-        .iter()
-        .map(number::<u32>)
-        .collect::<Result<_, _>>()?;
+    let counts = Counts::of(extension)?;
+    let vertices = vertices.iter().map(number::<u32>);
+    let vertices = counts.list(vertices.collect::<Result<Vec<_>, _>>()?);
+    let count = vertices.len();
+    let level = |place: &Place<'_>| {
+        let found = number::<u16>(place)?;
+        let level = counts.level(found.into(), count);
+        let beyond = || place.malformed(format!("{found} of {count} levels"));
+        level.map(|l| l as u16).ok_or_else(beyond)
+    };
     let mut clusters = Vec::new();
     let mut end = 0u32;
     for place in extension.entries("clusters")? {
@@ -94,9 +101,17 @@ pub(super) fn read_part(
         let start = end;
         let too_many = || place.malformed("more triangles than 32 bits count");
         end = end.checked_add(count).ok_or_else(too_many)?;
+        let [first, last] = [
+            level(&place.require("first")?)?,
+            level(&place.require("last")?)?,
+        ];
+        let (finest_level, coarsest_level) = match counts {
+            Counts::FromFinest => (first, last),
+            Counts::FromCoarsest => (last, first),
+        };
         clusters.push(Cluster {
-            first_level: number(&place.require("first")?)?,
-            last_level: number(&place.require("last")?)?,
+            finest_level,
+            coarsest_level,
             region: place.get("region").map_or(Ok(0), |r| number(&r))?,
             triangles: start..end,
         });

@@ -1,5 +1,6 @@
 //! Levels into a document: every array of a primitive in the order of the levels.
 
+use super::version::VERSION;
 use super::{MOST_LEVELS, NAME};
 use crate::error::ReadError;
 use crate::gltf::append::{Use, entries_mut, object, push, set};
@@ -219,7 +220,7 @@ impl Document {
             corners.flat_map(|c| c.to_le_bytes()).collect()
         };
         let view = self.add_view(&bytes, Use::Indices);
-        let finest = part.clusters.triangles(usize::MAX) as usize;
+        let finest = part.clusters.triangles(0) as usize;
         let [own, all] = [finest, part.triangles.len()].map(|triangles| {
             self.add_accessor(json!({
                 "bufferView": view,
@@ -243,8 +244,12 @@ impl Document {
             .entry("extensions")
             .or_insert_with(|| json!({}));
         let clusters: Vec<Value> = part.clusters.clusters().iter().map(cluster).collect();
-        let vertices = part.clusters.vertex_counts();
-        let value = json!({"indices": all, "vertices": vertices, "clusters": clusters});
+        let value = json!({
+            "version": VERSION,
+            "indices": all,
+            "vertices": part.clusters.vertex_counts(),
+            "clusters": clusters,
+        });
         set(extensions, NAME, value);
     }
 
@@ -278,7 +283,7 @@ fn check(part: &PartLevels<'_>, levels: usize) -> Result<(), String> {
     object
         .check(part.vertices.len())
         .map_err(|e| e.to_string())?;
-    let finest: Vec<_> = part.clusters.ranges(levels - 1).collect();
+    let finest: Vec<_> = part.clusters.ranges(0).collect();
     match finest.as_slice() {
         [range] if range.start == 0 => Ok(()),
         _ => Err("the finest level is not the first range of the triangles".to_owned()),
@@ -330,8 +335,8 @@ fn new_primitive<'a>(
 
 fn cluster(cluster: &Cluster) -> Value {
     let mut value = json!({
-        "first": cluster.first_level,
-        "last": cluster.last_level,
+        "first": cluster.finest_level,
+        "last": cluster.coarsest_level,
         "triangles": cluster.triangles.end - cluster.triangles.start,
     });
     if cluster.region > 0 {

@@ -115,9 +115,9 @@ pub(super) fn levels(
         weighting,
         ..SimplifyOptions::default()
     };
-    Ok(whole(
-        simplify(&subject.asset.mesh, &posed.shaping, &opts)?.levels,
-    ))
+    let mut levels = simplify(&subject.asset.mesh, &posed.shaping, &opts)?.levels;
+    levels.reverse();
+    Ok(whole(levels))
 }
 
 fn peer(

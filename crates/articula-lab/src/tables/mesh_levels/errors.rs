@@ -14,7 +14,7 @@ pub(super) const LINES_PX: f32 = 1080.0;
 /// One level of one contestant.
 pub(super) struct Row {
     pub(super) who: Contestant,
-    /// 0 is the coarsest.
+    /// Its place among the levels, the coarsest first.
     pub(super) level: usize,
     pub(super) triangles: usize,
     pub(super) vertices: usize,

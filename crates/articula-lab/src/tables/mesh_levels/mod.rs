@@ -21,7 +21,8 @@ use contestants::{Contestant, Posed};
 use sheet::Extent;
 use std::path::PathBuf;
 
-/// Shares of the triangles, coarsest level first.
+/// Shares of the triangles in the order in which levels are coded, the coarsest first; so are all
+/// lists of levels here. Files that are written number them from the finest, 0.
 const SHARES: [&str; 5] = ["1.5 %", "10 %", "25 %", "50 %", "100 %"];
 
 /// Poses that are measured on.
@@ -90,8 +91,9 @@ fn found(run: &Run, entry: &Entry, choice: &Choice) -> Result<Found> {
     let posed = Posed::of(&subject, poses)?;
     let opts = SimplifyOptions::default();
     let start = thread_ns();
-    let ours = simplify(&subject.asset.mesh, &posed.shaping, &opts)?.levels;
+    let mut ours = simplify(&subject.asset.mesh, &posed.shaping, &opts)?.levels;
     let simplify_secs = 1e-9 * (thread_ns() - start) as f64;
+    ours.reverse();
     if let Some(folder) = &choice.sheets {
         std::fs::create_dir_all(folder)?;
         let path = folder.join(subject.name.replace([' ', ','], "_"));

@@ -202,7 +202,7 @@ the coarser one. *Draco*: npm `draco3dgltf`, edgebreaker, speed 0, which is its 
 vertices of up to 24 bytes in the vertex codec and indices in the index codec, both in the order that
 its functions give. *Plain*: those vertices and 16-bit indices (32 where needed) as they lie in a
 buffer; *STORE* holds all levels that way. *Ranges* show the level from STORE, that of vertices
-counted; the thesis has 3i + 1, which takes level 0 as one.
+counted; the thesis has 3i + 1 for its level i, the coarsest 0, which takes that as one.
 
 | character | level | triangles | vertices | direct | chunk | Draco | direct / Draco | meshopt | plain | ranges (3i + 1) | STORE / sum of plain |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
@@ -268,7 +268,7 @@ pub(super) fn errors_csv(all: &[Found]) -> Result<String> {
                 "{},{},{},{},{},{},{:.3},{:.3},{:.4},{:.3},{:.3},{:.4}",
                 found.name.replace(',', ";"),
                 row.who.name().replace(',', ";"),
-                row.level,
+                SHARES.len() - 1 - row.level,
                 row.triangles,
                 row.vertices,
                 row.crossed_seams,
@@ -297,10 +297,11 @@ pub(super) fn bytes_csv(all: &[Found]) -> Result<String> {
             .map(|(kind, bytes)| format!("{kind} {bytes}"))
             .collect();
         for (l, level) in found.sizes.levels.iter().enumerate() {
-            let top = l + 1 == found.sizes.levels.len();
+            let number = found.sizes.levels.len() - 1 - l;
+            let top = number == 0;
             writeln!(
                 csv,
-                "{},{l},{},{},{},{},{},{},{},{},{},{}",
+                "{},{number},{},{},{},{},{},{},{},{},{},{}",
                 found.name.replace(',', ";"),
                 level.triangles,
                 level.vertices,

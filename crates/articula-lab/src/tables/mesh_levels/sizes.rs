@@ -22,7 +22,7 @@ pub(super) struct Level {
     pub(super) vertices: usize,
     /// Ours, the level alone.
     pub(super) direct: usize,
-    /// Ours, what the level adds to the coarser one; level 0 alone.
+    /// Ours, what the level adds to the coarser one; the coarsest alone.
     pub(super) chunk: usize,
     /// Draco; `None` without node.
     pub(super) draco: Option<usize>,
@@ -116,17 +116,25 @@ fn objects(subject: &Subject, levels: &[LevelTriangles]) -> Result<Vec<Object>> 
             let full = if primitive.morphs.is_empty() {
                 None
             } else {
-                Some(quantise(primitive, &levels, &grid, &PRECISION)?)
+                Some(in_order(primitive, &levels, &grid)?)
             };
             objects.push(Object {
                 full,
-                bare: quantise(&bare, &levels, &grid, &PRECISION)?,
+                bare: in_order(&bare, &levels, &grid)?,
                 vertices: part.vertices.len(),
                 levels,
             });
         }
     }
     Ok(objects)
+}
+
+/// The levels of a part in whole numbers, in the order in which they are coded.
+fn in_order(part: &Primitive, levels: &[Vec<[u32; 3]>], grid: &Grid) -> Result<Quantised> {
+    let finest_first: Vec<_> = levels.iter().rev().cloned().collect();
+    let mut coded = quantise(part, &finest_first, grid, &PRECISION)?;
+    coded.levels.reverse();
+    Ok(coded)
 }
 
 /// The bytes of our codec, and its time.
@@ -160,7 +168,7 @@ fn add_ours(objects: &[Object], rounds: usize, sizes: &mut Sizes) -> Result<()> 
     Ok(())
 }
 
-/// Level 0, then what each level adds.
+/// The coarsest level, then what each level adds.
 fn chunks(part: &Quantised) -> Result<Vec<Vec<u8>>> {
     let layout = &part.layout;
     let mut chunks = Vec::new();
@@ -210,8 +218,9 @@ fn add_object(object: &Object, wire: &[WireMesh], sizes: &mut Sizes) -> Result<(
         level.meshopt += meshopt::coded_bytes(mesh)?;
         level.plain += plain(mesh, mesh.vertices(), mesh.triangles.len());
     }
-    let stored = cluster(&object.levels, object.vertices, &[], Order::Store)?;
-    for (l, level) in sizes.levels.iter_mut().enumerate() {
+    let finest_first: Vec<_> = object.levels.iter().rev().collect();
+    let stored = cluster(&finest_first, object.vertices, &[], Order::Store)?;
+    for (l, level) in sizes.levels.iter_mut().rev().enumerate() {
         let ranges = stored.clusters.ranges(l).count();
         level.ranges = level.ranges.max(ranges + usize::from(ranges > 0));
     }

@@ -89,7 +89,7 @@ pub struct Quantised {
     pub layout: Layout,
     /// The way back.
     pub scale: Scale,
-    /// One mesh for each level, the coarsest first. All points and wedges of a level are, by
+    /// One mesh for each level, the finest first. All points and wedges of a level are, by
     /// value, in every finer one whose triangles named all of its vertices.
     pub levels: Vec<QuantisedMesh>,
     /// Faces left out because rounding made two of their corners one, over all levels.
@@ -175,7 +175,7 @@ fn check_length(at: &str, found: usize, expected: usize) -> Result<(), Mismatch>
     Err(Mismatch::new(at, format!("{found} for {expected}")))
 }
 
-/// Rounds one part. `levels` are its triangles at each level, the coarsest first, as indices of
+/// Rounds one part. `levels` are its triangles at each level, the finest first, as indices of
 /// its vertices; its own list of triangles is not looked at.
 ///
 /// Vertices that no level uses are left out; equal ones become one. A normal of no length

@@ -39,7 +39,7 @@ pub(super) fn draw(folder: &Folder, scene: &Scene<'_>) -> anyhow::Result<()> {
     let count = meshes.iter().flat_map(|m| m.clustered.first());
     let count = count.map(|c| c.clusters.levels()).max().unwrap_or(0);
     let mut rows = Vec::with_capacity(count);
-    for level in (0..count).rev() {
+    for level in 0..count {
         rows.push(row(scene, level)?);
     }
     let sheet = ContactSheet {

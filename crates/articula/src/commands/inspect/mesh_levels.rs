@@ -24,14 +24,14 @@ pub(super) struct Levels {
     pub(super) levels: Vec<Level>,
     /// Zones that may be shown at a level of their own.
     pub(super) regions: Vec<String>,
-    /// Coarsest level from which on they may differ.
-    pub(super) mixable_from: usize,
+    /// Coarsest level up to which they may differ.
+    pub(super) mixable_to: usize,
 }
 
 /// One level of all meshes. An error is null if the file does not say it.
 #[derive(Debug, Serialize)]
 pub(super) struct Level {
-    /// Its number: 0 is the coarsest.
+    /// Its number: 0 is the finest.
     pub(super) level: usize,
     pub(super) triangles: u64,
     pub(super) vertices: u64,
@@ -58,10 +58,9 @@ pub(super) fn of_mesh(mesh: &source::Mesh) -> Vec<MeshLevel> {
     let Some(count) = mesh.clustered.first().map(|c| c.clusters.levels()) else {
         return nodes;
     };
-    let coarser = (0..count - 1).rev().enumerate();
-    coarser
-        .map(|(i, level)| MeshLevel {
-            screen_coverage: nodes.get(i).and_then(|n| n.screen_coverage),
+    (1..count)
+        .map(|level| MeshLevel {
+            screen_coverage: nodes.get(level - 1).and_then(|n| n.screen_coverage),
             ..clustered(&mesh.clustered, level)
         })
         .collect()
@@ -84,7 +83,7 @@ fn clustered(parts: &[ClusteredTriangles], level: usize) -> MeshLevel {
 pub(super) fn of(table: &LevelTable, meshes: &[source::Mesh]) -> Levels {
     let finite = |metres: f32| metres.is_finite().then_some(metres);
     let parts = || meshes.iter().flat_map(|m| &m.clustered);
-    let rows = table.levels.iter().enumerate().rev();
+    let rows = table.levels.iter().enumerate();
     let level = |(l, row): (usize, &articula_core::level_table::LevelRow)| Level {
         level: l,
         triangles: row.triangles,
@@ -96,7 +95,7 @@ pub(super) fn of(table: &LevelTable, meshes: &[source::Mesh]) -> Levels {
     Levels {
         levels: rows.map(level).collect(),
         regions: table.regions.clone(),
-        mixable_from: table.mixable_from,
+        mixable_to: table.mixable_to,
     }
 }
 
@@ -136,19 +135,19 @@ mod tests {
 
     #[test]
     fn ranges_are_those_of_each_part() {
-        let cluster = |first_level, last_level, triangles| Cluster {
-            first_level,
-            last_level,
+        let cluster = |finest_level, coarsest_level, triangles| Cluster {
+            finest_level,
+            coarsest_level,
             region: 0,
             triangles,
         };
         let part = ClusteredTriangles {
             clusters: Clusters::new(
-                vec![3, 5],
+                vec![5, 3],
                 vec![
-                    cluster(1, 1, 0..4),
+                    cluster(0, 0, 0..4),
                     cluster(0, 1, 4..5),
-                    cluster(0, 0, 5..6),
+                    cluster(1, 1, 5..6),
                 ],
             )
             .unwrap(),

@@ -33,7 +33,7 @@ struct Findings {
 
 #[derive(Debug, Serialize)]
 struct Level {
-    /// Its number in the whole character: 0 is the coarsest.
+    /// Its number in the whole character: 0 is the finest.
     level: usize,
     triangles: u64,
     vertices: u64,
@@ -77,10 +77,9 @@ pub(super) fn run(args: &CharacterArgs, console: &Console) -> anyhow::Result<()>
 fn levels(stream: &MeshStream, received: &Receiver) -> Vec<Level> {
     let finite = |metres: f32| metres.is_finite().then_some(metres);
     let objects = || 0..stream.objects.len();
-    let there = objects().map(|o| received.levels(o)).min().unwrap_or(0);
-    let rows = stream.levels.levels.iter().enumerate().rev();
+    let rows = stream.levels.levels.iter().enumerate();
     let level = |(l, row): (usize, &articula_core::level_table::LevelRow)| Level {
-        level: stream.first_level + l,
+        level: stream.finest_level + l,
         triangles: row.triangles,
         vertices: row.vertices,
         error_rest_m: finite(row.rest.max_metres),
@@ -89,7 +88,7 @@ fn levels(stream: &MeshStream, received: &Receiver) -> Vec<Level> {
             .filter_map(|o| stream.chunk(l, o))
             .map(|chunk| chunk.len())
             .sum(),
-        complete: l < there,
+        complete: objects().all(|o| received.finest_level(o).is_some_and(|there| there <= l)),
     };
     rows.map(level).collect()
 }

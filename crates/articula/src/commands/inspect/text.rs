@@ -32,9 +32,9 @@ pub(super) fn of(found: &Findings, map: bool) -> String {
         if !levels.regions.is_empty() {
             let names: Vec<String> = levels.regions.iter().map(|r| clean(r)).collect();
             text.push_str(&format!(
-                "  {} may be at levels of their own from level {} on\n",
+                "  {} may be at levels of their own from level 0 to {}\n",
                 names.join(", "),
-                levels.mixable_from
+                levels.mixable_to
             ));
         }
     }

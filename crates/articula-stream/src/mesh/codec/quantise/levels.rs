@@ -15,7 +15,7 @@ pub(super) fn merge(
     let points = first_with_key(whole.wedges(), |v| point_key(whole, v));
     let wedges = first_with_key(whole.wedges(), |v| wedge_key(whole, points[v], v));
     let mut finer: Option<Finer> = None;
-    for (level, triangles) in levels.iter().enumerate().rev() {
+    for (level, triangles) in levels.iter().enumerate() {
         let named = used(whole.wedges(), triangles)
             .map_err(|v| wrong(level, format!("vertex {v} of {}", whole.wedges())))?;
         let mut seen = HashSet::new();
@@ -39,7 +39,6 @@ pub(super) fn merge(
         finer = Some(Finer::new(whole, &points, &wedges, &faces, &named));
         out.levels.push(of_faces(whole, &points, &faces));
     }
-    out.levels.reverse();
     Ok(())
 }
 

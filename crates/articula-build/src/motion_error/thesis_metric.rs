@@ -1,11 +1,11 @@
 //! The two-step metric of the thesis: error matrix and distance threshold. A baseline.
 //!
 //! Source: thesis 5.2; reconstruction and faults in `spec/motion-lod.md` part 3. The matrix is
-//! made by `articula-build`; here is the step that runs while the clip plays.
+//! made by [`thesis`](super::thesis); here is the step that runs while the clip plays.
 
-use crate::Mismatch;
-use crate::joint_state::{JointState, JointStates};
-use crate::pose::LocalPose;
+use articula_core::Mismatch;
+use articula_core::joint_state::{JointState, JointStates};
+use articula_core::pose::LocalPose;
 
 /// Normalised error of every joint at every frame.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,11 +28,6 @@ impl ErrorMatrix {
             return Err(Mismatch::new("values", what));
         }
         Ok(Self { joints, values })
-    }
-
-    /// Number of frames.
-    pub fn frames(&self) -> usize {
-        self.values.len() / self.joints
     }
 
     /// Errors of all joints at a frame.
@@ -125,6 +120,9 @@ pub fn switch(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use articula_core::joint_state::TransitionOptions;
+    use articula_core::math::{Transform, angle_between};
+    use glam::Quat;
 
     /// Acceptance test 2.
     #[test]
@@ -154,5 +152,40 @@ mod tests {
         let at: Vec<f32> = (0..200).map(|i| t.at(i as f32 * 0.1)).collect();
         assert!(at.windows(2).all(|w| w[1] >= w[0]));
         assert_eq!((t.at(3.5), t.at(16.0)), (1e-4, 1e-3));
+    }
+
+    #[test]
+    fn a_slow_turn_is_never_followed_by_the_thesis() {
+        // One degree a second for a minute.
+        let wanted = |i: usize| {
+            let turned = Transform {
+                rotation: Quat::from_rotation_x((i as f32 / 30.0).to_radians()),
+                ..Transform::IDENTITY
+            };
+            LocalPose::from_iter([turned])
+        };
+        // The thesis compares neighbouring frames. Its values are divided by the clip's largest;
+        // one quick joint beside the slow one puts that below every threshold for ever.
+        let slow_of_quick = (1.0f32 / 30.0).to_radians() / 2.0f32.to_radians() * 0.01;
+        let frames = 60 * 30 + 1;
+        let matrix = ErrorMatrix::new(1, vec![slow_of_quick; frames]).unwrap();
+        let rest = LocalPose::from_iter([Transform::IDENTITY]);
+        let at_once = TransitionOptions {
+            secs: 0.0,
+            ..TransitionOptions::default()
+        };
+        let mut states = JointStates::new(&rest, at_once);
+        let mut worst: f32 = 0.0;
+        for i in 0..frames {
+            let (secs, pose) = (i as f64 / 30.0, wanted(i));
+            switch(&matrix, i, 1e-3, &mut states, secs, &pose);
+            let shown = states.step(secs, &pose).rotations[0];
+            worst = worst.max(angle_between(shown, pose.rotations[0]));
+        }
+        assert_eq!(states.state(0), JointState::Passive);
+        assert!(
+            worst > 59.0f32.to_radians(),
+            "frozen at the first frame, {worst} rad away at last"
+        );
     }
 }
