@@ -265,3 +265,58 @@ fn heads_of_other_files_and_short_ones_are_errors() {
     let again = write(table, objects, 0..table.levels.len()).unwrap().bytes;
     assert!(again == whole, "the same input gives the same bytes");
 }
+
+/// A stream of version 1, as it was written then, whose levels counted from the coarsest: a tube
+/// of 128, 64 and 26 triangles.
+const OLD: &[u8] = include_bytes!("old/tube-1.ams");
+
+#[test]
+fn streams_of_version_1_are_read_and_written_as_version_2() {
+    let limits = StreamLimits::default();
+    let old = Receiver::read(OLD, &limits).unwrap();
+    let head = old.stream();
+    assert_eq!(head.finest_level, 0);
+    let triangles = head.levels.levels.iter().map(|l| l.triangles);
+    assert_eq!(triangles.collect::<Vec<_>>(), [128, 64, 26]);
+    assert!(head.levels.errors().is_ok(), "the finest has no error");
+    assert_eq!(old.finest_level(0), Some(0));
+    assert_eq!(old.mesh(0).unwrap().faces.len(), 128);
+    let unit = head.unit();
+    unit.check().unwrap();
+    unit.check_values(OLD).unwrap();
+    let markers = unit.children.iter().filter_map(|u| u.marker("level"));
+    assert_eq!(markers.collect::<Vec<_>>(), [2, 1, 0]);
+    // Each of its levels as a mesh, written anew.
+    let mut levels = Vec::new();
+    for level in 0..3 {
+        let mut coarser = old.clone();
+        coarser.coarsen(0, level);
+        levels.push(coarser.mesh(0).unwrap().clone());
+    }
+    let object = ObjectLevels {
+        object: head.objects[0].clone(),
+        levels,
+    };
+    let written = write(&head.levels, std::slice::from_ref(&object), 0..3).unwrap();
+    let new = Receiver::read(&written.bytes, &limits).unwrap();
+    assert_eq!(new.stream().levels, head.levels);
+    assert_eq!(written.bytes[4], 2);
+    for level in 0..3 {
+        let [a, b] = [old.clone(), new.clone()].map(|mut receiver| {
+            receiver.coarsen(0, level);
+            by_value(receiver.mesh(0).unwrap())
+        });
+        assert!(a == b && a.len() == head.levels.levels[level].triangles as usize);
+        // The coded bytes are the same; their hashes, which stand in the head, are not.
+        let chunk = |bytes: &[u8], head: &MeshStream| bytes[head.chunk(level, 0).unwrap()].to_vec();
+        assert_eq!(
+            chunk(OLD, head),
+            chunk(&written.bytes, new.stream()),
+            "level {level}"
+        );
+    }
+    for end in 0..OLD.len() {
+        // Whatever is left of it.
+        let _ = Receiver::read(&OLD[..end], &limits);
+    }
+}
