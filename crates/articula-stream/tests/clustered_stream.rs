@@ -6,8 +6,11 @@ use articula_build::clip::ClipOptions;
 use articula_build::human::{HumanOptions, human};
 use articula_build::mesh_levels::{MeshLevelOptions, mesh_levels};
 use articula_core::level_table::LevelTable;
+use articula_mutate::{Edit, Mutations, cut_off};
 use articula_stream::Unit;
-use articula_stream::mesh::{Grid, Precision, QuantisedMesh, quantise};
+use articula_stream::mesh::{
+    Grid, Precision, QuantisedMesh, decode_level, decode_refinement, quantise,
+};
 use articula_stream::mesh::{MeshStream, ObjectLevels, Receiver, StreamObject, write};
 use articula_stream::{StreamError, StreamLimits};
 use std::collections::BTreeSet;
@@ -315,8 +318,63 @@ fn streams_of_version_1_are_read_and_written_as_version_2() {
             "level {level}"
         );
     }
-    for end in 0..OLD.len() {
-        // Whatever is left of it.
-        let _ = Receiver::read(&OLD[..end], &limits);
+}
+
+#[test]
+fn mutated_streams_give_a_character_or_an_error() {
+    let mutations = Mutations {
+        edits: &[
+            Edit::FlipBit,
+            Edit::SetByte,
+            Edit::InsertByte,
+            Edit::RemoveByte,
+            Edit::Truncate,
+            Edit::Repeat(32),
+            Edit::Delete(32),
+        ],
+        most: 3,
+    };
+    let limits = StreamLimits {
+        bytes: 1 << 20,
+        elements: 1 << 16,
+    };
+    let whole = Receiver::read(OLD, &limits).unwrap();
+    let head = whole.stream();
+    let read = |bytes: &[u8]| {
+        let Ok(found) = Receiver::read(bytes, &limits) else {
+            return false;
+        };
+        found.stream().unit().check().unwrap();
+        for (o, object) in found.stream().objects.iter().enumerate() {
+            found.mesh(o).unwrap().check(&object.layout).unwrap();
+        }
+        true
+    };
+    assert!((1..4000).contains(&mutations.read_of(OLD, 4000, read)));
+    for bytes in cut_off(OLD) {
+        assert_eq!(read(bytes), bytes.len() >= head.head_bytes());
     }
+    // Without the hashes: what is coded itself.
+    let layout = &head.objects[0].layout;
+    let decodes = |bytes: &[u8]| {
+        let Ok(found) = decode_level(bytes, layout, &limits) else {
+            return false;
+        };
+        found.check(layout).unwrap();
+        true
+    };
+    let alone = &OLD[head.chunk(2, 0).unwrap()];
+    assert!(mutations.read_of(alone, 4000, decodes) < 4000);
+    let mut coarse = whole.clone();
+    coarse.coarsen(0, 2);
+    let coarse = coarse.mesh(0).unwrap();
+    let refines = |bytes: &[u8]| {
+        let Ok(found) = decode_refinement(coarse, bytes, layout, &limits) else {
+            return false;
+        };
+        found.check(layout).unwrap();
+        true
+    };
+    let added = &OLD[head.chunk(1, 0).unwrap()];
+    assert!(mutations.read_of(added, 4000, refines) < 4000);
 }
