@@ -2,8 +2,8 @@
 //! or an error. The first three bytes make the layout and cut the rest in two.
 #![no_main]
 
-use articula_formats::Limits;
-use articula_formats::mesh_codec::{Layout, MorphLayout, decode_level, decode_refinement};
+use articula_stream::StreamLimits;
+use articula_stream::mesh::{Layout, MorphLayout, decode_level, decode_refinement};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -22,9 +22,9 @@ fuzz_target!(|bytes: &[u8]| {
         joints: u16::from(*joints),
         morphs: vec![morph; usize::from(has(4))],
     };
-    let limits = Limits {
+    let limits = StreamLimits {
         elements: 1 << 18,
-        ..Limits::default()
+        ..StreamLimits::default()
     };
     let (coarse, fine) = rest.split_at(rest.len().min(usize::from(*cut) * 4));
     let Ok(coarse) = decode_level(coarse, &layout, &limits) else {

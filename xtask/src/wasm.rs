@@ -1,4 +1,4 @@
-//! The check that the core and the formats build for the web.
+//! The check that the libraries build for the web.
 //!
 //! The target's standard library comes from rustup, or lies in the toolchain already. Debian's
 //! own wasm packages are years older than our language edition, so there is no third way.
@@ -11,7 +11,16 @@ use std::process::Command;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 
-/// Checks `articula-core` and `articula-formats` for the web, after fetching the target.
+/// Libraries that a page may use.
+const LIBRARIES: &[&str] = &[
+    "articula-core",
+    "articula-formats",
+    "articula-build",
+    "articula-flat",
+    "articula-stream",
+];
+
+/// Checks the libraries for the web, after fetching the target.
 pub(crate) fn check() -> Result<Outcome> {
     if !installed() && run(Command::new("rustup").args(["target", "add", TARGET])).is_err() {
         return lacking(format!(
@@ -19,9 +28,12 @@ pub(crate) fn check() -> Result<Outcome> {
         ));
     }
     let words = ["check", "--quiet", "--target", TARGET];
+    let packages = LIBRARIES.iter().flat_map(|name| ["-p", name]);
+    run(cargo().args(words).args(packages))?;
+    // Streams without their codecs: all that a program which only cuts them needs.
     run(cargo()
         .args(words)
-        .args(["-p", "articula-core", "-p", "articula-formats"]))?;
+        .args(["-p", "articula-stream", "--no-default-features"]))?;
     // The core has vector code of its own for modules that are compiled for it.
     run(cargo()
         .args(words)

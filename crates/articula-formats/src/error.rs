@@ -1,5 +1,6 @@
 //! What can be wrong with a file, sorted by blame, and what was odd about a good one.
 
+use articula_core::BadBytes;
 use thiserror::Error;
 
 /// Why a file could not be read. The text names what was found, what was expected and where.
@@ -66,6 +67,12 @@ impl ReadError {
             .rsplit_once(" at line ")
             .map_or(said.as_str(), |(what, _)| what);
         Self::malformed(at, format!("{said}; the form is {form}"))
+    }
+}
+
+impl From<BadBytes> for ReadError {
+    fn from(bad: BadBytes) -> Self {
+        Self::malformed(format!("byte {}", bad.at), bad.what)
     }
 }
 

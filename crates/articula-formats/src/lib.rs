@@ -6,7 +6,6 @@
 //!
 //! - [`gltf`]: GLB and glTF 2.0, VRM files as such, in and out
 //! - [`meshopt`]: the codec of compressed glTF buffer views, decoding only
-//! - [`mesh_codec`]: the codec of mesh levels on the wire
 //! - [`acclaim`]: ASF skeletons and AMC motions, in and out
 //! - [`bva`]: Biovision animation, segments without a hierarchy, in
 //! - [`bvh`]: Biovision hierarchical motion, in and out
@@ -20,14 +19,11 @@
 pub mod acclaim;
 pub mod bva;
 pub mod bvh;
-mod bytes;
-pub mod clustered_stream;
 pub mod error;
 mod euler;
 pub mod gltf;
 pub mod limits;
 pub mod loa_profile;
-pub mod mesh_codec;
 pub mod meshopt;
 pub mod motion_table;
 pub mod mpeg4;

@@ -5,9 +5,8 @@
 //! are nested: the coarsest comes first and whole, each finer one adds the keys it has more,
 //! so a prefix of the levels is usable. The page is `docs/formats/motion-tables.md`.
 
-use crate::bytes::{Bytes, varint};
 use crate::{Limits, ReadError};
-use articula_core::{KeyMode, KeyTable, MAX_JOINTS, PoseKeys, TableHashes};
+use articula_core::{Bytes, KeyMode, KeyTable, MAX_JOINTS, PoseKeys, TableHashes, push_varint};
 
 const SEGS: &[u8; 4] = b"ASEG";
 const POSE_KEYS: &[u8; 4] = b"APKY";
@@ -27,8 +26,8 @@ pub fn write_segs(table: &KeyTable) -> Vec<u8> {
     );
     out.extend(table.rate_hz.to_le_bytes());
     out.extend(table.frames.to_le_bytes());
-    varint(&mut out, table.keys.len() as u64);
-    varint(&mut out, levels as u64);
+    push_varint(&mut out, table.keys.len() as u64);
+    push_varint(&mut out, levels as u64);
     for joint in &table.keys {
         let mut coarser: &[u32] = &[];
         for level in (0..levels).rev() {
@@ -52,26 +51,30 @@ pub fn write_segs(table: &KeyTable) -> Vec<u8> {
 /// version, [`ReadError::LimitExceeded`].
 pub fn read_segs(bytes: &[u8], limits: &Limits) -> Result<KeyTable, ReadError> {
     let mut r = Bytes::new(bytes);
-    let (mode, hashes, base_metres) = r.head(SEGS)?;
+    let (mode, hashes, base_metres) = head_of(&mut r, SEGS)?;
     let mode = match mode {
         0 => KeyMode::Hold,
         1 => KeyMode::Linear,
-        other => return Err(r.bad(format!("key mode {other}, 0 or 1 is expected"))),
+        other => {
+            return Err(r
+                .bad(format!("key mode {other}, 0 or 1 is expected"))
+                .into());
+        }
     };
     let rate_hz = r.positive("a rate")?;
     let frames = r.u32()?;
     Limits::check("byte 36", "frames", u64::from(frames), limits.frames)?;
-    let joints = r.count("joints", MAX_JOINTS)?;
-    let levels = r.count("levels", MAX_LEVELS)?;
+    let joints = count(&mut r, "joints", MAX_JOINTS)?;
+    let levels = count(&mut r, "levels", MAX_LEVELS)?;
     let mut keys = Vec::with_capacity(joints);
     for _ in 0..joints {
         let mut per_level: Vec<Vec<u32>> = Vec::with_capacity(levels);
         for _ in 0..levels {
             let mut merged = per_level.last().cloned().unwrap_or_default();
-            merged.extend(r.gaps(frames)?);
+            merged.extend(gaps_of(&mut r, frames)?);
             merged.sort_unstable();
             if merged.windows(2).any(|w| w[0] == w[1]) {
-                return Err(r.bad("a key that a coarser level has already"));
+                return Err(r.bad("a key that a coarser level has already").into());
             }
             per_level.push(merged);
         }
@@ -94,7 +97,7 @@ pub fn write_pose_keys(keys: &PoseKeys) -> Vec<u8> {
     let mut out = head(POSE_KEYS, 0, &keys.hashes, keys.base_metres);
     out.extend(keys.tick_hz.to_le_bytes());
     out.extend(keys.ticks.to_le_bytes());
-    varint(&mut out, keys.levels.len() as u64);
+    push_varint(&mut out, keys.levels.len() as u64);
     for level in &keys.levels {
         // No keys at all stands for "evaluate every frame": a level that is kept has a first.
         gaps(&mut out, level.as_deref().unwrap_or_default());
@@ -108,14 +111,14 @@ pub fn write_pose_keys(keys: &PoseKeys) -> Vec<u8> {
 /// As [`read_segs`].
 pub fn read_pose_keys(bytes: &[u8], limits: &Limits) -> Result<PoseKeys, ReadError> {
     let mut r = Bytes::new(bytes);
-    let (_, hashes, base_metres) = r.head(POSE_KEYS)?;
+    let (_, hashes, base_metres) = head_of(&mut r, POSE_KEYS)?;
     let tick_hz = r.positive("a tick rate")?;
     let ticks = r.u32()?;
     Limits::check("byte 36", "ticks", u64::from(ticks), limits.frames)?;
-    let count = r.count("levels", MAX_LEVELS)?;
+    let count = count(&mut r, "levels", MAX_LEVELS)?;
     let mut levels = Vec::with_capacity(count);
     for _ in 0..count {
-        let keys = r.gaps(ticks.saturating_add(1))?;
+        let keys = gaps_of(&mut r, ticks.saturating_add(1))?;
         levels.push((!keys.is_empty()).then_some(keys));
     }
     r.end()?;
@@ -147,60 +150,70 @@ fn head(magic: &[u8; 4], mode: u8, hashes: &TableHashes, base_metres: f32) -> Ve
 
 /// A count, then each number less the one before it (the first as it is).
 fn gaps(out: &mut Vec<u8>, rising: &[u32]) {
-    varint(out, rising.len() as u64);
+    push_varint(out, rising.len() as u64);
     let mut before = 0;
     for value in rising {
-        varint(out, u64::from(value - before));
+        push_varint(out, u64::from(value - before));
         before = *value;
     }
 }
 
-impl Bytes<'_> {
-    fn head(&mut self, magic: &[u8; 4]) -> Result<(u8, TableHashes, f32), ReadError> {
-        let found = self.take::<4>()?;
-        if found != *magic {
-            let expected = String::from_utf8_lossy(magic);
-            return Err(ReadError::malformed(
-                "byte 0",
-                format!("no \"{expected}\" table"),
-            ));
-        }
-        let [version, mode, _, _] = self.take::<4>()?;
-        if version != VERSION {
-            return Err(ReadError::Unsupported {
-                at: "byte 4".into(),
-                what: format!("version {version} of the table"),
-                mend: "build the asset again with this version of Articula".into(),
-            });
-        }
-        let hashes = TableHashes {
-            rig: self.u64()?,
-            clip: self.u64()?,
-            mesh: self.u64()?,
-        };
-        Ok((mode, hashes, self.positive("a tolerance")?))
+fn head_of(r: &mut Bytes<'_>, magic: &[u8; 4]) -> Result<(u8, TableHashes, f32), ReadError> {
+    let found = r.take::<4>()?;
+    if found != *magic {
+        let expected = String::from_utf8_lossy(magic);
+        return Err(ReadError::malformed(
+            "byte 0",
+            format!("no \"{expected}\" table"),
+        ));
     }
+    let [version, mode, _, _] = r.take::<4>()?;
+    if version != VERSION {
+        return Err(ReadError::Unsupported {
+            at: "byte 4".into(),
+            what: format!("version {version} of the table"),
+            mend: "build the asset again with this version of Articula".into(),
+        });
+    }
+    let hashes = TableHashes {
+        rig: r.u64()?,
+        clip: r.u64()?,
+        mesh: r.u64()?,
+    };
+    Ok((mode, hashes, r.positive("a tolerance")?))
+}
 
-    /// Rising numbers below `end`; each takes a byte at least, so the file bounds their count.
-    fn gaps(&mut self, end: u32) -> Result<Vec<u32>, ReadError> {
-        let count = self.varint()?;
-        if count > (self.bytes.len() - self.at) as u64 {
-            return Err(self.bad(format!("{count} keys, more than there are bytes")));
-        }
-        let mut values = Vec::with_capacity(count as usize);
-        let mut before = 0u64;
-        for i in 0..count {
-            let gap = self.varint()?;
-            before += gap;
-            if (i > 0 && gap == 0) || before >= u64::from(end) {
-                return Err(self.bad(format!(
-                    "key {before} of {end} frames does not rise or lies outside"
-                )));
-            }
-            values.push(before as u32);
-        }
-        Ok(values)
+/// Rising numbers below `end`; each takes a byte at least, so the file bounds their count.
+fn gaps_of(r: &mut Bytes<'_>, end: u32) -> Result<Vec<u32>, ReadError> {
+    let count = r.varint()?;
+    if count > r.left() as u64 {
+        return Err(r
+            .bad(format!("{count} keys, more than there are bytes"))
+            .into());
     }
+    let mut values = Vec::with_capacity(count as usize);
+    let mut before = 0u64;
+    for i in 0..count {
+        let gap = r.varint()?;
+        before += gap;
+        if (i > 0 && gap == 0) || before >= u64::from(end) {
+            return Err(r
+                .bad(format!(
+                    "key {before} of {end} frames does not rise or lies outside"
+                ))
+                .into());
+        }
+        values.push(before as u32);
+    }
+    Ok(values)
+}
+
+/// A number of things that is to be no more than so many.
+fn count(r: &mut Bytes<'_>, which: &'static str, limit: usize) -> Result<usize, ReadError> {
+    let at = format!("byte {}", r.at());
+    let count = r.varint()?;
+    Limits::check(&at, which, count, limit as u64)?;
+    Ok(count as usize)
 }
 
 #[cfg(test)]

@@ -6,9 +6,10 @@
 use articula_core::source::Character;
 use articula_formats::bvh::{self, ReadOptions};
 use articula_formats::{Limits, acclaim, bva, loa_profile, profile};
+use articula_mutate::{Edit, Mutations};
 
 /// Mutations tried on each file.
-const TRIES: u64 = 3000;
+const TRIES: usize = 3000;
 
 const BVH: &str = "HIERARCHY\nROOT Hips\n{\n OFFSET 0 90 0\n CHANNELS 6 Xposition Yposition Zposition \
     Zrotation Xrotation Yrotation\n JOINT Head\n {\n  OFFSET 0 60 0\n  CHANNELS 3 Zrotation Xrotation \
@@ -66,47 +67,20 @@ const WORDS: [&str; 24] = [
     "\nSegment: Chest\n",
 ];
 
-/// Sebastiano Vigna's SplitMix64 (2014): small, and the same everywhere.
-struct Dice(u64);
+const MUTATIONS: Mutations<'_> = Mutations {
+    edits: &[
+        Edit::Truncate,
+        Edit::InsertByte,
+        Edit::RepeatTail,
+        Edit::Word(&WORDS),
+        Edit::Delete(12),
+    ],
+    most: 4,
+};
 
-impl Dice {
-    fn roll(&mut self, sides: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % sides.max(1) as u64) as usize
-    }
-}
-
-fn mutated(good: &str, dice: &mut Dice) -> Vec<u8> {
-    let mut bytes = good.as_bytes().to_vec();
-    for _ in 0..=dice.roll(4) {
-        let at = dice.roll(bytes.len());
-        match dice.roll(5) {
-            0 => bytes.truncate(at),
-            1 => bytes.insert(at, dice.roll(256) as u8),
-            2 => bytes.extend_from_within(at..),
-            3 => {
-                let word = WORDS[dice.roll(WORDS.len())].bytes();
-                bytes.splice(at..at, [b' '].into_iter().chain(word).chain([b' ']));
-            }
-            _ => {
-                let end = (at + dice.roll(12)).min(bytes.len());
-                bytes.drain(at..end);
-            }
-        }
-    }
-    bytes
-}
-
-fn check(good: &str, mut read: impl FnMut(&[u8]) -> bool) {
-    assert!(read(good.as_bytes()), "the unharmed file is good");
-    let mut dice = Dice(20071);
-    let good_ones = (0..TRIES)
-        .filter(|_| read(&mutated(good, &mut dice)))
-        .count();
-    assert!(good_ones < TRIES as usize, "no mutation was noticed");
+fn check(good: &str, read: impl FnMut(&[u8]) -> bool) {
+    let good_ones = MUTATIONS.read_of(good.as_bytes(), TRIES, read);
+    assert!(good_ones < TRIES, "no mutation was noticed");
 }
 
 #[test]

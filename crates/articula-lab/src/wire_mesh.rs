@@ -6,7 +6,7 @@
 //! rounded direction and rounds it to as many bits in its own octahedral way.
 
 use anyhow::{Result, ensure};
-use articula_formats::mesh_codec::{Precision, Quantised, restore};
+use articula_stream::mesh::{Precision, Quantised, restore};
 use glam::Vec3;
 
 /// Bits that everything is rounded to.
@@ -74,7 +74,7 @@ impl WireMesh {
 /// Whether any two values of the finest level differ.
 fn differ<T: PartialEq>(
     part: &Quantised,
-    values: impl Fn(&articula_formats::mesh_codec::QuantisedMesh) -> &[T],
+    values: impl Fn(&articula_stream::mesh::QuantisedMesh) -> &[T],
 ) -> bool {
     let finest = part.levels.last();
     finest.is_some_and(|m| values(m).windows(2).any(|pair| pair[0] != pair[1]))
@@ -84,7 +84,7 @@ fn differ<T: PartialEq>(
 mod tests {
     use super::*;
     use articula_core::source::Primitive;
-    use articula_formats::mesh_codec::{Grid, quantise};
+    use articula_stream::mesh::{Grid, quantise};
 
     #[test]
     fn a_part_on_one_joint_has_no_joints_and_unused_vertices_are_left_out() {

@@ -25,7 +25,5 @@ pub use open::{
 pub use prepare::{PrepareOptions, Prepared, prepare};
 pub use work::{Job, OnStep, RunJobs, Step, Work};
 
-pub use articula_core::{
-    Camera, PosedMesh, SkinnedMesh, Viewport, Wrap, sample, sample_morphs,
-};
+pub use articula_core::{Camera, PosedMesh, SkinnedMesh, Viewport, Wrap, sample, sample_morphs};
 pub use glam;

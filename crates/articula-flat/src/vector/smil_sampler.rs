@@ -512,6 +512,7 @@ fn shortened(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use articula_mutate::{Edit, Mutations};
 
     const HEAD: &str = r#"<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 40 40">"#;
 
@@ -631,36 +632,27 @@ mod tests {
             "</svg>",
             r##"<linearGradient id="1" href="#0" x2="9"><animate attributeName="x1" dur="2" repeatCount="indefinite" values="1;-2.5"/></linearGradient></svg>"##,
         );
-        // Marsaglia's xorshift.
-        let mut state = 0x2545_f491_u32;
-        let mut next = |below: usize| {
-            state ^= state << 13;
-            state ^= state >> 17;
-            state ^= state << 5;
-            state as usize % below
+        const SPARE: &[u8] = b"<>/\"'&;=. -0123456789mlz\xe9d!";
+        let mutations = Mutations {
+            edits: &[
+                Edit::SetOf(SPARE),
+                Edit::RemoveByte,
+                Edit::InsertOf(SPARE),
+                Edit::TruncateEnd,
+            ],
+            most: 3,
         };
-        let spare = b"<>/\"'&;=. -0123456789mlz\xe9d!";
-        let mut read = 0;
-        for _ in 0..20_000 {
-            let mut bytes = text.clone().into_bytes();
-            for _ in 0..=next(3) {
-                let at = next(bytes.len());
-                match next(4) {
-                    0 => bytes[at] = spare[next(spare.len())],
-                    1 => drop(bytes.remove(at)),
-                    2 => bytes.insert(at, spare[next(spare.len())]),
-                    _ => bytes.truncate(at.max(bytes.len() * 9 / 10)),
-                }
+        let read = mutations.read_of(text.as_bytes(), 20_000, |bytes| {
+            let text = String::from_utf8_lossy(bytes);
+            let Ok(svg) = MovingSvg::read(&text) else {
+                return false;
+            };
+            for secs in [0.0, 0.3, 1e300] {
+                // What was read can be shown, and read again.
+                MovingSvg::read(&svg.at(secs).unwrap()).unwrap();
             }
-            let text = String::from_utf8_lossy(&bytes);
-            if let Ok(svg) = MovingSvg::read(&text) {
-                read += 1;
-                for secs in [0.0, 0.3, 1e300] {
-                    // What was read can be shown, and read again.
-                    MovingSvg::read(&svg.at(secs).unwrap()).unwrap();
-                }
-            }
-        }
+            true
+        });
         assert!(read > 100, "{read}");
     }
 }

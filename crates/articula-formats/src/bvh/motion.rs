@@ -25,7 +25,7 @@ pub(super) fn parse(
     let mut lines = lines
         .map(|(index, line)| (index + 1, line.trim()))
         .filter(|(_, line)| !line.is_empty());
-    let mut header = |keyword: &str| {
+    let mut header = |keyword: &str| -> Result<(usize, String), ReadError> {
         let (line, text) = lines.next().ok_or_else(|| {
             ReadError::malformed("end of file", format!("\"{keyword}:\" expected"))
         })?;

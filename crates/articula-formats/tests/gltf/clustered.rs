@@ -487,6 +487,85 @@ fn broken_levels_are_not_believed() {
     assert_eq!(read.value.character.meshes, good.meshes);
 }
 
+/// A file of the first version of the extension, as it was written then: a bending tube of 128,
+/// 64 and 26 triangles.
+const OLD: &[u8] = include_bytes!("../old/clustered-1.glb");
+
+#[test]
+fn files_of_version_1_are_read_and_written_as_version_2() {
+    let old = read(OLD).unwrap();
+    assert_eq!(old.warnings, []);
+    let old = old.value.character;
+    let clusters = &old.meshes[0].clustered[0].clusters;
+    assert_eq!(clusters.vertex_counts(), [72, 39, 16]);
+    assert_eq!([0, 1, 2].map(|l| clusters.triangles(l)), [128, 64, 26]);
+    let table = old.mesh_levels.as_ref().unwrap();
+    let counts = table.levels.iter().map(|l| (l.triangles, l.vertices));
+    assert_eq!(counts.collect::<Vec<_>>(), [(128, 72), (64, 39), (26, 16)]);
+    assert!(table.errors().is_ok(), "the finest has no error");
+    let document = Document::from_character(&old).unwrap();
+    let extension = &document.json["extensions"]["ARTICULA_clustered_mesh"];
+    assert_eq!(extension["version"], 2);
+    assert_eq!(extension["levels"][0]["triangles"], 128);
+    let new = reread(&document).character;
+    assert_eq!(new.mesh_levels, old.mesh_levels);
+    assert_eq!(new.meshes[0].clustered, old.meshes[0].clustered);
+    assert_eq!(new.meshes[0].primitives, old.meshes[0].primitives);
+}
+
+#[test]
+fn both_versions_say_the_same() {
+    let mut file = sheet().read().unwrap().value;
+    let of = clustered(&file.character.meshes[0], 4);
+    let mut levels = table(4);
+    levels.regions = vec!["rest".to_owned(), "hands".to_owned()];
+    levels.mixable_to = 1;
+    let parts = MeshParts {
+        node: file.node_of_mesh[0],
+        parts: of.iter().map(part).collect(),
+    };
+    file.document.set_mesh_levels(&levels, &[parts]).unwrap();
+    let new = reread(&file.document).character;
+    assert_eq!(new.mesh_levels.as_ref().unwrap().mixable_to, 1);
+    let name = "ARTICULA_clustered_mesh";
+    let as_old = |document: &mut Document| {
+        let table = &mut document.json["extensions"][name];
+        assert_eq!(table["version"].take(), 2);
+        table.as_object_mut().unwrap().remove("version");
+        table["levels"].as_array_mut().unwrap().reverse();
+        assert_eq!(table["mixableTo"], 1);
+        table.as_object_mut().unwrap().remove("mixableTo");
+        table["mixableFrom"] = json!(2);
+        let stored = &mut document.json["meshes"][0]["primitives"][0]["extensions"][name];
+        stored.as_object_mut().unwrap().remove("version");
+        stored["vertices"].as_array_mut().unwrap().reverse();
+        for cluster in stored["clusters"].as_array_mut().unwrap() {
+            let [first, last] = ["first", "last"].map(|k| cluster[k].as_u64().unwrap());
+            (cluster["first"], cluster["last"]) = (json!(3 - last), json!(3 - first));
+        }
+    };
+    let mut old = file.document.clone();
+    as_old(&mut old);
+    assert_eq!(reread(&old).character, new);
+    // A primitive says its version itself: a table written anew beside it changes nothing.
+    old.json["extensions"][name] = file.document.json["extensions"][name].clone();
+    assert_eq!(reread(&old).character, new);
+    for pointer in [
+        "/extensions/ARTICULA_clustered_mesh",
+        "/meshes/0/primitives/0/extensions/ARTICULA_clustered_mesh",
+    ] {
+        let mut unknown = file.document.clone();
+        unknown.json.pointer_mut(pointer).unwrap()["version"] = json!(3);
+        let found = read(&unknown.write_glb().unwrap()).unwrap();
+        assert!(found.warnings[0].what.contains("version 3"), "{pointer}");
+        assert_eq!(found.value.character.mesh_levels, None);
+        assert_eq!(
+            found.value.character.meshes[0].primitives,
+            new.meshes[0].primitives
+        );
+    }
+}
+
 #[test]
 fn level_nodes_show_the_same_levels() {
     let mut file = sheet().read().unwrap().value;

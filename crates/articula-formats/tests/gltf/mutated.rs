@@ -6,23 +6,8 @@ use crate::{clustered, compressed, khr_character, levels, vrm};
 use articula_core::source::{MorphBinding, Property};
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document, GltfFile};
+use articula_mutate::{Edit, Mutations};
 use serde_json::json;
-
-/// A 64-bit xorshift generator (Marsaglia 2003): the same numbers on every machine.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
-    }
-}
 
 /// What is worth putting in the place of something else.
 const WORDS: &[&str] = &[
@@ -44,34 +29,23 @@ const WORDS: &[&str] = &[
     "\"weights\"",
 ];
 
-fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
-    for _ in 0..=random.below(3) {
-        let at = random.below(bytes.len());
-        let end = (at + random.below(32)).min(bytes.len());
-        match random.below(12) {
-            0 if !bytes.is_empty() => bytes[at] ^= 1 << random.below(8),
-            1 if !bytes.is_empty() => bytes[at] = random.next() as u8,
-            2 => bytes.truncate(at),
-            3 => {
-                let copy = bytes[at..end].to_vec();
-                bytes.splice(at..at, copy);
-            }
-            4 => drop(bytes.drain(at..end)),
-            5..8 => replace_number(bytes, at, WORDS[random.below(WORDS.len())]),
-            _ => replace_number(bytes, at, &random.below(12).to_string()),
-        }
-    }
-}
-
-/// Puts a word in the place of the next run of digits.
-fn replace_number(bytes: &mut Vec<u8>, at: usize, word: &str) {
-    let is_digit = |b: &u8| b.is_ascii_digit();
-    let Some(start) = bytes[at..].iter().position(is_digit).map(|i| at + i) else {
-        return;
-    };
-    let length = bytes[start..].iter().take_while(|b| is_digit(b)).count();
-    bytes.splice(start..start + length, word.bytes());
-}
+const MUTATIONS: Mutations<'_> = Mutations {
+    edits: &[
+        Edit::FlipBit,
+        Edit::SetByte,
+        Edit::Truncate,
+        Edit::Repeat(32),
+        Edit::Delete(32),
+        Edit::Number(WORDS),
+        Edit::Number(WORDS),
+        Edit::Number(WORDS),
+        Edit::NumberBelow(12),
+        Edit::NumberBelow(12),
+        Edit::NumberBelow(12),
+        Edit::NumberBelow(12),
+    ],
+    most: 3,
+};
 
 /// Gives the header the length of the file again, so that mutations reach what is inside.
 fn mend_header(bytes: &mut [u8], json_length: impl Fn(&[u8]) -> Option<usize>) {
@@ -141,17 +115,17 @@ fn mutated_files_neither_panic_nor_grow() {
         nodes: 1 << 10,
         ..Limits::default()
     };
-    let mut random = Random(20071);
     let mut reads = 0;
     for good in fixtures() {
-        for round in 0..4000 {
-            let mut bytes = good.clone();
-            mutate(&mut bytes, &mut random);
+        let mut round = 0;
+        reads += MUTATIONS.read_of(&good, 4000, |mutant| {
+            let mut bytes = mutant.to_vec();
             if round % 4 > 0 {
                 mend_header(&mut bytes, json_end);
             }
-            reads += usize::from(survives(&bytes, &limits));
-        }
+            round += 1;
+            survives(&bytes, &limits)
+        });
     }
     // One mutant in ten at least must be read, or the test would test little.
     assert!(

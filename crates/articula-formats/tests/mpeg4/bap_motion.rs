@@ -1,12 +1,12 @@
 //! BAP on the standard humanoid: joint positions by hand, any motion as BAP and back.
 
-use crate::dice::Dice;
 use crate::real::bytes;
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS, find};
 use articula_core::source::{Channel, Character, Clip, Interpolation, Property, evaluate};
 use articula_core::{Articulation, LocalPose};
 use articula_formats::mpeg4::bap::{self, BAPS, BapClip, BapFrame, Motion, SampleError, TABLE};
 use articula_formats::{Limits, bvh, profile};
+use articula_mutate::Dice;
 use glam::{Affine3A, Quat, Vec3};
 
 /// Half a turn by two in units.
@@ -198,7 +198,7 @@ fn random_clip(dice: &mut Dice, frames: u32) -> BapClip {
 
 #[test]
 fn what_bap_says_comes_back_as_it_was() {
-    let mut dice = Dice(7);
+    let mut dice = Dice::new(7);
     let clip = random_clip(&mut dice, 60);
     let character = bap::character(&clip);
     let names = articulation(&character);

@@ -9,7 +9,6 @@
 
 mod bap_motion;
 mod bap_text;
-mod dice;
 mod fap_text;
 mod fdp_files;
 mod mutated;

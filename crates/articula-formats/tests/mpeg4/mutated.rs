@@ -2,13 +2,13 @@
 //!
 //! The stable twin of the fuzz target `mpeg4`: truncation at every byte and seeded mutations.
 
-use crate::dice::Dice;
 use crate::texts;
 use articula_formats::mpeg4::{bap, epf, fap, fdp};
 use articula_formats::{Limits, profile};
+use articula_mutate::{Edit, Mutations, cut_off};
 
 /// Mutations tried on each file.
-const TRIES: u64 = 3000;
+const TRIES: usize = 3000;
 
 /// The words that the forms know, put in anywhere.
 const WORDS: [&str; 16] = [
@@ -66,37 +66,24 @@ fn reads_fdp(bytes: &[u8]) -> bool {
     fdp::read(bytes, &Limits::default()).is_ok_and(|read| read.value.moved().len() == 68)
 }
 
-fn mutated(good: &str, dice: &mut Dice) -> Vec<u8> {
-    let mut bytes = good.as_bytes().to_vec();
-    for _ in 0..=dice.roll(4) {
-        let at = dice.roll(bytes.len());
-        match dice.roll(5) {
-            0 => bytes.truncate(at),
-            1 => bytes.insert(at, dice.roll(256) as u8),
-            2 => bytes.extend_from_within(at..),
-            3 => {
-                let word = WORDS[dice.roll(WORDS.len())].bytes();
-                bytes.splice(at..at, [b' '].into_iter().chain(word).chain([b' ']));
-            }
-            _ => {
-                let end = (at + dice.roll(12)).min(bytes.len());
-                bytes.drain(at..end);
-            }
-        }
-    }
-    bytes
-}
+const MUTATIONS: Mutations<'_> = Mutations {
+    edits: &[
+        Edit::Truncate,
+        Edit::InsertByte,
+        Edit::RepeatTail,
+        Edit::Word(&WORDS),
+        Edit::Delete(12),
+    ],
+    most: 4,
+};
 
 fn check(good: &str, read: impl Fn(&[u8]) -> bool) {
-    assert!(read(good.as_bytes()), "the unharmed file is good");
-    for length in 0..good.len() {
-        read(&good.as_bytes()[..length]);
+    let good = good.as_bytes();
+    for bytes in cut_off(good) {
+        read(bytes);
     }
-    let mut dice = Dice(20071);
-    let good_ones = (0..TRIES)
-        .filter(|_| read(&mutated(good, &mut dice)))
-        .count();
-    assert!(good_ones < TRIES as usize, "no mutation was noticed");
+    let good_ones = MUTATIONS.read_of(good, TRIES, read);
+    assert!(good_ones < TRIES, "no mutation was noticed");
 }
 
 #[test]

@@ -4,9 +4,10 @@
 
 use articula_formats::x3d::{self, WriteOptions};
 use articula_formats::{Limits, profile};
+use articula_mutate::{Edit, Mutations, cut_off};
 
 /// Mutations tried on each file.
-const TRIES: u64 = 4000;
+const TRIES: usize = 4000;
 
 const XML: &str = "<?xml version='1.0'?><!DOCTYPE X3D SYSTEM 'x'><X3D version='4.0'><head>
 <unit category='length' conversionFactor='0.5'/></head><Scene><Transform scale='2 2 2'>
@@ -68,50 +69,22 @@ const WORDS: [&str; 20] = [
     "#",
 ];
 
-/// Sebastiano Vigna's SplitMix64 (2014): small, and the same everywhere.
-struct Dice(u64);
+/// Those of them that are numbers.
+const NUMBERS: &[&str] = &["-1", "1e9", "-1e9", "99999999999", "NaN", "0"];
 
-impl Dice {
-    fn roll(&mut self, sides: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % sides.max(1) as u64) as usize
-    }
-}
-
-fn mutated(good: &str, dice: &mut Dice) -> Vec<u8> {
-    let mut bytes = good.as_bytes().to_vec();
-    for _ in 0..=dice.roll(3) {
-        let at = dice.roll(bytes.len());
-        match dice.roll(8) {
-            0 => bytes.truncate(at),
-            1 => bytes.insert(at, dice.roll(256) as u8),
-            2 => bytes.extend_from_within(at..),
-            3 => {
-                let word = WORDS[dice.roll(WORDS.len())].bytes();
-                bytes.splice(at..at, [b' '].into_iter().chain(word).chain([b' ']));
-            }
-            4 => {
-                let end = (at + dice.roll(12)).min(bytes.len());
-                bytes.drain(at..end);
-            }
-            _ => replace_number(&mut bytes, at, WORDS[7 + dice.roll(6)]),
-        }
-    }
-    bytes
-}
-
-/// Puts a word in the place of the next run of digits.
-fn replace_number(bytes: &mut Vec<u8>, at: usize, word: &str) {
-    let is_digit = |b: &u8| b.is_ascii_digit();
-    let Some(start) = bytes[at..].iter().position(is_digit).map(|i| at + i) else {
-        return;
-    };
-    let length = bytes[start..].iter().take_while(|b| is_digit(b)).count();
-    bytes.splice(start..start + length, word.bytes());
-}
+const MUTATIONS: Mutations<'_> = Mutations {
+    edits: &[
+        Edit::Truncate,
+        Edit::InsertByte,
+        Edit::RepeatTail,
+        Edit::Word(&WORDS),
+        Edit::Delete(12),
+        Edit::Number(NUMBERS),
+        Edit::Number(NUMBERS),
+        Edit::Number(NUMBERS),
+    ],
+    most: 3,
+};
 
 /// Whether the bytes were read; panics if what was read breaks a promise.
 fn survives(bytes: &[u8]) -> bool {
@@ -165,10 +138,7 @@ fn is_huge(error: &str) -> bool {
 }
 
 fn check(good: &str) {
-    assert!(survives(good.as_bytes()), "the unharmed file is good");
-    let mut dice = Dice(20071);
-    let read = (0..TRIES).filter(|_| survives(&mutated(good, &mut dice)));
-    let read = read.count() as u64;
+    let read = MUTATIONS.read_of(good.as_bytes(), TRIES, survives);
     // One mutant in ten at least must be read, or the test would test little.
     assert!(
         read > TRIES / 10 && read < TRIES,
@@ -189,8 +159,8 @@ fn mutated_classic_files() {
 #[test]
 fn files_cut_off_at_every_byte() {
     for good in [XML, CLASSIC] {
-        for end in 0..good.len() {
-            survives(&good.as_bytes()[..end]);
+        for bytes in cut_off(good.as_bytes()) {
+            survives(bytes);
         }
     }
 }

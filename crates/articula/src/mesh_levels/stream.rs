@@ -4,8 +4,8 @@ use super::parts_of_meshes;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use articula_build::mesh_levels::MeshLevels;
-use articula_formats::clustered_stream::{ObjectLevels, StreamObject, write};
-use articula_formats::mesh_codec::{Grid, Precision, quantise};
+use articula_stream::mesh::{Grid, Precision, quantise};
+use articula_stream::mesh::{ObjectLevels, StreamObject, write};
 
 /// The levels of a character, coded.
 #[derive(Debug)]
@@ -29,9 +29,8 @@ pub(crate) fn coded(figure: &Figure, made: &MeshLevels, regions: &[u8]) -> Resul
         let alone = write(&made.table, &objects, level..level + 1)?;
         direct.push(alone.bytes.len());
     }
-    // The stream begins with the coarsest level.
-    direct.reverse();
     Ok(MeshLevelStream {
+        // The stream begins with the coarsest level.
         chunks: levels.rev().map(|u| u.bytes() as usize).collect(),
         bytes: whole.bytes,
         direct,
@@ -47,10 +46,8 @@ fn objects(figure: &Figure, made: &MeshLevels, regions: &[u8]) -> Result<Vec<Obj
         let grid = Grid::new(&mesh.primitives, precision.position_bits).with_context(place)?;
         for (p, part) in parts.enumerate() {
             let of_part = regions.get(figure.asset.mesh.parts[part].vertices.clone());
-            for (region, mut levels) in split(&made.parts[part], of_part.unwrap_or(&[])) {
+            for (region, levels) in split(&made.parts[part], of_part.unwrap_or(&[])) {
                 let primitive = &mesh.primitives[p];
-                // Coded from the coarsest on.
-                levels.reverse();
                 let coded = quantise(primitive, &levels, &grid, &precision).with_context(place)?;
                 objects.push(ObjectLevels {
                     object: StreamObject {

@@ -7,8 +7,8 @@ use crate::console::Console;
 use crate::table::Table;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_formats::Limits;
-use articula_formats::clustered_stream::{MeshStream, Receiver};
+use articula_stream::StreamLimits;
+use articula_stream::mesh::{MeshStream, Receiver};
 use serde::Serialize;
 use std::path::Path;
 
@@ -33,7 +33,7 @@ struct Findings {
 
 #[derive(Debug, Serialize)]
 struct Level {
-    /// Its number in the whole character: 0 is the coarsest.
+    /// Its number in the whole character: 0 is the finest.
     level: usize,
     triangles: u64,
     vertices: u64,
@@ -57,7 +57,7 @@ pub(super) fn run(args: &CharacterArgs, console: &Console) -> anyhow::Result<()>
         let what = "--hide and --only choose meshes of a character; a mesh stream has parts";
         return Err(fault::usage(what));
     }
-    let limits = Limits::default();
+    let limits = StreamLimits::default();
     let bytes = files::read(&args.file, limits.bytes)?;
     let place = || files::shown(&args.file);
     let received = Receiver::read(&bytes, &limits).with_context(place)?;
@@ -77,20 +77,18 @@ pub(super) fn run(args: &CharacterArgs, console: &Console) -> anyhow::Result<()>
 fn levels(stream: &MeshStream, received: &Receiver) -> Vec<Level> {
     let finite = |metres: f32| metres.is_finite().then_some(metres);
     let objects = || 0..stream.objects.len();
-    let there = objects().map(|o| received.levels(o)).min().unwrap_or(0);
-    let count = stream.levels.levels.len();
     let rows = stream.levels.levels.iter().enumerate();
-    let level = |(finer, row): (usize, &articula_core::LevelRow)| Level {
-        level: stream.first_level + count - 1 - finer,
+    let level = |(l, row): (usize, &articula_core::LevelRow)| Level {
+        level: stream.finest_level + l,
         triangles: row.triangles,
         vertices: row.vertices,
         error_rest_m: finite(row.rest.max_metres),
         error_motion_m: finite(row.motion.max_metres),
         bytes_added: objects()
-            .filter_map(|o| stream.chunk(count - 1 - finer, o))
+            .filter_map(|o| stream.chunk(l, o))
             .map(|chunk| chunk.len())
             .sum(),
-        complete: count - 1 - finer < there,
+        complete: objects().all(|o| received.finest_level(o).is_some_and(|there| there <= l)),
     };
     rows.map(level).collect()
 }

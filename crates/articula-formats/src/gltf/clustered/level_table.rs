@@ -1,5 +1,6 @@
 //! The table of levels in the extension of the document.
 
+use super::version::{Counts, VERSION};
 use super::{MOST_LEVELS, NAME};
 use crate::error::ReadError;
 use crate::gltf::append::{set, short};
@@ -10,11 +11,10 @@ use articula_core::source::Mesh;
 use articula_core::{LevelRow, LevelTable, SurfaceError};
 use serde_json::{Value, json};
 
-/// The table as JSON, where the coarsest level comes first. Errors that are not known, infinite
-/// here, are left out there.
+/// The table as JSON. Errors that are not known, infinite here, are left out there.
 pub(super) fn table(levels: &LevelTable) -> Result<Value, WriteError> {
     let mut rows = Vec::new();
-    for (l, level) in levels.levels.iter().enumerate().rev() {
+    for (l, level) in levels.levels.iter().enumerate() {
         let mut row = json!({"triangles": level.triangles, "vertices": level.vertices});
         for (name, error) in [("errorRest", &level.rest), ("errorMotion", &level.motion)] {
             let numbers = members(error);
@@ -29,11 +29,10 @@ pub(super) fn table(levels: &LevelTable) -> Result<Value, WriteError> {
         }
         rows.push(row);
     }
-    let mut table = json!({ "levels": rows });
+    let mut table = json!({"version": VERSION, "levels": rows});
     if !levels.regions.is_empty() {
         set(&mut table, "regions", levels.regions.clone());
-        let mixable_from = levels.levels.len().saturating_sub(1 + levels.mixable_to);
-        set(&mut table, "mixableFrom", mixable_from);
+        set(&mut table, "mixableTo", levels.mixable_to);
     }
     Ok(table)
 }
@@ -69,24 +68,29 @@ pub(super) fn count(root: &Place<'_>) -> usize {
 }
 
 fn read_table(extension: &Place<'_>, levels: usize) -> Result<LevelTable, ReadError> {
+    let counts = Counts::of(extension)?;
     let rows = extension.entries("levels")?;
-    let rows = rows.iter().rev().map(read_row);
-    let rows = rows.collect::<Result<Vec<_>, _>>()?;
+    let rows = rows.iter().map(read_row).collect::<Result<Vec<_>, _>>()?;
     let regions = extension.entries("regions")?;
     let name = |p: &Place<'_>| {
         let name = p.value().as_str().map(str::to_owned);
         name.ok_or_else(|| p.malformed("expected a name"))
     };
-    let mixable_from = extension.get("mixableFrom");
+    let mixable = match counts {
+        Counts::FromFinest => extension.get("mixableTo"),
+        Counts::FromCoarsest => extension.get("mixableFrom"),
+    };
+    let mixable = mixable.map(|p| p.index_below(levels)).transpose()?;
+    let mixable = mixable.and_then(|stored| counts.level(stored, levels));
     Ok(LevelTable {
-        levels: rows,
+        levels: counts.list(rows),
         regions: regions.iter().map(name).collect::<Result<_, _>>()?,
-        mixable_to: levels - 1 - mixable_from.map_or(Ok(0), |p| p.index_below(levels))?,
+        mixable_to: mixable.unwrap_or(levels - 1),
     })
 }
 
 fn read_row(row: &Place<'_>) -> Result<LevelRow, ReadError> {
-    let error = |key| {
+    let error = |key| -> Result<SurfaceError, ReadError> {
         let Some(place) = row.get(key) else {
             return Ok(SurfaceError::UNKNOWN);
         };

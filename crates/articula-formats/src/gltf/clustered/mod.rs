@@ -8,11 +8,13 @@
 //!
 //! - `write`, `level_table`: levels into a document
 //! - `read`: levels out of a document
+//! - `version`: from which end older documents count levels
 //! - `level_nodes`: the same levels as nodes of `MSFT_lod`
 
 mod level_nodes;
 mod level_table;
 mod read;
+mod version;
 mod write;
 
 pub use level_nodes::LevelNodes;

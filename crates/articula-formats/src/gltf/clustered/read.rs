@@ -1,6 +1,7 @@
 //! Levels out of a document, believed only after every number was compared.
 
 use super::level_table;
+use super::version::Counts;
 use super::{MOST_LEVELS, NAME};
 use crate::error::ReadError;
 use crate::gltf::origin::origins;
@@ -83,18 +84,15 @@ pub(super) fn read_part(
         let what = format!("{} levels, at most {MOST_LEVELS} are read", vertices.len());
         return Err(extension.malformed(what));
     }
-    // The document counts levels from the coarsest.
-    let vertices: Vec<u32> = vertices
-        .iter()
-        .rev()
-        .map(number)
-        .collect::<Result<_, _>>()?;
+    let counts = Counts::of(extension)?;
+    let vertices = vertices.iter().map(number::<u32>);
+    let vertices = counts.list(vertices.collect::<Result<Vec<_>, _>>()?);
     let count = vertices.len();
     let level = |place: &Place<'_>| {
         let found = number::<u16>(place)?;
-        let from_finest = count.checked_sub(1 + usize::from(found));
+        let level = counts.level(found.into(), count);
         let beyond = || place.malformed(format!("{found} of {count} levels"));
-        from_finest.map(|l| l as u16).ok_or_else(beyond)
+        level.map(|l| l as u16).ok_or_else(beyond)
     };
     let mut clusters = Vec::new();
     let mut end = 0u32;
@@ -103,9 +101,17 @@ pub(super) fn read_part(
         let start = end;
         let too_many = || place.malformed("more triangles than 32 bits count");
         end = end.checked_add(count).ok_or_else(too_many)?;
+        let [first, last] = [
+            level(&place.require("first")?)?,
+            level(&place.require("last")?)?,
+        ];
+        let (finest_level, coarsest_level) = match counts {
+            Counts::FromFinest => (first, last),
+            Counts::FromCoarsest => (last, first),
+        };
         clusters.push(Cluster {
-            finest_level: level(&place.require("last")?)?,
-            coarsest_level: level(&place.require("first")?)?,
+            finest_level,
+            coarsest_level,
             region: place.get("region").map_or(Ok(0), |r| number(&r))?,
             triangles: start..end,
         });

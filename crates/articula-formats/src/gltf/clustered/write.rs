@@ -1,5 +1,6 @@
 //! Levels into a document: every array of a primitive in the order of the levels.
 
+use super::version::VERSION;
 use super::{MOST_LEVELS, NAME};
 use crate::error::ReadError;
 use crate::gltf::append::{Use, entries_mut, object, push, set};
@@ -241,18 +242,13 @@ impl Document {
         let extensions = object(primitive)
             .entry("extensions")
             .or_insert_with(|| json!({}));
-        // The document counts levels from the coarsest.
-        let coarsest = part.clusters.levels() - 1;
-        let clusters = part.clusters.clusters().iter();
-        let clusters: Vec<Value> = clusters.map(|c| cluster(c, coarsest)).collect();
-        let vertices: Vec<u32> = part
-            .clusters
-            .vertex_counts()
-            .iter()
-            .rev()
-            .copied()
-            .collect();
-        let value = json!({"indices": all, "vertices": vertices, "clusters": clusters});
+        let clusters: Vec<Value> = part.clusters.clusters().iter().map(cluster).collect();
+        let value = json!({
+            "version": VERSION,
+            "indices": all,
+            "vertices": part.clusters.vertex_counts(),
+            "clusters": clusters,
+        });
         set(extensions, NAME, value);
     }
 
@@ -336,10 +332,10 @@ fn new_primitive<'a>(
     })
 }
 
-fn cluster(cluster: &Cluster, coarsest: usize) -> Value {
+fn cluster(cluster: &Cluster) -> Value {
     let mut value = json!({
-        "first": coarsest - usize::from(cluster.coarsest_level),
-        "last": coarsest - usize::from(cluster.finest_level),
+        "first": cluster.finest_level,
+        "last": cluster.coarsest_level,
         "triangles": cluster.triangles.end - cluster.triangles.start,
     });
     if cluster.region > 0 {

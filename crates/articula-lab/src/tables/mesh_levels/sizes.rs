@@ -8,8 +8,8 @@ use anyhow::{Context, Result, ensure};
 use articula_build::clusters::{Order, cluster};
 use articula_build::simplify::LevelTriangles;
 use articula_core::source::Primitive;
-use articula_formats::Limits;
-use articula_formats::mesh_codec::{
+use articula_stream::StreamLimits;
+use articula_stream::mesh::{
     Grid, Quantised, QuantisedMesh, decode_level, decode_refinement, encode_level,
     encode_refinement, quantise,
 };
@@ -116,17 +116,25 @@ fn objects(subject: &Subject, levels: &[LevelTriangles]) -> Result<Vec<Object>> 
             let full = if primitive.morphs.is_empty() {
                 None
             } else {
-                Some(quantise(primitive, &levels, &grid, &PRECISION)?)
+                Some(in_order(primitive, &levels, &grid)?)
             };
             objects.push(Object {
                 full,
-                bare: quantise(&bare, &levels, &grid, &PRECISION)?,
+                bare: in_order(&bare, &levels, &grid)?,
                 vertices: part.vertices.len(),
                 levels,
             });
         }
     }
     Ok(objects)
+}
+
+/// The levels of a part in whole numbers, in the order in which they are coded.
+fn in_order(part: &Primitive, levels: &[Vec<[u32; 3]>], grid: &Grid) -> Result<Quantised> {
+    let finest_first: Vec<_> = levels.iter().rev().cloned().collect();
+    let mut coded = quantise(part, &finest_first, grid, &PRECISION)?;
+    coded.levels.reverse();
+    Ok(coded)
 }
 
 /// The bytes of our codec, and its time.
@@ -160,7 +168,7 @@ fn add_ours(objects: &[Object], rounds: usize, sizes: &mut Sizes) -> Result<()> 
     Ok(())
 }
 
-/// Level 0, then what each level adds.
+/// The coarsest level, then what each level adds.
 fn chunks(part: &Quantised) -> Result<Vec<Vec<u8>>> {
     let layout = &part.layout;
     let mut chunks = Vec::new();
@@ -185,8 +193,10 @@ fn race(objects: &[Object]) -> Result<[f64; 2]> {
         let mut level: Option<QuantisedMesh> = None;
         for chunk in chunks {
             level = Some(match level {
-                Some(coarse) => decode_refinement(&coarse, chunk, layout, &Limits::default())?,
-                None => decode_level(chunk, layout, &Limits::default())?,
+                Some(coarse) => {
+                    decode_refinement(&coarse, chunk, layout, &StreamLimits::default())?
+                }
+                None => decode_level(chunk, layout, &StreamLimits::default())?,
             });
         }
         back.push(level.context("no level")?);

@@ -1,0 +1,175 @@
+//! Numbers in little-endian bytes: what our own binary tables and streams are written in.
+//!
+//! Here because crates that never name each other write and read them. Who reads turns
+//! [`BadBytes`] into the error of its own crate.
+
+use std::fmt;
+
+/// Appends a number, 7 bits a byte, the lowest first, bit 7 set if more follow.
+pub fn push_varint(out: &mut Vec<u8>, mut value: u64) {
+    while value >= 0x80 {
+        out.push((value & 0x7f) as u8 | 0x80);
+        value >>= 7;
+    }
+    out.push((value & 0x7f) as u8);
+}
+
+/// Bytes that are not what their form says, and where.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct BadBytes {
+    /// Offset of the byte that was to be read.
+    pub at: usize,
+    /// What was found and what was expected.
+    pub what: String,
+}
+
+impl fmt::Display for BadBytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "byte {}: {}", self.at, self.what)
+    }
+}
+
+impl std::error::Error for BadBytes {}
+
+/// Bytes that are read from the start to the end.
+///
+/// ```
+/// use articula_core::{Bytes, push_varint};
+///
+/// let mut written = 7u32.to_le_bytes().to_vec();
+/// push_varint(&mut written, 300);
+/// let mut bytes = Bytes::new(&written);
+/// assert_eq!(bytes.u32()?, 7);
+/// assert_eq!(bytes.varint()?, 300);
+/// bytes.end()?;
+/// # Ok::<(), articula_core::BadBytes>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Bytes<'a> {
+    bytes: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Bytes<'a> {
+    /// Starts at the first byte.
+    pub fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes, at: 0 }
+    }
+
+    /// Offset of the next byte.
+    pub fn at(&self) -> usize {
+        self.at
+    }
+
+    /// Bytes that are left.
+    pub fn left(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+
+    /// Says what is wrong with the next byte.
+    pub fn bad(&self, what: impl Into<String>) -> BadBytes {
+        BadBytes {
+            at: self.at,
+            what: what.into(),
+        }
+    }
+
+    /// Takes `N` bytes.
+    ///
+    /// # Errors
+    /// If there are fewer.
+    pub fn take<const N: usize>(&mut self) -> Result<[u8; N], BadBytes> {
+        let found = self.bytes[self.at..].first_chunk::<N>();
+        let found =
+            *found.ok_or_else(|| self.bad(format!("the end, {N} more bytes are expected")))?;
+        self.at += N;
+        Ok(found)
+    }
+
+    /// Takes a number of 32 bits.
+    ///
+    /// # Errors
+    /// If there are fewer than 4 bytes.
+    pub fn u32(&mut self) -> Result<u32, BadBytes> {
+        self.take().map(u32::from_le_bytes)
+    }
+
+    /// Takes a number of 64 bits.
+    ///
+    /// # Errors
+    /// If there are fewer than 8 bytes.
+    pub fn u64(&mut self) -> Result<u64, BadBytes> {
+        self.take().map(u64::from_le_bytes)
+    }
+
+    /// Takes an `f32` that is finite and above 0; `what` names it in the error.
+    ///
+    /// # Errors
+    /// If it is not, or there are fewer than 4 bytes.
+    pub fn positive(&mut self, what: &str) -> Result<f32, BadBytes> {
+        let value = f32::from_le_bytes(self.take()?);
+        if value.is_finite() && value > 0.0 {
+            return Ok(value);
+        }
+        Err(self.bad(format!("{value} where {what} above 0 is expected")))
+    }
+
+    /// Takes a number that [`push_varint`] wrote, of at most 35 bits.
+    ///
+    /// # Errors
+    /// If it is longer, or the bytes end within it.
+    pub fn varint(&mut self) -> Result<u64, BadBytes> {
+        let mut value = 0u64;
+        for shift in (0..35).step_by(7) {
+            let [byte] = self.take::<1>()?;
+            value |= u64::from(byte & 0x7f) << shift;
+            if byte & 0x80 == 0 {
+                return Ok(value);
+            }
+        }
+        Err(self.bad("a number of more than 35 bits"))
+    }
+
+    /// Checks that nothing is left.
+    ///
+    /// # Errors
+    /// If there is.
+    pub fn end(&self) -> Result<(), BadBytes> {
+        if self.left() == 0 {
+            return Ok(());
+        }
+        Err(self.bad(format!("{} bytes too many", self.left())))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_cut_off_too_long_or_out_of_range_names_its_place() {
+        let mut long = Bytes::new(&[0x80; 6]);
+        assert_eq!(long.varint().unwrap_err().at, 5);
+        assert_eq!(Bytes::new(&[0x80]).varint().unwrap_err().at, 1);
+        let mut short = Bytes::new(&[1, 2, 3]);
+        assert_eq!(short.take::<2>(), Ok([1, 2]));
+        assert_eq!(short.u32().unwrap_err().at, 2);
+        assert_eq!(
+            short.end().unwrap_err().to_string(),
+            "byte 2: 1 bytes too many"
+        );
+        for value in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+            assert!(Bytes::new(&value.to_le_bytes()).positive("a").is_err());
+        }
+    }
+
+    #[test]
+    fn numbers_come_back() {
+        for value in [0, 1, 127, 128, 16_383, 16_384, (1 << 35) - 1] {
+            let mut out = Vec::new();
+            push_varint(&mut out, value);
+            let mut bytes = Bytes::new(&out);
+            assert_eq!((bytes.varint(), bytes.left()), (Ok(value), 0));
+        }
+    }
+}
