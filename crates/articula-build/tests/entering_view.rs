@@ -4,9 +4,9 @@
 
 mod random_figure;
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::motion_bounds::motion_bounds;
+use articula_build::ClipOptions;
+use articula_build::motion_bounds;
+use articula_build::{Asset, character};
 use articula_core::visibility::{Bodies, Seen, View, Visibility, see, wake_metres};
 use articula_core::{Camera, MotionBounds, PosedMesh, Viewport, Wrap, sample};
 use glam::{Affine3A, Quat, Vec3};

@@ -1,14 +1,14 @@
 //! Levels of joints and mesh together: what they promise, and that it is so.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::figure_levels::{FigureLevels, figure_levels};
-use articula_build::human::{HumanOptions, human};
-use articula_build::ladder::{LevelOptions, MergedLevels, merged_levels};
-use articula_build::poses::{PoseOptions, poses, positions};
+use articula_build::ClipOptions;
 use articula_build::surface_distance::attach;
+use articula_build::{Asset, character};
+use articula_build::{FigureLevels, figure_levels};
+use articula_build::{LevelOptions, MergedLevels, merged_levels};
+use articula_build::{PoseOptions, poses, positions};
 use articula_core::{Mesh, PosedMesh, Wrap};
+use articula_human::{HumanOptions, human};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -124,7 +124,7 @@ fn nothing_grows_but_the_error_and_every_step_is_worth_it() {
         .unwrap();
     assert_eq!(found.merged.ladder.levels(), found.levels.len());
     // Both change, and not always together.
-    let changes = |of: fn(&articula_build::figure_levels::FigureLevel) -> usize| {
+    let changes = |of: fn(&articula_build::FigureLevel) -> usize| {
         found
             .levels
             .windows(2)

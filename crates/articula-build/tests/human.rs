@@ -4,10 +4,10 @@
     reason = "a failed step of a test is a failed test"
 )]
 
-use articula_build::human::{HumanError, HumanOptions, human};
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
 use articula_core::source::{Character, Clip, Primitive, Property};
 use articula_core::{Mesh, ModelPose, PosedMesh, Rig, local_to_model};
+use articula_human::{HumanError, HumanOptions, human};
 use glam::{Quat, Vec3};
 use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;
@@ -480,10 +480,10 @@ fn a_count_out_of_range_names_the_range() {
 
 #[test]
 fn the_recipe_takes_it_as_it_is() {
-    let asset = articula_build::character::character(
+    let asset = articula_build::character(
         default_human(),
         None,
-        &articula_build::clip::ClipOptions::default(),
+        &articula_build::ClipOptions::default(),
     )
     .unwrap();
     assert_eq!(asset.rig.len(), BODY_JOINTS);

@@ -3,13 +3,13 @@
 
 mod random_figure;
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::human::{HumanOptions, human};
-use articula_build::motion_bounds::motion_bounds;
+use articula_build::ClipOptions;
+use articula_build::motion_bounds;
+use articula_build::{Asset, character};
 use articula_core::{
     Clip, LocalPose, Mesh, Morph, PosedMesh, Track, Tracks, Wrap, nlerp, sample, sample_morphs,
 };
+use articula_human::{HumanOptions, human};
 use glam::Vec3;
 use proptest::prelude::*;
 use random_figure::{RATE, Row, character_of, flat, rows, vector};

@@ -3,11 +3,11 @@
 
 mod random_figure;
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::human::{HumanOptions, human};
-use articula_build::occluders::occluders;
+use articula_build::ClipOptions;
+use articula_build::occluders;
+use articula_build::{Asset, character};
 use articula_core::{Clip, Mesh, PosedMesh, Track, Tracks, Wrap};
+use articula_human::{HumanOptions, human};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;

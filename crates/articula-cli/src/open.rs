@@ -5,7 +5,8 @@ use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::files;
 use anyhow::Context;
 use articula::{DataFormat, Figure, OpenOptions, Opened, OpenedData, open_data};
-use articula_formats::profile::{self, Profile};
+use articula_core::joint_names::Profile;
+use articula_formats::profile;
 use articula_formats::{Guess, Limits, Warning};
 use std::path::{Path, PathBuf};
 

@@ -8,9 +8,9 @@
 
 mod judges;
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::motion_bounds::motion_bounds;
+use articula_build::ClipOptions;
+use articula_build::motion_bounds;
+use articula_build::{Asset, character};
 use articula_core::{
     Articulation, Clip, JointArticulation, PosedMesh, Region, Wrap, sample, sample_morphs,
 };

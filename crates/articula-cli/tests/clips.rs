@@ -8,10 +8,10 @@
 
 mod program;
 
-use articula_build::character::Asset;
-use articula_build::clip::ClipOptions;
+use articula_build::Asset;
+use articula_build::ClipOptions;
 use articula_build::clip_edit::Subject;
-use articula_build::clip_edit::key_reduction::{ReduceOptions, reduce_keys};
+use articula_build::clip_edit::{ReduceOptions, reduce_keys};
 use articula_core::PosedMesh;
 use articula_core::source::{Character, Clip, evaluate};
 use articula_formats::{Limits, bvh, gltf, profile};
@@ -82,9 +82,10 @@ fn fewer_keys_move_no_vertex_of_real_figures_farther_than_the_bound() {
     for (name, clip, at_1_mm, at_1_cm) in REDUCED {
         let (character, ends) = read(&data, name);
         let clip = character.clips.iter().find(|c| c.name == clip).unwrap();
-        let mapping = profile::map(&character.skeleton, profile::builtin(), None);
+        let mapping =
+            articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
         let subject = Subject::new(&character, mapping.articulation.clone(), &ends).unwrap();
-        let posed = articula_build::character::character(
+        let posed = articula_build::character(
             &Character {
                 clips: Vec::new(),
                 ..character.clone()

@@ -9,8 +9,8 @@
 mod judges;
 mod program;
 
+use articula_build::ClipOptions;
 use articula_build::character;
-use articula_build::clip::ClipOptions;
 use articula_core::source::{self, evaluate};
 use articula_core::{Clip, JointSet, LocalPose, ModelPose, Rig, Wrap, local_to_model, sample};
 use articula_formats::gltf::{self, Document, GltfFile};
@@ -67,7 +67,7 @@ impl Subject {
         let path = data_folder().join(name);
         let file = open(name);
         let skeleton = &file.character.skeleton;
-        let mapping = profile::map(skeleton, profile::builtin(), None);
+        let mapping = articula_build::joint_names::map(skeleton, profile::builtin(), None);
         let rig = Rig::new(skeleton, mapping.articulation).unwrap();
         let clip = clip.map(|wanted| {
             let known = &file.character.clips;
@@ -221,8 +221,12 @@ fn runtime_clips_follow_three_js() {
     for (name, clip) in CHARACTERS {
         let subject = Subject::new(name, *clip);
         let Some(index) = subject.clip else { continue };
-        let mapping = profile::map(&subject.file.character.skeleton, profile::builtin(), None);
-        let asset = character::character(
+        let mapping = articula_build::joint_names::map(
+            &subject.file.character.skeleton,
+            profile::builtin(),
+            None,
+        );
+        let asset = character(
             &subject.file.character,
             Some(mapping.articulation),
             &ClipOptions::default(),

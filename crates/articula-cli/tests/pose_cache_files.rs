@@ -8,10 +8,10 @@
 
 mod judges;
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::ladder::{LevelOptions, MergedLevels, merged_levels};
-use articula_build::pose_cache::{CacheOptions, CachedPoses, Fate, cached_poses};
+use articula_build::ClipOptions;
+use articula_build::{Asset, character};
+use articula_build::{CacheOptions, CachedPoses, Fate, cached_poses};
+use articula_build::{LevelOptions, MergedLevels, merged_levels};
 use articula_core::batch::BatchEvaluator;
 use articula_core::{Backend, ClipSet, PaletteForm, PaletteRows, Storage, skin_points};
 use articula_formats::{Limits, gltf, profile};
@@ -24,7 +24,8 @@ fn asset() -> Asset {
     let file = gltf::read(&bytes, &Limits::default(), &mut beside)
         .unwrap()
         .value;
-    let mapping = profile::map(&file.character.skeleton, profile::builtin(), None);
+    let mapping =
+        articula_build::joint_names::map(&file.character.skeleton, profile::builtin(), None);
     let opts = ClipOptions::default();
     let mut asset = character(&file.character, Some(mapping.articulation), &opts).unwrap();
     // Walk, jog and run; the fourth is a quarter of a minute that would cost most of the test.

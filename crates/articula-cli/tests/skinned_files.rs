@@ -8,13 +8,13 @@
 
 mod judges;
 
-use articula_build::human::{HumanOptions, human};
 use articula_core::source::Character;
 use articula_core::{
     Articulation, GroupedSkin, JointArticulation, JointSet, Matrix3x4, Mesh, ModelPose, Region,
     Rig, SkinnedMesh, local_to_model, palette, skin,
 };
 use articula_formats::{Limits, gltf};
+use articula_human::{HumanOptions, human};
 use glam::{Affine3A, Quat, Vec3};
 use judges::{data_folder, data_is_here};
 

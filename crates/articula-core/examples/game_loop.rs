@@ -1,13 +1,13 @@
 //! A crowd in a game loop: in go clips, places, a camera and time; out come palettes and events.
 
-use articula_build::character::character;
-use articula_build::clip::ClipOptions;
-use articula_build::human::{HumanOptions, human};
-use articula_build::ladder::{LevelOptions, merged_levels};
-use articula_build::motion_bounds::motion_bounds;
+use articula_build::ClipOptions;
+use articula_build::character;
+use articula_build::motion_bounds;
+use articula_build::{LevelOptions, merged_levels};
 use articula_core::crowd::{CacheUse, Crowd, CrowdModel, CrowdParts, Detail, Frame, Sight, Voice};
 use articula_core::visibility::View;
 use articula_core::{Backend, Camera, ClipSet, PaletteForm, PaletteRows, Storage, Viewport};
+use articula_human::{HumanOptions, human};
 use glam::{Quat, Vec3};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

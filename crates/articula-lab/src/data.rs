@@ -1,9 +1,9 @@
 //! Where the real characters lie, and how one becomes an asset.
 
 use anyhow::{Context, Result, bail};
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
+use articula_build::ClipOptions;
 use articula_build::scene::put_in_place;
+use articula_build::{Asset, character};
 use articula_formats::{Limits, gltf, profile};
 use std::path::{Path, PathBuf};
 
@@ -42,7 +42,8 @@ fn built(data: &Path, name: &str, place: Place) -> Result<Asset> {
     let file = gltf::read(&bytes, &Limits::default(), &mut beside)
         .with_context(|| path.display().to_string())?
         .value;
-    let mapping = profile::map(&file.character.skeleton, profile::builtin(), None);
+    let mapping =
+        articula_build::joint_names::map(&file.character.skeleton, profile::builtin(), None);
     let mut source = file.character;
     if place == Place::OnTheSpot {
         put_in_place(&mut source, mapping.articulation.clone(), &[]);

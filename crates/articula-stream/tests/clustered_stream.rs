@@ -1,11 +1,11 @@
 //! A stream of mesh levels: what a client puts together, whatever way it took, and what it refuses.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use articula_build::character::character;
-use articula_build::clip::ClipOptions;
-use articula_build::human::{HumanOptions, human};
-use articula_build::mesh_levels::{MeshLevelOptions, mesh_levels};
+use articula_build::ClipOptions;
+use articula_build::character;
+use articula_build::{MeshLevelOptions, mesh_levels};
 use articula_core::LevelTable;
+use articula_human::{HumanOptions, human};
 use articula_mutate::{Edit, Mutations, cut_off};
 use articula_stream::Unit;
 use articula_stream::mesh::{

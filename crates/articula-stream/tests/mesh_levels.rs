@@ -8,7 +8,7 @@
     reason = "a test reads files, says what it skips and stops at the first thing that is wrong"
 )]
 
-use articula_build::simplify::{SimplifyOptions, simplify};
+use articula_build::{SimplifyOptions, simplify};
 use articula_core::Mesh;
 use articula_formats::{Limits, gltf};
 use articula_stream::StreamLimits;

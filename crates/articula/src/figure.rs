@@ -2,8 +2,8 @@
 
 use crate::error::{Context, Error, Result};
 use crate::open::{Opened, choose};
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
+use articula_build::ClipOptions;
+use articula_build::{Asset, character};
 
 /// A character that was opened, and what a frame needs of it.
 #[derive(Debug)]

@@ -5,11 +5,11 @@
 
 use crate::error::{Context, Result};
 use crate::figure::Figure;
-use articula_build::character::Asset;
+use articula_build::Asset;
 use articula_build::evaluate::Points;
-use articula_build::motion_error::levers::levers;
-use articula_build::motion_error::pose_keys::pose_keys;
-use articula_build::motion_error::tables::{hashes, key_table};
+use articula_build::motion_error::levers;
+use articula_build::motion_error::pose_keys;
+use articula_build::motion_error::{hashes, key_table};
 use articula_core::{JointLever, KeyMode, KeyTable, Mismatch, PoseKeys};
 use articula_formats::Limits;
 use articula_formats::motion_table::{read_pose_keys, read_segs, write_pose_keys, write_segs};

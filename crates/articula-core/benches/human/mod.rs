@@ -1,9 +1,9 @@
 //! What every bench works on: the reference human, so that none needs a file.
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::human::{HumanOptions, human};
+use articula_build::ClipOptions;
+use articula_build::{Asset, character};
 use articula_core::Clip;
+use articula_human::{HumanOptions, human};
 use std::sync::LazyLock;
 
 /// The reference human at 12,000 triangles, with its clips.

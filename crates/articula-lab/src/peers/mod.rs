@@ -20,10 +20,10 @@ pub(crate) mod three;
 mod tests {
     use super::floor::{Floor, Kernel, LANES, Matrix, Sampled, breadth_first};
     use super::structs::Structs;
-    use articula_build::character::{Asset, character};
-    use articula_build::clip::ClipOptions;
-    use articula_build::human::{HumanOptions, human};
+    use articula_build::ClipOptions;
+    use articula_build::{Asset, character};
     use articula_core::{Clip, ModelPose, Tracks, Wrap, local_to_model, sample};
+    use articula_human::{HumanOptions, human};
     use glam::Mat4;
     use std::sync::LazyLock;
 

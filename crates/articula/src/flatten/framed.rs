@@ -6,7 +6,7 @@ use crate::error::{Context, Error, Result};
 use crate::facing::facing;
 use crate::figure::Figure;
 use crate::work::Work;
-use articula_build::decimate::decimate;
+use articula_build::decimate;
 use articula_core::{ModelPose, Viewport, local_to_model};
 use articula_flat::appearance::Appearance;
 use articula_flat::planar::bake::{BakeOptions, Lamp, Subject, Turn, bake};

@@ -3,7 +3,7 @@
 //! Stored positions may be of another scale than what is seen, so boxes are always taken
 //! after skinning; without a mesh they are taken around the joints.
 
-use articula_build::character::Asset;
+use articula_build::Asset;
 use articula_core::{LocalPose, PosedMesh, SkinnedMesh, Wrap, sample, sample_morphs};
 use glam::Vec3;
 use serde::Serialize;

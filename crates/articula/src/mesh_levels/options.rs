@@ -1,8 +1,8 @@
 //! What the caller wants of mesh levels.
 
 use crate::error::{Context, Error, Result};
-use articula_build::mesh_levels::MeshLevelOptions as BuildOptions;
-use articula_build::simplify::{SimplifyOptions, Weighting, region_weights};
+use articula_build::MeshLevelOptions as BuildOptions;
+use articula_build::{SimplifyOptions, Weighting, region_weights};
 use articula_core::{Mesh, Part, Rig, Zone};
 use std::collections::BTreeMap;
 

@@ -3,7 +3,7 @@
 use super::parts_of_meshes;
 use crate::error::{Context, Result};
 use crate::figure::Figure;
-use articula_build::mesh_levels::MeshLevels;
+use articula_build::MeshLevels;
 use articula_stream::mesh::{Grid, Precision, quantise};
 use articula_stream::mesh::{ObjectLevels, StreamObject, write};
 

@@ -13,7 +13,10 @@ pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
     let read = bva::read(input.bytes, &options, &input.options.limits)?;
     let mut warnings = read.warnings;
     let mut character = read.value.character.clone();
-    if let Some(tree) = bva::tree(&read.value, input.profiles) {
+    if let Some(tree) =
+        articula_build::joint_names::segments(&read.value.character.skeleton, input.profiles)
+            .and_then(|s| bva::tree(&read.value, &s))
+    {
         character = tree.character;
         warnings.extend(tree.warnings);
     } else {

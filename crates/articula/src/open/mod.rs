@@ -16,10 +16,12 @@ pub use format::{Format, Writes, conversions, readable};
 pub use options::OpenOptions;
 
 use crate::error::{Context, Error, Result};
+use articula_build::joint_names::Mapping;
 use articula_core::Articulation;
+use articula_core::joint_names::Profile;
 use articula_core::source::{Character, Property};
 use articula_formats::mpeg4::bap::BapClip;
-use articula_formats::profile::{self, Mapping, Profile};
+use articula_formats::profile;
 use articula_formats::{Resolver, Warning};
 
 /// A file that was opened: its character, and what is needed to write it back.
@@ -107,7 +109,7 @@ impl Input<'_, '_> {
             name: self.name.to_owned(),
             format: self.format,
             bytes: self.bytes.len(),
-            mapping: profile::map(&character.skeleton, self.profiles, given),
+            mapping: articula_build::joint_names::map(&character.skeleton, self.profiles, given),
             character,
             gltf: None,
             end_sites: Vec::new(),

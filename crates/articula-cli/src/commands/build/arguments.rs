@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use articula::MeshLevelOptions;
-use articula_build::simplify::Weighting;
+use articula_build::Weighting;
 use articula_core::{Region, Zone};
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;

@@ -16,7 +16,7 @@ use crate::{fault, files};
 use anyhow::Context;
 use articula::Figure;
 use articula::Opened;
-use articula_build::character::Asset;
+use articula_build::Asset;
 use articula_build::scene::{PLAZA_COUNT, Phases, Scene, Way, plaza, plaza_2, put_in_place};
 use articula_core::crowd::CacheUse;
 use articula_core::loa::Expression;

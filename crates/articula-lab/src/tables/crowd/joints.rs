@@ -5,7 +5,7 @@ use super::ours::Batched;
 use super::{Bench, Line, Report, evaluation};
 use crate::measure::race;
 use anyhow::Result;
-use articula_build::ladder::{LevelOptions, joint_ladder, mean_pose};
+use articula_build::{LevelOptions, joint_ladder, mean_pose};
 use articula_core::{ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
 use articula_flat::plot::{PlotOptions, Series, Values, line_plot};
 

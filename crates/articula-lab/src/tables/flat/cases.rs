@@ -3,7 +3,7 @@
 use anyhow::{Context, Result};
 use articula::flatten::{Framed, FramedParts, Shot};
 use articula::{Figure, Opened};
-use articula_build::decimate::decimate;
+use articula_build::decimate;
 use articula_core::source::{Character, Clip as SourceClip, Property};
 use articula_core::{Camera, Viewport};
 use articula_flat::frame::Bounds;

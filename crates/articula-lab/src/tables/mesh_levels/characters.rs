@@ -3,7 +3,7 @@
 use crate::subdivide::subdivide;
 use anyhow::Result;
 use articula::Figure;
-use articula_build::character::Asset;
+use articula_build::Asset;
 use articula_core::source::Character;
 use glam::Vec3;
 use std::path::Path;

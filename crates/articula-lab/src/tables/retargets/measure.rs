@@ -3,7 +3,7 @@
 
 use super::cases::Actor;
 use anyhow::Result;
-use articula_build::clip::source_rate_hz;
+use articula_build::source_rate_hz;
 use articula_core::source::{Clip, evaluate};
 use articula_core::{LocalPose, ModelPose, Rig, angle_between, local_to_model};
 use glam::Vec3;
