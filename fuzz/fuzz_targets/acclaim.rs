@@ -15,7 +15,7 @@ fuzz_target!(|bytes: &[u8]| {
     let read = acclaim::read(asf, parts.next(), &ReadOptions::default(), &Limits::default());
     let Ok(read) = read else { return };
     let file = read.value;
-    profile::map(&file.character.skeleton, profile::builtin(), None);
+    articula_build::joint_names::map(&file.character.skeleton, profile::builtin(), None);
     let clip = file.character.clips.first();
     let clip = clip.filter(|c| c.duration_secs < MOST_SECS).map(|_| 0);
     let options = WriteOptions {

@@ -7,6 +7,6 @@ use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(read) = bva::read(bytes, &ReadOptions::default(), &Limits::default()) {
-        bva::tree(&read.value, profile::builtin());
+        articula_build::joint_names::segments(&read.value.character.skeleton, profile::builtin()).and_then(|s| bva::tree(&read.value, &s));
     }
 });

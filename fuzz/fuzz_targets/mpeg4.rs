@@ -21,7 +21,7 @@ fuzz_target!(|bytes: &[u8]| {
         1 => {
             if let Ok(read) = bap::read(bytes, bap::Absent::Hold, &limits) {
                 let character = bap::character(&read.value);
-                let map = profile::map(&character.skeleton, profile::builtin(), None);
+                let map = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
                 let seconds = character.clips.first().map_or(0.0, |c| c.duration_secs);
                 if !character.clips.is_empty() && seconds < 5.0 {
                     bap::sample(&character, &map.articulation, 0, 5.0).unwrap();

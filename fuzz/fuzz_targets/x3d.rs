@@ -17,7 +17,7 @@ fuzz_target!(|bytes: &[u8]| {
         return;
     };
     let character = &file.value.character;
-    let mapping = profile::map(&character.skeleton, profile::builtin(), None);
+    let mapping = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
     let options = WriteOptions {
         sites: file.value.sites,
     };

@@ -7,8 +7,8 @@
 //! - [`decimate`]: one coarser list of triangles, for one clip and what is seen of it
 //! - [`expression`]: expressions written out as morph weights and joint transforms
 //! - [`figure_levels`]: levels of joints and mesh that are shown together
-//! - [`human`]: the procedural reference human
 //! - [`influences`]: fewer joints for each vertex
+//! - [`joint_names`]: what the joints of a skeleton are, told by their names
 //! - [`ladder`]: merged levels of a crowd: joint order, skins and errors of every level
 //! - [`motion_bounds`]: what holds a character in each second of each clip
 //! - [`motion_error`]: levers, error matrices, key tables for every metric
@@ -32,8 +32,8 @@ pub mod decimate;
 pub mod evaluate;
 pub mod expression;
 pub mod figure_levels;
-pub mod human;
 pub mod influences;
+pub mod joint_names;
 pub mod ladder;
 pub mod mesh_levels;
 pub mod motion_bounds;

@@ -4,7 +4,6 @@
 use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
 use articula_build::figure_levels::{FigureLevels, figure_levels};
-use articula_build::human::{HumanOptions, human};
 use articula_build::ladder::{LevelOptions, MergedLevels, merged_levels};
 use articula_build::poses::{PoseOptions, poses, positions};
 use articula_build::surface_distance::attach;
@@ -13,6 +12,7 @@ use articula_core::mesh::Mesh;
 use articula_core::pose::ModelPose;
 use articula_core::sample::{Wrap, sample};
 use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_human::{HumanOptions, human};
 use glam::{Affine3A, Vec3};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;

@@ -5,7 +5,6 @@ mod random_figure;
 
 use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
-use articula_build::human::{HumanOptions, human};
 use articula_build::motion_bounds::motion_bounds;
 use articula_core::clip::{Clip, Track, Tracks};
 use articula_core::hierarchy::local_to_model;
@@ -14,6 +13,7 @@ use articula_core::mesh::{Mesh, Morph};
 use articula_core::pose::{LocalPose, ModelPose};
 use articula_core::sample::{Wrap, sample, sample_morphs};
 use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_human::{HumanOptions, human};
 use glam::{Affine3A, Vec3};
 use proptest::prelude::*;
 use random_figure::{RATE, Row, character_of, flat, rows, vector};

@@ -5,7 +5,6 @@ mod random_figure;
 
 use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
-use articula_build::human::{HumanOptions, human};
 use articula_build::occluders::occluders;
 use articula_core::clip::{Clip, Track, Tracks};
 use articula_core::hierarchy::local_to_model;
@@ -13,6 +12,7 @@ use articula_core::mesh::Mesh;
 use articula_core::pose::ModelPose;
 use articula_core::sample::{Wrap, sample};
 use articula_core::skin::{palette, skin_points};
+use articula_human::{HumanOptions, human};
 use glam::{Affine3A, DVec3, Vec3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;

@@ -3,12 +3,12 @@
 
 use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
-use articula_build::human::{HumanOptions, human};
 use articula_build::poses::{PoseOptions, poses, positions};
 use articula_build::surface_distance::{
     DistanceOptions, LevelDistances, SurfaceTree, surface_distances,
 };
 use articula_core::level_table::SurfaceError;
+use articula_human::{HumanOptions, human};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::collections::BTreeMap;

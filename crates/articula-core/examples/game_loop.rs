@@ -2,7 +2,6 @@
 
 use articula_build::character::character;
 use articula_build::clip::ClipOptions;
-use articula_build::human::{HumanOptions, human};
 use articula_build::ladder::{LevelOptions, merged_levels};
 use articula_build::motion_bounds::motion_bounds;
 use articula_core::Backend;
@@ -11,6 +10,7 @@ use articula_core::crowd::{CacheUse, Crowd, CrowdModel, CrowdParts, Detail, Fram
 use articula_core::palette::{PaletteForm, PaletteRows};
 use articula_core::view::{Camera, Viewport};
 use articula_core::visibility::View;
+use articula_human::{HumanOptions, human};
 use glam::{Quat, Vec3};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -18,6 +18,7 @@
 //! - [`capsule`], [`occlusion`]: how much of a body others hide, for those who ask no renderer
 //! - [`pose`], [`sample`], [`mod@blend`], [`hierarchy`], [`skin`]: one verb each
 //! - [`skin_groups`]: the skin four vertices at a time, and only where something moved
+//! - [`joint_names`]: what the joint names of a kind of rig mean, as values
 //! - [`joint_state`]: active, passive and the transitions between them
 //! - [`motion_bounds`]: what holds a moving character, by the second of its clip
 //! - [`motion_error`]: what a held joint costs, in metres and in pixels
@@ -52,6 +53,7 @@ pub mod fap_table;
 pub mod frustum;
 pub mod hanim_table;
 pub mod hierarchy;
+pub mod joint_names;
 pub mod joint_state;
 pub mod key_table;
 pub mod ladder;

@@ -323,7 +323,10 @@ fn motions_of_bvh_files_come_through() {
         let flat = read(&text).unwrap();
         assert!(flat.warnings.is_empty(), "{:?}", flat.warnings);
         let flat = flat.value;
-        let tree = bva::tree(&flat, profile::builtin()).unwrap();
+        let tree =
+            articula_build::joint_names::segments(&flat.character.skeleton, profile::builtin())
+                .and_then(|s| bva::tree(&flat, &s))
+                .unwrap();
         assert_eq!(tree.warnings.len(), 1, "{name}: {:?}", tree.warnings);
         let tree = tree.character;
         let (mut flat_apart, mut tree_apart) = (0.0f32, 0.0f32);
@@ -354,7 +357,8 @@ fn motions_of_bvh_files_come_through() {
         assert!(rigid >= rigid_wanted, "{name}: {rigid} of {rigid_wanted}");
 
         // The figure rests as the BVH file does, and means the same.
-        let meaning = |c: &Character| profile::map(&c.skeleton, profile::builtin(), None);
+        let meaning =
+            |c: &Character| articula_build::joint_names::map(&c.skeleton, profile::builtin(), None);
         let (ours, theirs) = (meaning(&tree), meaning(&source.character));
         assert!(ours.humanoid);
         for (index, joint) in source.character.skeleton.joints.iter().enumerate() {
@@ -373,11 +377,19 @@ fn motions_of_bvh_files_come_through() {
 #[test]
 fn segments_of_unknown_names_stay_side_by_side() {
     assert_eq!(
-        bva::tree(&read(TWO).unwrap().value, profile::builtin()),
+        articula_build::joint_names::segments(
+            &read(TWO).unwrap().value.character.skeleton,
+            profile::builtin()
+        )
+        .and_then(|s| bva::tree(&read(TWO).unwrap().value, &s)),
         None
     );
     let empty = BvaFile::default();
-    assert_eq!(bva::tree(&empty, profile::builtin()), None);
+    assert_eq!(
+        articula_build::joint_names::segments(&empty.character.skeleton, profile::builtin())
+            .and_then(|s| bva::tree(&empty, &s)),
+        None
+    );
 }
 
 /// Biovision's own names, upside down at zero rotations: the first frame is the rest pose then.
@@ -406,7 +418,9 @@ fn what_does_not_stand_at_zero_rests_in_its_first_frame() {
     .map(|(name, place)| segment(name, place))
     .collect();
     let file = read(&text).unwrap().value;
-    let tree = bva::tree(&file, profile::builtin()).unwrap();
+    let tree = articula_build::joint_names::segments(&file.character.skeleton, profile::builtin())
+        .and_then(|s| bva::tree(&file, &s))
+        .unwrap();
     assert!(
         tree.warnings[0].what.contains("10 of 11 segments")
             && tree.warnings[0].what.contains("biovision")

@@ -290,7 +290,8 @@ fn real_files_are_upright_humans_in_metres() {
         let character = read(&bytes).character;
         let found = height(&character);
         assert!(heights.contains(&found), "{name}: {found} m");
-        let mapping = profile::map(&character.skeleton, profile::builtin(), None);
+        let mapping =
+            articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
         assert!(mapping.humanoid, "{name}");
         let joint = |hanim: &str| {
             let joints = &mapping.articulation.joints;

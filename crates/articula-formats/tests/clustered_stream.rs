@@ -3,13 +3,13 @@
 
 use articula_build::character::character;
 use articula_build::clip::ClipOptions;
-use articula_build::human::{HumanOptions, human};
 use articula_build::mesh_levels::{MeshLevelOptions, mesh_levels};
 use articula_core::level_table::LevelTable;
 use articula_core::stream::Unit;
 use articula_formats::clustered_stream::{MeshStream, ObjectLevels, Receiver, StreamObject, write};
 use articula_formats::mesh_codec::{Grid, Precision, QuantisedMesh, quantise};
 use articula_formats::{Limits, ReadError};
+use articula_human::{HumanOptions, human};
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
 

@@ -129,7 +129,7 @@ fn sound(character: &Character) {
         assert!(channel.times_secs.windows(2).all(|w| w[0] < w[1]));
         assert!(channel.values.iter().all(|v| v.is_finite()));
     }
-    profile::map(&character.skeleton, profile::builtin(), None);
+    articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
 }
 
 #[test]
@@ -152,7 +152,12 @@ fn bva_files() {
         let read = bva::read(bytes, &bva::ReadOptions::default(), &Limits::default());
         let Ok(read) = read else { return false };
         sound(&read.value.character);
-        if let Some(tree) = bva::tree(&read.value, profile::builtin()) {
+        if let Some(tree) = articula_build::joint_names::segments(
+            &read.value.character.skeleton,
+            profile::builtin(),
+        )
+        .and_then(|s| bva::tree(&read.value, &s))
+        {
             trees += 1;
             sound(&tree.character);
         }

@@ -9,10 +9,11 @@
 
 mod real;
 
+use articula_build::joint_names::{GapReason, Mapping};
 use articula_core::articulation::Region;
 use articula_core::math::Transform;
 use articula_core::source::{Joint, Skeleton};
-use articula_formats::profile::{self, GapReason, Mapping};
+use articula_formats::profile;
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use real::bytes;
 use serde_json::Value;
@@ -124,7 +125,7 @@ fn mapped(name: &str) -> (Skeleton, Mapping) {
         let joint = |(node, bone): (usize, String)| (joint_of[node], bone);
         bones.into_iter().map(joint).collect::<Vec<_>>()
     });
-    let mapping = profile::map(&skeleton, profile::builtin(), given.as_deref());
+    let mapping = articula_build::joint_names::map(&skeleton, profile::builtin(), given.as_deref());
     (skeleton, mapping)
 }
 

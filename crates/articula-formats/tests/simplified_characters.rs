@@ -32,7 +32,7 @@ fn asset(name: &str) -> Option<Asset> {
         .unwrap()
         .value;
     let figure = &file.character;
-    let mapping = profile::map(
+    let mapping = articula_build::joint_names::map(
         &figure.skeleton,
         profile::builtin(),
         file.humanoid.as_deref(),

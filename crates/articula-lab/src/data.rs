@@ -42,7 +42,8 @@ fn built(data: &Path, name: &str, place: Place) -> Result<Asset> {
     let file = gltf::read(&bytes, &Limits::default(), &mut beside)
         .with_context(|| path.display().to_string())?
         .value;
-    let mapping = profile::map(&file.character.skeleton, profile::builtin(), None);
+    let mapping =
+        articula_build::joint_names::map(&file.character.skeleton, profile::builtin(), None);
     let mut source = file.character;
     if place == Place::OnTheSpot {
         put_in_place(&mut source, mapping.articulation.clone(), &[]);

@@ -1,9 +1,9 @@
 //! Opens any file of the data folder through the libraries, told by its extension.
 
 use anyhow::{Context, Result};
+use articula_build::joint_names::Mapping;
 use articula_core::source::Character;
 use articula_formats::mpeg4::{bap, epf, fap, fdp};
-use articula_formats::profile::Mapping;
 use articula_formats::{Limits, Warning, acclaim, bva, bvh, gltf, profile, x3d};
 use glam::Vec3;
 use std::path::Path;
@@ -230,7 +230,7 @@ fn opened(
     warnings: &[Warning],
 ) -> Opened {
     Opened {
-        mapping: profile::map(&character.skeleton, profile::builtin(), given),
+        mapping: articula_build::joint_names::map(&character.skeleton, profile::builtin(), given),
         character,
         behind: None,
         end_sites,

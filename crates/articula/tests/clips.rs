@@ -87,7 +87,8 @@ fn fewer_keys_move_no_vertex_of_real_figures_farther_than_the_bound() {
     for (name, clip, at_1_mm, at_1_cm) in REDUCED {
         let (character, ends) = read(&data, name);
         let clip = character.clips.iter().find(|c| c.name == clip).unwrap();
-        let mapping = profile::map(&character.skeleton, profile::builtin(), None);
+        let mapping =
+            articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
         let subject = Subject::new(&character, mapping.articulation.clone(), &ends).unwrap();
         let posed = articula_build::character::character(
             &Character {

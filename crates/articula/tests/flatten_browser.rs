@@ -11,7 +11,6 @@ mod judges;
 use articula_build::character::character;
 use articula_build::clip::ClipOptions;
 use articula_build::decimate::decimate;
-use articula_build::human::{HumanOptions, human};
 use articula_core::view::Viewport;
 use articula_flat::Picture;
 use articula_flat::appearance::Appearance;
@@ -29,6 +28,7 @@ use articula_flat::projection::Projection;
 use articula_flat::vector::player::Output;
 use articula_flat::vector::raster::raster;
 use articula_flat::vector::smil_sampler::MovingSvg;
+use articula_human::{HumanOptions, human};
 use judges::browser::{Item, is_here, shots, write};
 use std::sync::OnceLock;
 

@@ -209,9 +209,11 @@ fn captured_hands_and_feet_come_to_their_places() {
         };
         let read = bvh::read(&bytes, &bvh::ReadOptions::default(), &Limits::default());
         let source = read.unwrap().value.character;
-        let names = profile::map(&source.skeleton, profile::builtin(), None).articulation;
+        let names = articula_build::joint_names::map(&source.skeleton, profile::builtin(), None)
+            .articulation;
         let mut figure = bap::figure();
-        let standard = profile::map(&figure.skeleton, profile::builtin(), None).articulation;
+        let standard = articula_build::joint_names::map(&figure.skeleton, profile::builtin(), None)
+            .articulation;
         let from = Figure {
             skeleton: &source.skeleton,
             articulation: &names,

@@ -72,7 +72,7 @@ impl Subject {
         let path = data_folder().join(name);
         let file = open(name);
         let skeleton = &file.character.skeleton;
-        let mapping = profile::map(skeleton, profile::builtin(), None);
+        let mapping = articula_build::joint_names::map(skeleton, profile::builtin(), None);
         let rig = Rig::new(skeleton, mapping.articulation).unwrap();
         let clip = clip.map(|wanted| {
             let known = &file.character.clips;
@@ -226,7 +226,11 @@ fn runtime_clips_follow_three_js() {
     for (name, clip) in CHARACTERS {
         let subject = Subject::new(name, *clip);
         let Some(index) = subject.clip else { continue };
-        let mapping = profile::map(&subject.file.character.skeleton, profile::builtin(), None);
+        let mapping = articula_build::joint_names::map(
+            &subject.file.character.skeleton,
+            profile::builtin(),
+            None,
+        );
         let asset = character::character(
             &subject.file.character,
             Some(mapping.articulation),

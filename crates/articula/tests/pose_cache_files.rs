@@ -27,7 +27,8 @@ fn asset() -> Asset {
     let file = gltf::read(&bytes, &Limits::default(), &mut beside)
         .unwrap()
         .value;
-    let mapping = profile::map(&file.character.skeleton, profile::builtin(), None);
+    let mapping =
+        articula_build::joint_names::map(&file.character.skeleton, profile::builtin(), None);
     let opts = ClipOptions::default();
     let mut asset = character(&file.character, Some(mapping.articulation), &opts).unwrap();
     // Walk, jog and run; the fourth is a quarter of a minute that would cost most of the test.

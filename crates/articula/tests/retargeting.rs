@@ -39,7 +39,7 @@ fn character(path: &Path) -> Character {
 
 /// Joint positions of a clip at a time.
 fn positions(character: &Character, clip: &str, time: f32) -> Vec<Vec3> {
-    let map = profile::map(&character.skeleton, profile::builtin(), None);
+    let map = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
     let rig = Rig::new(&character.skeleton, map.articulation).unwrap();
     let clip = character.clips.iter().find(|c| c.name == clip).unwrap();
     let mut local = rig.rest_pose().clone();

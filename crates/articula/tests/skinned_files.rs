@@ -8,7 +8,6 @@
 
 mod judges;
 
-use articula_build::human::{HumanOptions, human};
 use articula_core::articulation::{Articulation, JointArticulation, Region};
 use articula_core::hierarchy::local_to_model;
 use articula_core::loa::JointSet;
@@ -19,6 +18,7 @@ use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::skin_groups::{GroupedSkin, Matrix3x4, rows};
 use articula_core::source::Character;
 use articula_formats::{Limits, gltf};
+use articula_human::{HumanOptions, human};
 use glam::{Affine3A, Quat, Vec3};
 use judges::{data_folder, data_is_here};
 

@@ -11,7 +11,12 @@ const SIBLINGS: &[&str] = &[
     "articula-build",
     "articula-flat",
     "articula-adapt",
+    "articula-human",
 ];
+
+/// The one edge between siblings: the reference human is thinned by the one simplifier there is,
+/// instead of one of its own.
+const HUMAN_TO_BUILD: (&str, &str) = ("articula-human", "articula-build");
 
 /// All that the core may ever use.
 const CORE_MAY_USE: &[&str] = &["glam", "multiversion"];
@@ -60,7 +65,8 @@ fn refusal(package: &str, dependency: &str) -> Option<String> {
         return Some(format!("xtask uses nothing of ours, not {dependency}"));
     }
     let sibling = SIBLINGS.contains(&package);
-    if sibling && ours && dependency != "articula-core" {
+    let allowed = dependency == "articula-core" || (package, dependency) == HUMAN_TO_BUILD;
+    if sibling && ours && !allowed {
         return Some(format!(
             "{package} may use articula-core only, not {dependency}"
         ));
@@ -160,6 +166,11 @@ mod tests {
         assert_eq!(faults("articula-build", renamed), 1);
         let renamed = "[dependencies.flat]\npackage = \"articula-flat\"\n";
         assert_eq!(faults("articula-build", renamed), 1);
+        let to_build = "[dependencies]\narticula-build.workspace = true\n";
+        assert_eq!(faults("articula-human", to_build), 0);
+        assert_eq!(faults("articula-human", sibling), 1);
+        let to_human = "[dependencies]\narticula-human.workspace = true\n";
+        assert_eq!(faults("articula-build", to_human), 1);
     }
 
     #[test]

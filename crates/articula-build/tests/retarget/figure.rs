@@ -1,12 +1,12 @@
 //! Figures for the tests: the reference human, bound again in any pose and with any axes, with
 //! fewer joints, other sizes and other limbs.
 
-use articula_build::human::{HumanOptions, human};
 use articula_build::retarget::Figure;
 use articula_core::articulation::{Articulation, JointArticulation, Region};
 use articula_core::math::{Transform, same_hemisphere};
 use articula_core::pose::LocalPose;
 use articula_core::source::{Channel, Clip, Interpolation, Joint, Property, Skeleton, evaluate};
+use articula_human::{HumanOptions, human};
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use std::sync::OnceLock;
 

@@ -2,8 +2,8 @@
 
 use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
-use articula_build::human::{HumanOptions, human};
 use articula_core::clip::Clip;
+use articula_human::{HumanOptions, human};
 use std::sync::LazyLock;
 
 /// The reference human at 12,000 triangles, with its clips.

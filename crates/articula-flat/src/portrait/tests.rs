@@ -434,7 +434,7 @@ fn the_document_is_as_its_schema_says() {
 fn a_whole_human_turns_its_head_by_the_neck() {
     use articula_build::character::character;
     use articula_build::clip::ClipOptions;
-    use articula_build::human::{HumanOptions, human};
+    use articula_human::{HumanOptions, human};
     let source = human(&HumanOptions { triangles: 2000 }).unwrap();
     let (look, _) = Appearance::new(&source.materials, &source.images);
     let asset = character(&source, None, &ClipOptions::default()).unwrap();

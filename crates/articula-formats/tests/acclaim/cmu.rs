@@ -174,14 +174,14 @@ fn bones_are_named_after_the_joint_at_their_start() {
         return;
     };
     let meaning = |c: &Character| {
-        let mapping = profile::map(&c.skeleton, profile::builtin(), None);
+        let mapping = articula_build::joint_names::map(&c.skeleton, profile::builtin(), None);
         assert!(mapping.humanoid && mapping.crossed.is_empty());
         mapping
     };
     let (a, b) = (meaning(&ours), meaning(&theirs));
     assert_eq!(a.articulation.profile, "cmu-asf");
     for (own, other) in TWINS {
-        let hanim = |c: &Character, m: &profile::Mapping, name: &str| {
+        let hanim = |c: &Character, m: &articula_build::joint_names::Mapping, name: &str| {
             let joint = c.skeleton.find(name).unwrap();
             m.articulation.joints[joint].hanim.clone()
         };

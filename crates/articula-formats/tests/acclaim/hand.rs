@@ -278,5 +278,5 @@ end
     assert!(near(head, Vec3::new(1.0, 3.0, -1.5)), "{head}");
     let left = read(Up::Y, None).value.character;
     assert!(near(at_rest(&left)[2], Vec3::new(0.0, 0.0, 0.5)));
-    assert!(!profile::map(&left.skeleton, profile::builtin(), None).humanoid);
+    assert!(!articula_build::joint_names::map(&left.skeleton, profile::builtin(), None).humanoid);
 }

@@ -61,7 +61,7 @@ fn globals(character: &Character, time_secs: f32) -> Vec<Affine3A> {
 }
 
 fn articulation(character: &Character) -> Articulation {
-    let map = profile::map(&character.skeleton, profile::builtin(), None);
+    let map = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
     assert!(map.humanoid);
     map.articulation
 }

@@ -51,7 +51,7 @@ fn reads_bap(bytes: &[u8]) -> bool {
         assert!(channel.values.iter().all(|v| v.is_finite()));
     }
     if !character.clips.is_empty() && character.clips[0].duration_secs < 10.0 {
-        let map = profile::map(&character.skeleton, profile::builtin(), None);
+        let map = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
         bap::sample(&character, &map.articulation, 0, 10.0).unwrap();
     }
     bap::write(&read.value);

@@ -149,7 +149,7 @@ fn survives(bytes: &[u8]) -> bool {
             assert!(corners.into_iter().all(|v| (*v as usize) < vertices));
         }
     }
-    let mapping = profile::map(&character.skeleton, profile::builtin(), None);
+    let mapping = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
     let options = WriteOptions {
         sites: read.value.sites,
     };

@@ -2,12 +2,12 @@
 
 use crate::compare::{corners, extent, farthest, globals};
 use crate::real;
-use articula_build::human::{HumanOptions, human};
 use articula_core::articulation::Articulation;
 use articula_core::hanim_table;
 use articula_core::source::Character;
 use articula_formats::x3d::{self, WriteError, WriteOptions, X3dFile};
 use articula_formats::{Limits, gltf, profile};
+use articula_human::{HumanOptions, human};
 use glam::DVec3;
 
 /// How far anything may be off after writing and reading, as a share of the figure. Numbers are
@@ -17,7 +17,7 @@ const BOUND: f64 = 5e-6;
 
 /// Writes and reads a character; also says whether the rest pose is that of the source.
 fn written(character: &Character) -> (X3dFile, bool) {
-    let mapping = profile::map(&character.skeleton, profile::builtin(), None);
+    let mapping = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
     let options = WriteOptions::default();
     let written = x3d::write(character, &mapping.articulation, &options).unwrap();
     let mut alone = |name: &str| Err(format!("{name}: nothing lies here"));
@@ -34,7 +34,7 @@ fn written(character: &Character) -> (X3dFile, bool) {
 /// For each joint read, the joint that was written. Those that never move are left out; the
 /// others come depth first.
 fn sources(character: &Character, back: &Character) -> Vec<usize> {
-    let mapping = profile::map(&character.skeleton, profile::builtin(), None);
+    let mapping = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
     let own = |joint: usize| {
         let hanim = mapping.articulation.joints[joint].hanim.as_deref();
         hanim.map_or(character.skeleton.joints[joint].name.clone(), |name| {

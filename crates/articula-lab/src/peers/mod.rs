@@ -22,11 +22,11 @@ mod tests {
     use super::structs::Structs;
     use articula_build::character::{Asset, character};
     use articula_build::clip::ClipOptions;
-    use articula_build::human::{HumanOptions, human};
     use articula_core::clip::{Clip, Tracks};
     use articula_core::hierarchy::local_to_model;
     use articula_core::pose::ModelPose;
     use articula_core::sample::{Wrap, sample};
+    use articula_human::{HumanOptions, human};
     use glam::Mat4;
     use std::sync::LazyLock;
 

@@ -12,7 +12,10 @@ pub(super) fn load(source: &Source<'_>) -> anyhow::Result<Loaded> {
     let read = bva::read(source.bytes, &options, &source.limits)?;
     let mut warnings = read.warnings;
     let mut character = read.value.character.clone();
-    if let Some(tree) = bva::tree(&read.value, source.profiles) {
+    if let Some(tree) =
+        articula_build::joint_names::segments(&read.value.character.skeleton, source.profiles)
+            .and_then(|s| bva::tree(&read.value, &s))
+    {
         character = tree.character;
         warnings.extend(tree.warnings);
     } else {

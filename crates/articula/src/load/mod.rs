@@ -15,9 +15,11 @@ pub(crate) use format::{Format, Writes, conversions, readable};
 use crate::arguments::ReadArgs;
 use crate::{fault, files};
 use anyhow::{Context, bail};
+use articula_build::joint_names::Mapping;
+use articula_core::joint_names::Profile;
 use articula_core::source::Character;
 use articula_formats::mpeg4::bap::BapClip;
-use articula_formats::profile::{self, Mapping, Profile};
+use articula_formats::profile;
 use articula_formats::{Guess, Limits, Warning};
 use std::path::{Path, PathBuf};
 
@@ -80,7 +82,7 @@ impl Source<'_> {
             path: self.path.to_owned(),
             format: self.format,
             bytes: self.bytes.len(),
-            mapping: profile::map(&character.skeleton, self.profiles, given),
+            mapping: articula_build::joint_names::map(&character.skeleton, self.profiles, given),
             character,
             behind: None,
             end_sites: Vec::new(),

@@ -150,6 +150,7 @@ impl MeshLevelArgs {
             locked: self.locked(mesh)?,
             regions: self.regions(mesh, rig),
             wedges: classes,
+            ..SimplifyOptions::default()
         };
         Ok(MeshLevelOptions {
             simplify,

@@ -213,7 +213,9 @@ mod tests {
     #[test]
     fn two_millimetres_are_two_millimetres() {
         let (was, is) = (two("b c", 1.0), two("b_c", 1.002));
-        let map = |c: &Character| profile::map(&c.skeleton, profile::builtin(), None).articulation;
+        let map = |c: &Character| {
+            articula_build::joint_names::map(&c.skeleton, profile::builtin(), None).articulation
+        };
         let found = apart((&was, &map(&was)), (&is, &map(&is)), Kept::All).unwrap();
         assert_eq!((found.joints, found.clips, found.skin_mm), (2, 0, None));
         assert!((found.joints_mm - 2.0).abs() < 1e-3, "{found:?}");

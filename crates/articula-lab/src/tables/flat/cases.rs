@@ -146,7 +146,7 @@ impl Case {
     /// Reads the character, puts up the camera and simplifies what it sees.
     pub(super) fn stage(&self, data: &Path) -> Result<Staged> {
         let source = self.open(data)?;
-        let mapping = profile::map(&source.skeleton, profile::builtin(), None);
+        let mapping = articula_build::joint_names::map(&source.skeleton, profile::builtin(), None);
         let (look, _) = Appearance::new(&source.materials, &source.images);
         let asset = character(&source, Some(mapping.articulation), &ClipOptions::default())
             .with_context(|| self.file.to_owned())?;

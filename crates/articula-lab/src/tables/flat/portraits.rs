@@ -83,7 +83,7 @@ fn of(run: &Run, sitter: &Sitter, views: &[usize]) -> Result<Vec<Row>> {
     let read = gltf::read(&bytes, &Limits::default(), &mut |_| Err("nothing".into()));
     let source = read.with_context(|| path.display().to_string())?;
     let source = source.value.character;
-    let mapping = profile::map(&source.skeleton, profile::builtin(), None);
+    let mapping = articula_build::joint_names::map(&source.skeleton, profile::builtin(), None);
     let (look, _) = Appearance::new(&source.materials, &source.images);
     let asset = character(&source, Some(mapping.articulation), &ClipOptions::default())?;
     let mut expressions = Vec::new();

@@ -109,7 +109,7 @@ impl Entry {
         if self.subdivided {
             source.meshes = source.meshes.iter().map(subdivide).collect();
         }
-        let mapped = profile::map(&source.skeleton, profile::builtin(), None);
+        let mapped = articula_build::joint_names::map(&source.skeleton, profile::builtin(), None);
         let articulation: Articulation = mapped.articulation;
         let asset = character(&source, Some(articulation), &ClipOptions::default())
             .with_context(|| path.display().to_string())?;

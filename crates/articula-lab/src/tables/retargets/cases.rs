@@ -3,12 +3,12 @@
 use crate::open::{self, Content};
 use anyhow::{Context, Result, bail};
 use articula_build::clip::source_rate_hz;
-use articula_build::human::{HumanOptions, human};
 use articula_build::retarget::{Figure, RetargetOptions, Retargeted, retarget};
 use articula_core::articulation::Articulation;
 use articula_core::source::{Character, Clip};
 use articula_formats::mpeg4::bap;
 use articula_formats::profile;
+use articula_human::{HumanOptions, human};
 use std::path::Path;
 
 /// Where a motion comes from.
@@ -167,7 +167,7 @@ impl Actor {
 
     fn human() -> Result<Self> {
         let character = human(&HumanOptions { triangles: 12_000 })?;
-        let map = profile::map(&character.skeleton, profile::builtin(), None);
+        let map = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
         Ok(Self {
             articulation: map.articulation,
             character,
@@ -230,7 +230,7 @@ fn bap_of(data: &Path, name: &str) -> Result<Actor> {
         &articula_formats::Limits::default(),
     )?;
     let character = bap::character(&read.value);
-    let map = profile::map(&character.skeleton, profile::builtin(), None);
+    let map = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
     Ok(Actor {
         articulation: map.articulation,
         character,

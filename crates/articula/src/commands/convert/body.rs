@@ -21,7 +21,7 @@ pub(super) fn written(
         return parameters_of(&loaded.character, &loaded.character);
     }
     let mut figure = bap::figure();
-    let standard = profile::map(&figure.skeleton, profile::builtin(), None);
+    let standard = articula_build::joint_names::map(&figure.skeleton, profile::builtin(), None);
     let clip = &loaded.character.clips[0];
     let source = Figure {
         skeleton: &loaded.character.skeleton,
@@ -38,7 +38,7 @@ pub(super) fn written(
 
 /// What the standard humanoid does as a BAP file; `source` has what no BAP file holds.
 fn parameters_of(figure: &Character, source: &Character) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
-    let standard = profile::map(&figure.skeleton, profile::builtin(), None);
+    let standard = articula_build::joint_names::map(&figure.skeleton, profile::builtin(), None);
     let rate_hz = source.clips.first().map_or(30.0, source_rate_hz);
     let sampled = bap::sample(figure, &standard.articulation, 0, rate_hz)?;
     let meshes = source.meshes.len();

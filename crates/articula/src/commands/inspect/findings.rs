@@ -9,12 +9,12 @@ use crate::load;
 use crate::motion_tables::Stored;
 use crate::prepared::Prepared;
 use articula_build::clip::source_rate_hz;
+use articula_build::joint_names::GapReason;
 use articula_core::articulation::{Articulation, MAX_LEVEL, Region};
 use articula_core::loa::JointSet;
 use articula_core::rig::Rig;
 use articula_core::source;
 use articula_flat::appearance::Appearance;
-use articula_formats::profile::GapReason;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -4,7 +4,6 @@
     reason = "a failed step of a test is a failed test"
 )]
 
-use articula_build::human::{HumanError, HumanOptions, human};
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
 use articula_core::hierarchy::local_to_model;
 use articula_core::mesh::Mesh;
@@ -12,6 +11,7 @@ use articula_core::pose::ModelPose;
 use articula_core::rig::Rig;
 use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::{Character, Clip, Primitive, Property};
+use articula_human::{HumanError, HumanOptions, human};
 use glam::{Affine3A, Quat, Vec3};
 use std::collections::{HashMap, HashSet};
 use std::sync::OnceLock;

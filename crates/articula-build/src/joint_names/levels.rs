@@ -6,9 +6,9 @@
 //! level of their own region; branches beside the human (controls, props) are at the last
 //! level too.
 
-use super::GapReason;
-use super::file::Target;
+use super::gap::GapReason;
 use articula_core::articulation::{JointArticulation, MAX_LEVEL, Region};
+use articula_core::joint_names::Target;
 use articula_core::source::Skeleton;
 
 /// Fills in every joint from what the mapped ones are.
