@@ -5,11 +5,11 @@
 
 mod random_figure;
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
+use articula_build::ClipOptions;
 use articula_build::evaluate::Points;
-use articula_build::motion_error::bounds::{ChainShare, LeverKind, joint_bounds};
-use articula_build::motion_error::levers::levers;
+use articula_build::motion_error::levers;
+use articula_build::motion_error::{ChainShare, LeverKind, joint_bounds};
+use articula_build::{Asset, character};
 use articula_core::drift::{Drift, DriftOptions, JointViews};
 use articula_core::math::angle_between;
 use articula_core::sample::{Wrap, sample};

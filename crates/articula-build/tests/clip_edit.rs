@@ -5,9 +5,9 @@
 mod random_figure;
 
 use articula_build::clip_edit::Subject;
-use articula_build::clip_edit::cycle::{CloseOptions, close};
-use articula_build::clip_edit::key_reduction::{ReduceOptions, Reduced, reduce_keys};
-use articula_build::clip_edit::root_motion::{RootMotionMode, RootMotionOptions, split};
+use articula_build::clip_edit::{CloseOptions, close};
+use articula_build::clip_edit::{ReduceOptions, Reduced, reduce_keys};
+use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, split};
 use articula_core::hierarchy::local_to_model;
 use articula_core::math::Transform;
 use articula_core::mesh::Mesh;

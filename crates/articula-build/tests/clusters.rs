@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
-use articula_build::clusters::{Clustered, Order, cluster};
+use articula_build::{Clustered, Order, cluster};
 use proptest::prelude::*;
 use std::collections::HashMap;
 

@@ -4,9 +4,9 @@
 
 mod random_figure;
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::motion_bounds::motion_bounds;
+use articula_build::ClipOptions;
+use articula_build::motion_bounds;
+use articula_build::{Asset, character};
 use articula_core::hierarchy::local_to_model_from;
 use articula_core::motion_bounds::MotionBounds;
 use articula_core::pose::ModelPose;

@@ -2,17 +2,17 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
+use articula_build::ClipOptions;
 use articula_build::evaluate::Points;
 use articula_build::evaluate::{
     CameraKey, Method, MethodOptions, Setup, SkinPxVariant, Stage, Trial, calibrate, play,
     play_camera_path, pose_key_frames, sweep, uniform_key_frames,
 };
-use articula_build::motion_error::bounds::{ChainShare, LeverKind, joint_bounds};
-use articula_build::motion_error::levers::levers;
-use articula_build::motion_error::pose_keys::pose_keys;
-use articula_build::motion_error::tables::{hashes, key_table};
+use articula_build::motion_error::levers;
+use articula_build::motion_error::pose_keys;
+use articula_build::motion_error::{ChainShare, LeverKind, joint_bounds};
+use articula_build::motion_error::{hashes, key_table};
+use articula_build::{Asset, character};
 use articula_core::articulation::{Articulation, JointArticulation, Region};
 use articula_core::clip::{Track, Tracks};
 use articula_core::drift::DriftOptions;
@@ -248,7 +248,7 @@ fn tables_are_nested_and_fit_only_their_own_clip() {
             duration_secs: 1.0,
             ..Clip::default()
         };
-        articula_build::clip::resample(&source, &skeleton_of(&asset), &[], &[], &opts).unwrap()
+        articula_build::resample(&source, &skeleton_of(&asset), &[], &[], &opts).unwrap()
     };
     let table = key_table(&asset, clip, &levers, KeyMode::Hold);
     let e = table
@@ -336,8 +336,7 @@ fn with_motion(frames: usize, interpolation: Interpolation, angle: impl Fn(usize
     let opts = ClipOptions {
         rate_hz: Some(RATE),
     };
-    asset.clips =
-        vec![articula_build::clip::resample(&source, &skeleton, &[], &[], &opts).unwrap()];
+    asset.clips = vec![articula_build::resample(&source, &skeleton, &[], &[], &opts).unwrap()];
     asset
 }
 

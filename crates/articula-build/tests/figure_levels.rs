@@ -1,12 +1,12 @@
 //! Levels of joints and mesh together: what they promise, and that it is so.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::figure_levels::{FigureLevels, figure_levels};
-use articula_build::ladder::{LevelOptions, MergedLevels, merged_levels};
-use articula_build::poses::{PoseOptions, poses, positions};
+use articula_build::ClipOptions;
 use articula_build::surface_distance::attach;
+use articula_build::{Asset, character};
+use articula_build::{FigureLevels, figure_levels};
+use articula_build::{LevelOptions, MergedLevels, merged_levels};
+use articula_build::{PoseOptions, poses, positions};
 use articula_core::hierarchy::local_to_model;
 use articula_core::mesh::Mesh;
 use articula_core::pose::ModelPose;
@@ -134,7 +134,7 @@ fn nothing_grows_but_the_error_and_every_step_is_worth_it() {
         .unwrap();
     assert_eq!(found.merged.ladder.levels(), found.levels.len());
     // Both change, and not always together.
-    let changes = |of: fn(&articula_build::figure_levels::FigureLevel) -> usize| {
+    let changes = |of: fn(&articula_build::FigureLevel) -> usize| {
         found
             .levels
             .windows(2)

@@ -4,9 +4,9 @@
 
 mod random_figure;
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::ladder::{
+use articula_build::ClipOptions;
+use articula_build::{Asset, character};
+use articula_build::{
     LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
     merged_levels, named_ladder,
 };

@@ -3,9 +3,9 @@
 
 mod random_figure;
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::occluders::occluders;
+use articula_build::ClipOptions;
+use articula_build::occluders;
+use articula_build::{Asset, character};
 use articula_core::clip::{Clip, Track, Tracks};
 use articula_core::hierarchy::local_to_model;
 use articula_core::mesh::Mesh;

@@ -1,12 +1,12 @@
 //! Distances between posed surfaces are those of the plain slow way, on random and real shapes.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::poses::{PoseOptions, poses, positions};
+use articula_build::ClipOptions;
 use articula_build::surface_distance::{
     DistanceOptions, LevelDistances, SurfaceTree, surface_distances,
 };
+use articula_build::{Asset, character};
+use articula_build::{PoseOptions, poses, positions};
 use articula_core::level_table::SurfaceError;
 use articula_human::{HumanOptions, human};
 use glam::{DVec3, Vec3};

@@ -1,9 +1,9 @@
 //! A crowd in a game loop: in go clips, places, a camera and time; out come palettes and events.
 
-use articula_build::character::character;
-use articula_build::clip::ClipOptions;
-use articula_build::ladder::{LevelOptions, merged_levels};
-use articula_build::motion_bounds::motion_bounds;
+use articula_build::ClipOptions;
+use articula_build::character;
+use articula_build::motion_bounds;
+use articula_build::{LevelOptions, merged_levels};
 use articula_core::Backend;
 use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::crowd::{CacheUse, Crowd, CrowdModel, CrowdParts, Detail, Frame, Sight, Voice};

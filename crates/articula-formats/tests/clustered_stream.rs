@@ -1,9 +1,9 @@
 //! A stream of mesh levels: what a client puts together, whatever way it took, and what it refuses.
 #![allow(clippy::unwrap_used, reason = "a test may panic")]
 
-use articula_build::character::character;
-use articula_build::clip::ClipOptions;
-use articula_build::mesh_levels::{MeshLevelOptions, mesh_levels};
+use articula_build::ClipOptions;
+use articula_build::character;
+use articula_build::{MeshLevelOptions, mesh_levels};
 use articula_core::level_table::LevelTable;
 use articula_core::stream::Unit;
 use articula_formats::clustered_stream::{MeshStream, ObjectLevels, Receiver, StreamObject, write};

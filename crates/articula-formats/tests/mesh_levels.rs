@@ -8,7 +8,7 @@
     reason = "a test reads files, says what it skips and stops at the first thing that is wrong"
 )]
 
-use articula_build::simplify::{SimplifyOptions, simplify};
+use articula_build::{SimplifyOptions, simplify};
 use articula_core::mesh::Mesh;
 use articula_formats::mesh_codec::{
     Grid, Layout, Precision, Quantised, QuantisedMesh, decode_level, decode_refinement,

@@ -8,11 +8,11 @@
 
 mod real;
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::poses::{PoseOptions, poses, positions};
-use articula_build::simplify::{Simplified, SimplifyOptions, Weighting, simplify};
+use articula_build::ClipOptions;
 use articula_build::surface_distance::{DistanceOptions, surface_distances};
+use articula_build::{Asset, character};
+use articula_build::{PoseOptions, poses, positions};
+use articula_build::{Simplified, SimplifyOptions, Weighting, simplify};
 use articula_formats::{Limits, gltf, profile};
 use glam::Vec3;
 use std::collections::BTreeMap;

@@ -255,4 +255,3 @@ fn rigid(
         ..Primitive::default()
     }
 }
-#[cfg(test)]

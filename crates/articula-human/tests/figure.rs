@@ -486,10 +486,10 @@ fn a_count_out_of_range_names_the_range() {
 
 #[test]
 fn the_recipe_takes_it_as_it_is() {
-    let asset = articula_build::character::character(
+    let asset = articula_build::character(
         default_human(),
         None,
-        &articula_build::clip::ClipOptions::default(),
+        &articula_build::ClipOptions::default(),
     )
     .unwrap();
     assert_eq!(asset.rig.len(), BODY_JOINTS);

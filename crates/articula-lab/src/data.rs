@@ -1,9 +1,9 @@
 //! Where the real characters lie, and how one becomes an asset.
 
 use anyhow::{Context, Result, bail};
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
+use articula_build::ClipOptions;
 use articula_build::scene::put_in_place;
+use articula_build::{Asset, character};
 use articula_formats::{Limits, gltf, profile};
 use std::path::{Path, PathBuf};
 

@@ -6,11 +6,11 @@
 use crate::console::Console;
 use crate::prepared::Prepared;
 use anyhow::Context;
-use articula_build::character::Asset;
+use articula_build::Asset;
 use articula_build::evaluate::Points;
-use articula_build::motion_error::levers::levers;
-use articula_build::motion_error::pose_keys::pose_keys;
-use articula_build::motion_error::tables::{hashes, key_table};
+use articula_build::motion_error::levers;
+use articula_build::motion_error::pose_keys;
+use articula_build::motion_error::{hashes, key_table};
 use articula_core::Mismatch;
 use articula_core::key_table::{KeyMode, KeyTable, PoseKeys};
 use articula_formats::Limits;

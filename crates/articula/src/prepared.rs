@@ -3,8 +3,8 @@
 use crate::arguments::CharacterArgs;
 use crate::load::{self, Loaded};
 use anyhow::Context;
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
+use articula_build::ClipOptions;
+use articula_build::{Asset, character};
 use articula_core::source::{Character, Property};
 
 /// A character that was read, and what the frame needs of it.

@@ -8,9 +8,9 @@
 
 mod judges;
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::motion_bounds::motion_bounds;
+use articula_build::ClipOptions;
+use articula_build::motion_bounds;
+use articula_build::{Asset, character};
 use articula_core::articulation::{Articulation, JointArticulation, Region};
 use articula_core::clip::Clip;
 use articula_core::hierarchy::local_to_model;

@@ -8,10 +8,10 @@
 
 mod program;
 
-use articula_build::character::Asset;
-use articula_build::clip::ClipOptions;
+use articula_build::Asset;
+use articula_build::ClipOptions;
 use articula_build::clip_edit::Subject;
-use articula_build::clip_edit::key_reduction::{ReduceOptions, reduce_keys};
+use articula_build::clip_edit::{ReduceOptions, reduce_keys};
 use articula_core::hierarchy::local_to_model;
 use articula_core::pose::ModelPose;
 use articula_core::skin::{palette, skin_points};
@@ -90,7 +90,7 @@ fn fewer_keys_move_no_vertex_of_real_figures_farther_than_the_bound() {
         let mapping =
             articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
         let subject = Subject::new(&character, mapping.articulation.clone(), &ends).unwrap();
-        let posed = articula_build::character::character(
+        let posed = articula_build::character(
             &Character {
                 clips: Vec::new(),
                 ..character.clone()

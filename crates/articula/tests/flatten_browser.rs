@@ -8,9 +8,9 @@
 
 mod judges;
 
-use articula_build::character::character;
-use articula_build::clip::ClipOptions;
-use articula_build::decimate::decimate;
+use articula_build::ClipOptions;
+use articula_build::character;
+use articula_build::decimate;
 use articula_core::view::Viewport;
 use articula_flat::Picture;
 use articula_flat::appearance::Appearance;

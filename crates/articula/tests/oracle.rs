@@ -9,8 +9,8 @@
 mod judges;
 mod program;
 
+use articula_build::ClipOptions;
 use articula_build::character;
-use articula_build::clip::ClipOptions;
 use articula_core::clip::Clip;
 use articula_core::hierarchy::local_to_model;
 use articula_core::loa::JointSet;
@@ -231,7 +231,7 @@ fn runtime_clips_follow_three_js() {
             profile::builtin(),
             None,
         );
-        let asset = character::character(
+        let asset = character(
             &subject.file.character,
             Some(mapping.articulation),
             &ClipOptions::default(),

@@ -8,10 +8,10 @@
 
 mod judges;
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::ladder::{LevelOptions, MergedLevels, merged_levels};
-use articula_build::pose_cache::{CacheOptions, CachedPoses, Fate, cached_poses};
+use articula_build::ClipOptions;
+use articula_build::{Asset, character};
+use articula_build::{CacheOptions, CachedPoses, Fate, cached_poses};
+use articula_build::{LevelOptions, MergedLevels, merged_levels};
 use articula_core::Backend;
 use articula_core::batch::BatchEvaluator;
 use articula_core::clip_set::{ClipSet, Storage};

@@ -81,7 +81,7 @@ pub struct Poses {
 
 impl Poses {
     /// Number of different clips that are measured on.
-    pub fn clips_measured(&self) -> usize {
+    pub(crate) fn clips_measured(&self) -> usize {
         let clips = self.measuring.iter().filter_map(|p| match p.origin {
             Origin::Clip { clip, .. } => Some(clip),
             _ => None,

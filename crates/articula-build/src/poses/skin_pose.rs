@@ -100,7 +100,7 @@ impl SkinPose {
     ///
     /// # Panics
     /// If the pose or the mesh is of another character.
-    pub fn positions_of(&self, asset: &Asset, mesh: &Mesh) -> Vec<Vec3> {
+    pub(crate) fn positions_of(&self, asset: &Asset, mesh: &Mesh) -> Vec<Vec3> {
         let model = self.model(asset);
         let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
         palette(mesh, &model, &mut matrices);

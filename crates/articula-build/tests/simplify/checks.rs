@@ -1,6 +1,6 @@
 //! What holds for the levels of any mesh.
 
-use articula_build::simplify::{LevelTriangles, Simplified, SimplifyOptions, simplify};
+use articula_build::{LevelTriangles, Simplified, SimplifyOptions, simplify};
 use articula_core::mesh::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -2,7 +2,7 @@
 
 use crate::checks::{check, of};
 use crate::shapes::{ball, mesh, sheet};
-use articula_build::simplify::{SimplifyOptions, simplify};
+use articula_build::{SimplifyOptions, simplify};
 use articula_core::mesh::Mesh;
 use glam::Vec3;
 use proptest::prelude::*;

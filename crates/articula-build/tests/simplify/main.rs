@@ -6,7 +6,7 @@ mod hostile;
 mod seams;
 mod shapes;
 
-use articula_build::simplify::{LevelTriangles, SimplifyOptions, Weighting, simplify};
+use articula_build::{LevelTriangles, SimplifyOptions, Weighting, simplify};
 use checks::{check, is_closed, of};
 use glam::Vec3;
 use shapes::{ball, sheet};

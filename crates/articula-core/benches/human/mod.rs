@@ -1,7 +1,7 @@
 //! What every bench works on: the reference human, so that none needs a file.
 
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
+use articula_build::ClipOptions;
+use articula_build::{Asset, character};
 use articula_core::clip::Clip;
 use articula_human::{HumanOptions, human};
 use std::sync::LazyLock;

@@ -432,8 +432,8 @@ fn the_document_is_as_its_schema_says() {
 
 #[test]
 fn a_whole_human_turns_its_head_by_the_neck() {
-    use articula_build::character::character;
-    use articula_build::clip::ClipOptions;
+    use articula_build::ClipOptions;
+    use articula_build::character;
     use articula_human::{HumanOptions, human};
     let source = human(&HumanOptions { triangles: 2000 }).unwrap();
     let (look, _) = Appearance::new(&source.materials, &source.images);

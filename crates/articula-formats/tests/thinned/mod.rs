@@ -5,7 +5,7 @@
     reason = "each test file uses a part of it, and a test may panic"
 )]
 
-use articula_build::clusters::{Clustered, Order, cluster};
+use articula_build::{Clustered, Order, cluster};
 use articula_core::level_table::{LevelRow, LevelTable, SurfaceError};
 use articula_core::source::{Mesh, Primitive};
 use articula_formats::gltf::clustered::{MeshParts, PartLevels};

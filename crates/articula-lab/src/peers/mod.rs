@@ -20,8 +20,8 @@ pub(crate) mod three;
 mod tests {
     use super::floor::{Floor, Kernel, LANES, Matrix, Sampled, breadth_first};
     use super::structs::Structs;
-    use articula_build::character::{Asset, character};
-    use articula_build::clip::ClipOptions;
+    use articula_build::ClipOptions;
+    use articula_build::{Asset, character};
     use articula_core::clip::{Clip, Tracks};
     use articula_core::hierarchy::local_to_model;
     use articula_core::pose::ModelPose;

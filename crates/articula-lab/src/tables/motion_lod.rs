@@ -5,11 +5,11 @@
 use super::{CLIPS, DISTANCES_M, Run, pose_keys};
 use crate::data;
 use anyhow::{Context, Result};
-use articula_build::character::Asset;
+use articula_build::Asset;
+use articula_build::evaluate::Direction;
 use articula_build::evaluate::{
     Method, MethodOptions, Row, Setup, SkinPxVariant, Stage, calibrate, sweep,
 };
-use articula_build::motion_error::thesis::Direction;
 use articula_core::articulation::Complexity;
 use articula_core::loa::selection::complexity;
 use std::fmt::Write as _;

@@ -6,7 +6,7 @@
 
 use super::{CLIPS, Run};
 use anyhow::{Context, Result};
-use articula_build::character::Asset;
+use articula_build::Asset;
 use articula_build::evaluate::{MethodOptions, Setup, Stage, pose_key_frames, uniform_key_frames};
 use std::fmt::Write as _;
 

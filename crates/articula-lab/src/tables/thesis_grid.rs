@@ -6,9 +6,9 @@
 use super::{CLIPS, DISTANCES_M, Run};
 use crate::data;
 use anyhow::{Context, Result};
-use articula_build::character::Asset;
+use articula_build::Asset;
+use articula_build::evaluate::ThesisOptions;
 use articula_build::evaluate::{Method, MethodOptions, Row, Setup, Stage, play};
-use articula_build::motion_error::thesis::ThesisOptions;
 use articula_core::thesis_metric::{Threshold, ThresholdCurve};
 use std::fmt::Write as _;
 

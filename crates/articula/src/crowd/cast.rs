@@ -3,14 +3,14 @@
 use super::figure::Figure;
 use crate::console::Console;
 use anyhow::Context;
-use articula_build::character::Asset;
-use articula_build::ladder::{
+use articula_build::Asset;
+use articula_build::motion_bounds;
+use articula_build::scene::{Way, root_path};
+use articula_build::{CacheOptions, cached_poses};
+use articula_build::{
     LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
     named_ladder, skin_of,
 };
-use articula_build::motion_bounds::motion_bounds;
-use articula_build::pose_cache::{CacheOptions, cached_poses};
-use articula_build::scene::{Way, root_path};
 use articula_core::Backend;
 use articula_core::clip::{Clip, Tracks};
 use articula_core::clip_set::{ClipSet, Storage};

@@ -6,7 +6,7 @@ use crate::console::Console;
 use crate::facing::facing;
 use crate::prepared::Prepared;
 use anyhow::{Context, anyhow};
-use articula_build::decimate::decimate;
+use articula_build::decimate;
 use articula_core::hierarchy::local_to_model;
 use articula_core::pose::ModelPose;
 use articula_core::view::Viewport;

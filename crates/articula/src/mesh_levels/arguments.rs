@@ -1,8 +1,8 @@
 //! What the user wants of mesh levels.
 
 use anyhow::Context;
-use articula_build::mesh_levels::MeshLevelOptions;
-use articula_build::simplify::{SimplifyOptions, Weighting, region_weights};
+use articula_build::MeshLevelOptions;
+use articula_build::{SimplifyOptions, Weighting, region_weights};
 use articula_core::articulation::{Region, Zone};
 use articula_core::mesh::{Mesh, Part};
 use articula_core::rig::Rig;

@@ -3,7 +3,7 @@
 use super::parts_of_meshes;
 use crate::prepared::Prepared;
 use anyhow::Context;
-use articula_build::mesh_levels::MeshLevels;
+use articula_build::MeshLevels;
 use articula_formats::clustered_stream::{ObjectLevels, StreamObject, write};
 use articula_formats::mesh_codec::{Grid, Precision, quantise};
 

@@ -2,9 +2,9 @@
 
 use crate::fault;
 use anyhow::Context;
+use articula_build::evaluate::{Direction, Radius};
 use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
-use articula_build::motion_error::bounds::ChainShare;
-use articula_build::motion_error::thesis::{Direction, Radius};
+use articula_build::motion_error::ChainShare;
 use articula_core::articulation::Complexity;
 use articula_core::drift::DriftOptions;
 use articula_core::joint_state::PassivePolicy;

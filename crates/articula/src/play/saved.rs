@@ -1,6 +1,6 @@
 //! What a level of articulation leaves of the stored animation, in numbers.
 
-use articula_build::reduce::{MotionSize, motion_size, reduce};
+use articula_build::{MotionSize, motion_size, reduce};
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::JointSet;
 use articula_core::rig::Rig;

@@ -5,7 +5,7 @@ use super::ours::Batched;
 use super::{Bench, Line, Report, evaluation};
 use crate::measure::race;
 use anyhow::Result;
-use articula_build::ladder::{LevelOptions, joint_ladder, mean_pose};
+use articula_build::{LevelOptions, joint_ladder, mean_pose};
 use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::ladder::Ladder;
 use articula_core::palette::{PaletteForm, PaletteMap};

@@ -16,7 +16,7 @@ use super::Run;
 use crate::data;
 use crate::measure::Timing;
 use anyhow::{Context, Result};
-use articula_build::character::Asset;
+use articula_build::Asset;
 use articula_build::scene::plaza;
 use articula_core::Backend;
 use articula_core::clip::Clip;

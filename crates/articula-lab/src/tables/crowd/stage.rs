@@ -3,10 +3,10 @@
 use super::Bench;
 use crate::measure::thread_ns;
 use anyhow::{Context, Result};
-use articula_build::ladder::{LevelOptions, merged_levels};
-use articula_build::motion_bounds::motion_bounds;
-use articula_build::pose_cache::{CacheOptions, cached_poses};
+use articula_build::motion_bounds;
 use articula_build::scene::{Member, Scene};
+use articula_build::{CacheOptions, cached_poses};
+use articula_build::{LevelOptions, merged_levels};
 use articula_core::Backend;
 use articula_core::blend::blend;
 use articula_core::budget::{CostModel, Policy};

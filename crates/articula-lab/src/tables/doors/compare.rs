@@ -1,7 +1,7 @@
 //! How far two readings of one character lie apart: joints over the clips, skin in some poses.
 
 use anyhow::{Context, Result};
-use articula_build::clip::source_rate_hz;
+use articula_build::source_rate_hz;
 use articula_core::articulation::{Articulation, JointArticulation};
 use articula_core::hierarchy::local_to_model;
 use articula_core::mesh::Mesh;

@@ -3,8 +3,8 @@
 use super::compare::{Apart, Kept, apart};
 use crate::open::{self, Format, Opened, Told};
 use anyhow::{Context, Result};
-use articula_build::clip::source_rate_hz;
 use articula_build::expression::bake;
+use articula_build::source_rate_hz;
 use articula_core::source::{Character, Clip};
 use articula_formats::gltf::Document;
 use articula_formats::{acclaim, bvh, x3d};

@@ -1,9 +1,9 @@
 //! Characters in motion before a camera, as the command `flatten` puts them up.
 
 use anyhow::{Context, Result};
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::decimate::decimate;
+use articula_build::ClipOptions;
+use articula_build::decimate;
+use articula_build::{Asset, character};
 use articula_core::source::{Character, Clip as SourceClip, Property};
 use articula_core::view::{Camera, Viewport};
 use articula_flat::appearance::Appearance;

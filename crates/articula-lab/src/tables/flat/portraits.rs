@@ -5,9 +5,9 @@
 use super::super::Run;
 use super::cases::SIDE_PX;
 use anyhow::{Context, Result};
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::decimate::decimate;
+use articula_build::ClipOptions;
+use articula_build::decimate;
+use articula_build::{Asset, character};
 use articula_core::view::{Camera, Viewport};
 use articula_flat::appearance::Appearance;
 use articula_flat::frame::Bounds;

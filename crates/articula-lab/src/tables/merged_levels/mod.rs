@@ -7,8 +7,8 @@ mod sheet;
 use super::Run;
 use crate::data;
 use anyhow::{Context, Result};
-use articula_build::character::Asset;
-use articula_build::ladder::{
+use articula_build::Asset;
+use articula_build::{
     LevelOptions, far_levels, far_order, joint_ladder, levels_of, mean_pose, merged_levels,
     named_ladder,
 };

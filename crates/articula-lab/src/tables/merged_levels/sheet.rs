@@ -1,8 +1,8 @@
 //! A character in full and at each of its levels, large and at the size it is chosen for.
 
 use anyhow::{Context, Result};
-use articula_build::character::Asset;
-use articula_build::ladder::{LevelOptions, merged_levels};
+use articula_build::Asset;
+use articula_build::{LevelOptions, merged_levels};
 use articula_core::clip::Clip;
 use articula_core::hierarchy::local_to_model;
 use articula_core::mesh::Mesh;

@@ -3,7 +3,7 @@
 use super::characters::Subject;
 use super::contestants::{Contestant, Made, Posed, levels};
 use anyhow::Result;
-use articula_build::simplify::LevelTriangles;
+use articula_build::LevelTriangles;
 use articula_build::surface_distance::{DistanceOptions, surface_distances};
 use articula_core::level_table::SurfaceError;
 use rayon::prelude::*;

@@ -4,7 +4,7 @@ use super::contestants::Contestant;
 use super::errors::{LINES_PX, Row};
 use super::{Found, SHARES, targets};
 use anyhow::Result;
-use articula_build::poses::PoseSource;
+use articula_build::PoseSource;
 use std::fmt::Write as _;
 
 /// Level of 25 % of the triangles, the one with a target.

@@ -5,8 +5,8 @@ use crate::measure::thread_ns;
 use crate::peers::{draco, meshopt};
 use crate::wire_mesh::{PRECISION, WireMesh};
 use anyhow::{Context, Result, ensure};
-use articula_build::clusters::{Order, cluster};
-use articula_build::simplify::LevelTriangles;
+use articula_build::LevelTriangles;
+use articula_build::{Order, cluster};
 use articula_core::source::Primitive;
 use articula_formats::Limits;
 use articula_formats::mesh_codec::{

@@ -2,8 +2,8 @@
 
 use crate::open::{self, Content};
 use anyhow::{Context, Result, bail};
-use articula_build::clip::source_rate_hz;
 use articula_build::retarget::{Figure, RetargetOptions, Retargeted, retarget};
+use articula_build::source_rate_hz;
 use articula_core::articulation::Articulation;
 use articula_core::source::{Character, Clip};
 use articula_formats::mpeg4::bap;

@@ -3,7 +3,7 @@
 
 use super::cases::Actor;
 use anyhow::Result;
-use articula_build::clip::source_rate_hz;
+use articula_build::source_rate_hz;
 use articula_core::hierarchy::local_to_model;
 use articula_core::math::angle_between;
 use articula_core::pose::{LocalPose, ModelPose};

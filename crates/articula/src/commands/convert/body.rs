@@ -3,8 +3,8 @@
 use super::written::left;
 use crate::load::Loaded;
 use crate::table::counted;
-use articula_build::clip::source_rate_hz;
 use articula_build::retarget::{self, Figure, RetargetOptions};
+use articula_build::source_rate_hz;
 use articula_core::source::Character;
 use articula_formats::mpeg4::bap::{self, Residual};
 use articula_formats::profile;

@@ -9,12 +9,10 @@ use crate::load::{Format, Loaded};
 use crate::prepared::articulation_of;
 use crate::{arguments, fault};
 use anyhow::Context;
-use articula_build::clip_edit::cycle::{self, CloseOptions, FindOptions};
-use articula_build::clip_edit::key_reduction::{self, ReduceOptions, Reduced};
-use articula_build::clip_edit::root_motion::{
-    self, RootMotionMode, RootMotionOptions, TrajectoryKey,
-};
-use articula_build::clip_edit::{Subject, rate, trim};
+use articula_build::clip_edit::{self, Subject};
+use articula_build::clip_edit::{CloseOptions, FindOptions};
+use articula_build::clip_edit::{ReduceOptions, Reduced};
+use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey};
 use articula_core::source::Clip;
 use clap::{Args, ValueEnum};
 use rayon::prelude::*;
@@ -250,7 +248,7 @@ impl HygieneArgs {
         let place = loaded.place();
         let subject = subject(loaded).with_context(|| place.clone())?;
         let one = |(clip, edits): (&Clip, &mut Edits)| {
-            let out = key_reduction::reduce_keys(&subject, clip, &opts);
+            let out = clip_edit::reduce_keys(&subject, clip, &opts);
             let out = out.with_context(|| place.clone())?;
             edits.reduce_keys = Some(KeysReduced::new(bound_metres, &out));
             Ok(out.clip)
@@ -277,13 +275,13 @@ fn looped(
     clip: &mut Clip,
     window_secs: Option<f32>,
 ) -> anyhow::Result<Looped> {
-    let found = cycle::find(subject, clip, &FindOptions::default())?;
+    let found = clip_edit::find(subject, clip, &FindOptions::default())?;
     let is_loop = found.is_some_and(|f| f.is_loop);
     let part = found.map(|f| f.cycle);
     let mut closed = None;
     if let Some(part) = part.filter(|_| is_loop) {
-        *clip = trim::trim(clip, part.start_secs..=part.end_secs)?;
-        let out = cycle::close(subject, clip, &CloseOptions { window_secs })?;
+        *clip = clip_edit::trim(clip, part.start_secs..=part.end_secs)?;
+        let out = clip_edit::close(subject, clip, &CloseOptions { window_secs })?;
         *clip = out.clip;
         closed = Some(ClosedDone {
             window_secs: out.window_secs,
@@ -305,7 +303,7 @@ fn looped(
             seam_m_per_sec: part.seam_metres_per_sec,
             score: part.score,
         }),
-        score_least: cycle::LEAST_SCORE,
+        score_least: clip_edit::LEAST_SCORE,
         closed,
     })
 }
@@ -324,7 +322,7 @@ fn root_motion(
         },
         smooth_secs: smooth_secs.unwrap_or(0.0),
     };
-    let out = root_motion::split(subject, clip, &opts)?;
+    let out = clip_edit::split(subject, clip, &opts)?;
     *clip = out.clip;
     let way = |a: &TrajectoryKey, b: &TrajectoryKey| {
         (a.x_metres - b.x_metres).hypot(a.z_metres - b.z_metres)
@@ -362,7 +360,7 @@ fn keys(clip: &Clip) -> usize {
 
 fn resample(clip: &mut Clip, rate_hz: f32) -> anyhow::Result<Resampled> {
     let keys_before = keys(clip);
-    *clip = rate::resample(clip, rate_hz)?;
+    *clip = clip_edit::resample(clip, rate_hz)?;
     Ok(Resampled {
         rate_hz,
         keys_before,
@@ -374,7 +372,7 @@ impl Part {
     fn trim(self, clip: &mut Clip) -> anyhow::Result<Trimmed> {
         let from_secs = self.from.unwrap_or(0.0);
         let to_secs = self.to.unwrap_or(clip.duration_secs);
-        *clip = trim::trim(clip, from_secs..=to_secs)
+        *clip = clip_edit::trim(clip, from_secs..=to_secs)
             .context("--trim (--clip NAME chooses one clip)")?;
         Ok(Trimmed {
             from_secs,

@@ -6,7 +6,7 @@ use super::{body, khr_character};
 use crate::load::{Format, Loaded};
 use crate::prepared::articulation_of;
 use crate::table::counted;
-use articula_build::clip::source_rate_hz;
+use articula_build::source_rate_hz;
 use articula_formats::gltf::Document;
 use articula_formats::x3d::{self, Site};
 use articula_formats::{acclaim, bvh};

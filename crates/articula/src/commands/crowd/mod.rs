@@ -15,7 +15,7 @@ use crate::play::plots::{Plot, stacked};
 use crate::prepared::{Prepared, articulation_of};
 use crate::{fault, files, load};
 use anyhow::Context;
-use articula_build::character::Asset;
+use articula_build::Asset;
 use articula_build::scene::{PLAZA_COUNT, Phases, Scene, Way, plaza, plaza_2, put_in_place};
 use articula_core::Backend;
 use articula_core::clip_set::Storage;

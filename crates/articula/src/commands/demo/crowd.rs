@@ -7,7 +7,7 @@ use crate::crowd::run::{self, Run};
 use crate::crowd::stage::{Settings, Wanted};
 use crate::crowd::{picture, tiers::Tier};
 use anyhow::Context;
-use articula_build::character::Asset;
+use articula_build::Asset;
 use articula_build::scene::{Scene, plaza};
 use articula_core::Backend;
 use articula_core::clip_set::Storage;

@@ -3,7 +3,7 @@
 //! Stored positions may be of another scale than what is seen, so boxes are always taken
 //! after skinning; without a mesh they are taken around the joints.
 
-use articula_build::character::Asset;
+use articula_build::Asset;
 use articula_core::hierarchy::local_to_model;
 use articula_core::pose::{LocalPose, ModelPose};
 use articula_core::sample::{Wrap, sample, sample_morphs};

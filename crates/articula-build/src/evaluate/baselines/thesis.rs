@@ -62,7 +62,7 @@ impl Default for ThesisOptions {
 }
 
 /// Lever arm `r(j)` of every joint over all its descendants, at rest; 0 for a leaf.
-pub fn radii(rig: &Rig, kind: Radius) -> Vec<f32> {
+pub(crate) fn radii(rig: &Rig, kind: Radius) -> Vec<f32> {
     let mut model = ModelPose::new(rig.len());
     local_to_model(rig, rig.rest_pose(), &mut model);
     (0..rig.len())
@@ -84,7 +84,7 @@ pub fn radii(rig: &Rig, kind: Radius) -> Vec<f32> {
 ///
 /// # Panics
 /// Never: a rig has joints, so the matrix is made of whole frames.
-pub fn error_matrix(
+pub(crate) fn error_matrix(
     asset: &Asset,
     clip: &Clip,
     moving: &JointSet,
