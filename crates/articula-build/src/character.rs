@@ -2,12 +2,8 @@
 
 use crate::clip::{ClipOptions, MOST_NUMBERS, resample};
 use crate::expression::bake;
-use articula_core::Mismatch;
-use articula_core::articulation::Articulation;
-use articula_core::clip::Clip;
-use articula_core::mesh::Mesh;
-use articula_core::rig::Rig;
 use articula_core::source::Character;
+use articula_core::{Articulation, Clip, Mesh, Mismatch, Rig};
 
 /// A character that is ready to be played.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,10 +4,8 @@
 //! stored keys are hit exactly; channels that curve between their keys raise it until the
 //! clip follows them. The end of the clip always falls on a frame.
 
-use articula_core::Mismatch;
-use articula_core::clip::{Clip, Track, Tracks};
-use articula_core::math::{angle_between, nlerp, same_hemisphere};
 use articula_core::source::{self, Channel, Interpolation, Property, evaluate};
+use articula_core::{Clip, Mismatch, Track, Tracks, angle_between, nlerp, same_hemisphere};
 use glam::{Quat, Vec3};
 
 /// Rates that authors use; a key grid within half a percent of one is taken to be it.
@@ -325,9 +323,7 @@ fn leaves_chord(c: &Channel, from: f32, to: f32) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::loa::JointSet;
-    use articula_core::pose::LocalPose;
-    use articula_core::sample::{Wrap, sample};
+    use articula_core::{JointSet, LocalPose, Wrap, sample};
     use proptest::prelude::*;
 
     fn skeleton() -> source::Skeleton {
@@ -335,7 +331,7 @@ mod tests {
             joints: vec![source::Joint {
                 name: "j".into(),
                 parent: None,
-                rest: articula_core::math::Transform::IDENTITY,
+                rest: articula_core::Transform::IDENTITY,
                 in_skin: true,
             }],
         }
@@ -377,7 +373,7 @@ mod tests {
     fn a_sparse_linear_turn_is_followed_between_its_keys() {
         let clip = turning(vec![0.0, 0.9, 1.1], Interpolation::Linear);
         let built = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap();
-        let mut pose = LocalPose::from_iter([articula_core::math::Transform::IDENTITY]);
+        let mut pose = LocalPose::from_iter([articula_core::Transform::IDENTITY]);
         for i in 0..=110 {
             let t = i as f32 / 100.0;
             sample(

@@ -7,8 +7,7 @@
 use crate::character::Asset;
 use crate::poses::{PoseOptions, poses, positions};
 use crate::simplify::{SimplifyOptions, simplify};
-use articula_core::Mismatch;
-use articula_core::mesh::Mesh;
+use articula_core::{Mesh, Mismatch};
 
 /// Simplifies what is kept of a character to about `triangles`; all that is kept if there are no
 /// more.

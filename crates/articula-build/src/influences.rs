@@ -1,6 +1,6 @@
 //! Fewer joints for each vertex: the largest weights kept, the rest shared out among them.
 
-use articula_core::mesh::Mesh;
+use articula_core::Mesh;
 
 /// Weights closer than this count as equal, so that vertices at one place that differ by
 /// rounding keep the same joints and no seam opens.

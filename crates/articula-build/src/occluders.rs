@@ -15,8 +15,7 @@
 use crate::character::Asset;
 use crate::motion_bounds::reach::Reach;
 use crate::motion_bounds::{Body, Look, looks};
-use articula_core::capsule::Capsule;
-use articula_core::clip::{Clip, Track};
+use articula_core::{Capsule, Clip, Track};
 use glam::Vec3;
 
 /// A thinner capsule is not worth drawing; metres.

@@ -7,10 +7,8 @@
 use crate::clip_edit::heading::yaw;
 use crate::motion_error::keys::central_rotation;
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::JointSet;
-use articula_core::math::Transform;
-use articula_core::rig::Rig;
 use articula_core::source::{Channel, Clip, Interpolation, Property, evaluate};
+use articula_core::{JointSet, Rig, Transform};
 use glam::{Quat, Vec3};
 
 /// Size of a motion.
@@ -182,9 +180,8 @@ fn floats(t: Transform, property: Property) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::articulation::{Articulation, JointArticulation, Region};
-    use articula_core::math::angle_between;
     use articula_core::source::{Joint, Skeleton};
+    use articula_core::{Articulation, JointArticulation, Region, angle_between};
 
     fn rig() -> Rig {
         let joint = |name: &str, parent| Joint {

@@ -10,9 +10,7 @@ use articula_build::evaluate::Points;
 use articula_build::motion_error::levers;
 use articula_build::motion_error::{ChainShare, LeverKind, joint_bounds};
 use articula_build::{Asset, character};
-use articula_core::drift::{Drift, DriftOptions, JointViews};
-use articula_core::math::angle_between;
-use articula_core::sample::{Wrap, sample};
+use articula_core::{Drift, DriftOptions, JointViews, Wrap, angle_between, sample};
 use proptest::prelude::*;
 use random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
 
@@ -59,7 +57,7 @@ proptest! {
 
     #[test]
     fn a_skeleton_without_skin_stays_within_the_tolerance_too(rows in rows(), epsilon_px in 0.5f32..8.0) {
-        let bare = Asset { mesh: articula_core::mesh::Mesh::default(), ..asset(&rows) };
+        let bare = Asset { mesh: articula_core::Mesh::default(), ..asset(&rows) };
         whole_body_under_split(&bare, epsilon_px)?;
     }
 }

@@ -8,15 +8,10 @@ use articula_build::clip_edit::Subject;
 use articula_build::clip_edit::{CloseOptions, close};
 use articula_build::clip_edit::{ReduceOptions, Reduced, reduce_keys};
 use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, split};
-use articula_core::hierarchy::local_to_model;
-use articula_core::math::Transform;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::{
     Channel, Character, Clip, Interpolation, Joint, MorphTarget, Property, evaluate,
 };
+use articula_core::{Mesh, ModelPose, Rig, SkinnedMesh, Transform, local_to_model, palette, skin};
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
 use random_figure::{Row, character_of, flat, rows};

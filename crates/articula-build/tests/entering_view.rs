@@ -7,13 +7,11 @@ mod random_figure;
 use articula_build::ClipOptions;
 use articula_build::motion_bounds;
 use articula_build::{Asset, character};
-use articula_core::hierarchy::local_to_model_from;
-use articula_core::motion_bounds::MotionBounds;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{palette, skin_points};
-use articula_core::view::{Camera, Viewport};
 use articula_core::visibility::{Bodies, Seen, View, Visibility, see, wake_metres};
+use articula_core::{
+    Camera, ModelPose, MotionBounds, Viewport, Wrap, local_to_model_from, palette, sample,
+    skin_points,
+};
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
 use random_figure::{RATE, Row, character_of, flat, rows};

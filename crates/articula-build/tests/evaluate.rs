@@ -13,14 +13,12 @@ use articula_build::motion_error::pose_keys;
 use articula_build::motion_error::{ChainShare, LeverKind, joint_bounds};
 use articula_build::motion_error::{hashes, key_table};
 use articula_build::{Asset, character};
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::clip::{Track, Tracks};
-use articula_core::drift::DriftOptions;
-use articula_core::key_table::KeyMode;
-use articula_core::loa::JointSet;
-use articula_core::math::Transform;
 use articula_core::source::{
     Channel, Character, Clip, Interpolation, Joint, Mesh, Primitive, Property, Skeleton, Skin,
+};
+use articula_core::{
+    Articulation, DriftOptions, JointArticulation, JointSet, KeyMode, Region, Track, Tracks,
+    Transform,
 };
 use glam::{Affine3A, Quat, Vec3};
 
@@ -299,7 +297,7 @@ fn straight_lines_between_whole_poses_leave_an_arc_as_paper_says() {
         }],
         ..Tracks::default()
     };
-    let moved = articula_core::clip::Clip::new("thrown", RATE, still.frames(), 2, tracks).unwrap();
+    let moved = articula_core::Clip::new("thrown", RATE, still.frames(), 2, tracks).unwrap();
     for clip in [still, &moved] {
         let stage = Stage::new(&asset, clip, Setup::default(), MethodOptions::default());
         let tens: Vec<usize> = (0..=60).step_by(10).collect();

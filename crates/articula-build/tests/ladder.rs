@@ -10,15 +10,12 @@ use articula_build::{
     LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
     merged_levels, named_ladder,
 };
-use articula_core::hierarchy::local_to_model;
-use articula_core::ladder::Ladder;
-use articula_core::loa::{Expression, JointSet};
-use articula_core::math::Transform;
-use articula_core::mesh::Mesh;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::loa::Expression;
 use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
+use articula_core::{
+    JointSet, Ladder, LocalPose, Mesh, ModelPose, SkinnedMesh, Transform, Wrap, local_to_model,
+    palette, sample, skin,
+};
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
 use random_figure::{FRAMES, RATE, Row, character_of, flat, rows};

@@ -6,13 +6,10 @@ mod random_figure;
 use articula_build::ClipOptions;
 use articula_build::motion_bounds;
 use articula_build::{Asset, character};
-use articula_core::clip::{Clip, Track, Tracks};
-use articula_core::hierarchy::local_to_model;
-use articula_core::math::nlerp;
-use articula_core::mesh::{Mesh, Morph};
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::{
+    Clip, LocalPose, Mesh, ModelPose, Morph, SkinnedMesh, Track, Tracks, Wrap, local_to_model,
+    nlerp, palette, sample, sample_morphs, skin,
+};
 use articula_human::{HumanOptions, human};
 use glam::{Affine3A, Vec3};
 use proptest::prelude::*;

@@ -6,12 +6,9 @@ mod random_figure;
 use articula_build::ClipOptions;
 use articula_build::occluders;
 use articula_build::{Asset, character};
-use articula_core::clip::{Clip, Track, Tracks};
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{palette, skin_points};
+use articula_core::{
+    Clip, Mesh, ModelPose, Track, Tracks, Wrap, local_to_model, palette, sample, skin_points,
+};
 use articula_human::{HumanOptions, human};
 use glam::{Affine3A, DVec3, Vec3};
 use proptest::prelude::*;

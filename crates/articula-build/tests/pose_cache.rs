@@ -9,10 +9,9 @@ use articula_build::{Asset, character};
 use articula_build::{CacheOptions, CachedPoses, Fate, cached_poses};
 use articula_build::{LevelOptions, MergedLevels, merged_levels};
 use articula_core::batch::BatchEvaluator;
-use articula_core::clip_set::{ClipSet, Storage};
-use articula_core::palette::{PaletteForm, PaletteRows};
-use articula_core::skin::skin_points;
-use articula_core::{Backend, f32_from_half};
+use articula_core::{
+    Backend, ClipSet, PaletteForm, PaletteRows, Storage, f32_from_half, skin_points,
+};
 use glam::{Affine3A, Vec3};
 use proptest::prelude::*;
 use random_figure::{RATE, Row, character_of, flat, rows};
@@ -211,7 +210,7 @@ fn hostile_figures() {
     assert_eq!((rest.before, rest.blend), (rest.after, 0.0));
 
     let mut without_mesh = asset(&three());
-    without_mesh.mesh = articula_core::mesh::Mesh::default();
+    without_mesh.mesh = articula_core::Mesh::default();
     let figure = prepared(without_mesh);
     let made = figure.cached(&CacheOptions::default());
     assert!(made.report.iter().all(|r| r.fate == Fate::TooFast));

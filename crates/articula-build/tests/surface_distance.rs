@@ -7,7 +7,7 @@ use articula_build::surface_distance::{
 };
 use articula_build::{Asset, character};
 use articula_build::{PoseOptions, poses, positions};
-use articula_core::level_table::SurfaceError;
+use articula_core::SurfaceError;
 use articula_human::{HumanOptions, human};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;

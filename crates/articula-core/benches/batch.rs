@@ -3,11 +3,8 @@
 
 mod human;
 
-use articula_core::batch::{BatchEvaluator, Shown};
-use articula_core::clip_set::{ClipSet, Storage};
-use articula_core::ladder::Ladder;
-use articula_core::palette::{PaletteForm, PaletteMap, PaletteRows};
-use articula_core::{Backend, LANES};
+use articula_core::batch::{BatchEvaluator, LANES, Shown};
+use articula_core::{Backend, ClipSet, Ladder, PaletteForm, PaletteMap, PaletteRows, Storage};
 use divan::{Bencher, black_box};
 
 /// Characters of each turn.

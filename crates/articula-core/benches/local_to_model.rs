@@ -2,9 +2,7 @@
 
 mod human;
 
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample};
+use articula_core::{LocalPose, ModelPose, Wrap, local_to_model, sample};
 use divan::{Bencher, black_box};
 
 fn main() {

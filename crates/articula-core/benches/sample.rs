@@ -2,8 +2,7 @@
 
 mod human;
 
-use articula_core::loa::JointSet;
-use articula_core::sample::{Wrap, sample};
+use articula_core::{JointSet, Wrap, sample};
 use divan::{Bencher, black_box};
 
 fn main() {

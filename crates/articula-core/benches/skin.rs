@@ -2,11 +2,9 @@
 
 mod human;
 
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::skin_groups::{GroupedSkin, rows};
+use articula_core::{
+    GroupedSkin, ModelPose, SkinnedMesh, Wrap, local_to_model, palette, sample, skin,
+};
 use divan::{Bencher, black_box};
 use glam::Affine3A;
 
@@ -31,7 +29,7 @@ fn grouped(bencher: Bencher<'_, '_>) {
     let mesh = &human::asset().mesh;
     let affine = matrices();
     let mut matrices = vec![[[0.0; 4]; 3]; affine.len()];
-    rows(&affine, &mut matrices);
+    GroupedSkin::rows(&affine, &mut matrices);
     let grouped = GroupedSkin::new(mesh);
     let mut out = SkinnedMesh::new(mesh);
     bencher

@@ -4,12 +4,9 @@ use articula_build::ClipOptions;
 use articula_build::character;
 use articula_build::motion_bounds;
 use articula_build::{LevelOptions, merged_levels};
-use articula_core::Backend;
-use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::crowd::{CacheUse, Crowd, CrowdModel, CrowdParts, Detail, Frame, Sight, Voice};
-use articula_core::palette::{PaletteForm, PaletteRows};
-use articula_core::view::{Camera, Viewport};
 use articula_core::visibility::View;
+use articula_core::{Backend, Camera, ClipSet, PaletteForm, PaletteRows, Storage, Viewport};
 use articula_human::{HumanOptions, human};
 use glam::{Quat, Vec3};
 

@@ -67,8 +67,8 @@ struct Block {
 /// anything; shared by all characters that wear the mesh.
 ///
 /// ```
-/// use articula_core::mesh::Mesh;
-/// use articula_core::skin::SkinnedMesh;
+/// use articula_core::Mesh;
+/// use articula_core::SkinnedMesh;
 /// use articula_core::skin_groups::{GroupedSkin, Matrix3x4};
 ///
 /// let mesh = Mesh::default();

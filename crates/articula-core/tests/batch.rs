@@ -5,17 +5,11 @@
 
 mod random_rig;
 
-use articula_core::batch::{BatchEvaluator, Shown};
-use articula_core::blend::blend;
-use articula_core::clip::Clip;
-use articula_core::clip_set::{ClipSet, Storage};
-use articula_core::hierarchy::local_to_model;
-use articula_core::ladder::Ladder;
-use articula_core::palette::{PaletteForm, PaletteMap, PaletteRows};
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::sample::{Wrap, sample};
-use articula_core::{Backend, LANES, f32_from_half};
+use articula_core::batch::{BatchEvaluator, LANES, Shown};
+use articula_core::{
+    Backend, Clip, ClipSet, Ladder, ModelPose, PaletteForm, PaletteMap, PaletteRows, Rig, Storage,
+    Wrap, blend, f32_from_half, local_to_model, sample,
+};
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
 use random_rig::{Options, figure};

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
-use articula_core::clustered::{Cluster, Clusters};
+use articula_core::{Cluster, Clusters};
 
 #[test]
 fn choosing_ranges_allocates_nothing() {

@@ -5,25 +5,16 @@
 
 mod random_rig;
 
-use articula_core::clip::Clip;
-use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::crowd::{
     CacheUse, ClipEvent, Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, Notice, Player,
     RootPath, RootStep, Sight, Voice,
 };
-use articula_core::hierarchy::local_to_model;
-use articula_core::ladder::Ladder;
-use articula_core::level_error::{ClipErrors, LevelErrors};
-use articula_core::motion_bounds::{Bound, ClipBounds, MotionBounds};
-use articula_core::palette::{PaletteForm, PaletteMap, PaletteRows};
-use articula_core::pose::ModelPose;
-use articula_core::pose_cache::{CachedKeys, CachedRows, PoseCache};
-use articula_core::rig::Rig;
-use articula_core::sample::{Wrap, sample};
-use articula_core::sphere::Sphere;
-use articula_core::view::{Camera, Viewport};
 use articula_core::visibility::View;
-use articula_core::{Backend, loa::JointSet};
+use articula_core::{
+    Backend, Bound, CachedKeys, CachedRows, Camera, Clip, ClipBounds, ClipErrors, ClipSet,
+    JointSet, Ladder, LevelErrors, ModelPose, MotionBounds, PaletteForm, PaletteMap, PaletteRows,
+    PoseCache, Rig, Sphere, Storage, Viewport, Wrap, local_to_model, sample,
+};
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;

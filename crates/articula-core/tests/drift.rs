@@ -2,21 +2,14 @@
 //! `spec/motion-lod.md` part 10, and no allocation in a frame.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::clip::{Clip, Track, Tracks};
-use articula_core::drift::{Drift, DriftOptions, JointBounds, JointViews};
-use articula_core::hierarchy::local_to_model;
+use articula_build::motion_error::thesis_metric::{ErrorMatrix, switch};
 use articula_core::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
-use articula_core::loa::JointSet;
-use articula_core::math::{Transform, angle_between};
-use articula_core::mesh::Mesh;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::rig::Rig;
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::{self, Joint, MorphTarget, Primitive, Skeleton, Skin};
-use articula_core::thesis_metric::{ErrorMatrix, switch};
-use articula_core::view::Viewport;
+use articula_core::{
+    Articulation, Clip, Drift, DriftOptions, JointArticulation, JointBounds, JointSet, JointViews,
+    LocalPose, Mesh, ModelPose, Region, Rig, SkinnedMesh, Track, Tracks, Transform, Viewport, Wrap,
+    angle_between, local_to_model, palette, sample, sample_morphs, skin,
+};
 use glam::{Affine3A, Quat, Vec3};
 
 const LEVER: f32 = 0.3;

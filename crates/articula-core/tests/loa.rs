@@ -2,12 +2,12 @@
 //! standard's own 89 joints.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
-use articula_core::articulation::{Articulation, Complexity, JointArticulation, Region, Zone};
 use articula_core::hanim_table::JOINTS;
-use articula_core::loa::{Expression, JointSet, Rule, Selection, selection};
-use articula_core::math::Transform;
-use articula_core::rig::Rig;
+use articula_core::loa::{self, Expression, Rule, Selection};
 use articula_core::source::{Joint, Skeleton};
+use articula_core::{
+    Articulation, Complexity, JointArticulation, JointSet, Region, Rig, Transform, Zone,
+};
 use proptest::prelude::*;
 
 /// The 89 body joints and eyeballs of the standard, and below the left wrist a bracelet that
@@ -62,15 +62,11 @@ fn complexity_is_nested_and_has_the_published_counts() {
     let body = JointSet::first(89);
     let counts: Vec<usize> = Complexity::ALL
         .iter()
-        .map(|c| {
-            selection::complexity(&standard(), *c)
-                .intersection(&body)
-                .len()
-        })
+        .map(|c| loa::complexity(&standard(), *c).intersection(&body).len())
         .collect();
     assert_eq!(counts, [0, 5, 10, 24, 35, 51, 89]);
     for pair in Complexity::ALL.windows(2) {
-        let [less, more] = [pair[0], pair[1]].map(|c| selection::complexity(&standard(), c));
+        let [less, more] = [pair[0], pair[1]].map(|c| loa::complexity(&standard(), c));
         assert!(less.is_subset(&more));
     }
 }
@@ -80,7 +76,7 @@ fn regions_partition_the_joints() {
     let rig = standard();
     let sets: Vec<JointSet> = Region::ALL
         .iter()
-        .map(|r| selection::zone(&rig, (*r).into()))
+        .map(|r| loa::zone(&rig, (*r).into()))
         .collect();
     assert_eq!(sets.iter().map(JointSet::len).sum::<usize>(), rig.len());
     assert_eq!(
@@ -106,7 +102,7 @@ fn depth_counts_joints_from_the_root() {
 fn a_close_up_takes_every_ancestor_along() {
     let rig = standard();
     let wrist = joints("joint(l_wrist)");
-    let whole = selection::with_ancestors(&rig, &wrist);
+    let whole = loa::with_ancestors(&rig, &wrist);
     let above = |joint: usize| rig.is_at_or_below(wrist.iter().next().unwrap(), joint);
     assert_eq!(whole, (0..rig.len()).filter(|j| above(*j)).collect());
     assert!(whole.contains(rig.root()) && whole.len() > 10);
@@ -199,11 +195,11 @@ proptest! {
         let sum = selection.joints(&rig).unwrap();
         let restrict = Selection { rule: Rule::Restrict, ..selection.clone() }.joints(&rig).unwrap();
         for name in &selection.minus {
-            let joint = selection::joint(&rig, name).unwrap();
+            let joint = loa::joint(&rig, name).unwrap();
             prop_assert!(!sum.contains(joint) && !restrict.contains(joint), "minus always wins");
         }
         for name in selection.plus.iter().filter(|n| !selection.minus.contains(n)) {
-            let joint = selection::joint(&rig, name).unwrap();
+            let joint = loa::joint(&rig, name).unwrap();
             prop_assert!(sum.contains(joint) && restrict.contains(joint));
         }
         let selectors = [selection.depth.is_some(), selection.complexity.is_some(), selection.zone.is_some()];

@@ -1,12 +1,8 @@
 //! What is said to be hidden is hidden: the grid of depths against the line to every point.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
-use articula_core::capsule::Capsule;
-use articula_core::frustum::Frustum;
-use articula_core::motion_bounds::Bound;
-use articula_core::occlusion::Occlusion;
-use articula_core::sphere::Sphere;
-use articula_core::view::{Camera, Viewport};
+use articula_core::visibility::{Frustum, Occlusion};
+use articula_core::{Bound, Camera, Capsule, Sphere, Viewport};
 use glam::{DVec3, Quat, Vec3};
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};

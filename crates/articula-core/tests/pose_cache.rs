@@ -6,11 +6,10 @@
 mod random_rig;
 
 use articula_core::batch::{BatchEvaluator, Shown};
-use articula_core::clip_set::{ClipSet, Storage};
-use articula_core::ladder::Ladder;
-use articula_core::palette::{PaletteForm, PaletteMap, PaletteRows};
-use articula_core::pose_cache::{BlendRecord, CachedKeys, CachedRows, PoseCache};
-use articula_core::{Backend, f32_from_half, half_from_f32};
+use articula_core::{
+    Backend, BlendRecord, CachedKeys, CachedRows, ClipSet, Ladder, PaletteForm, PaletteMap,
+    PaletteRows, PoseCache, Storage, f32_from_half, half_from_f32,
+};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
 use random_rig::{Options, figure};

@@ -1,10 +1,7 @@
 //! The grouped skin against the plain one: equal on any mesh, skinning no more than it must,
 //! without allocation.
 
-use articula_core::loa::JointSet;
-use articula_core::mesh::{Binding, Mesh, Morph};
-use articula_core::skin::{SkinnedMesh, skin};
-use articula_core::skin_groups::{GroupedSkin, Matrix3x4, rows};
+use articula_core::{Binding, GroupedSkin, JointSet, Matrix3x4, Mesh, Morph, SkinnedMesh, skin};
 use glam::{Affine3A, Mat3, Vec3};
 use proptest::prelude::*;
 
@@ -98,7 +95,7 @@ fn weights() -> impl Strategy<Value = Vec<f32>> {
 
 fn rows_of(palette: &[Affine3A]) -> Vec<Matrix3x4> {
     let mut out = vec![[[0.0; 4]; 3]; palette.len()];
-    rows(palette, &mut out);
+    GroupedSkin::rows(palette, &mut out);
     out
 }
 
@@ -236,7 +233,7 @@ fn a_frame_allocates_nothing() {
     let mut out = SkinnedMesh::new(&mesh);
     let counted = allocation_counter::measure(|| {
         for frame in 0..5 {
-            rows(&palette, &mut matrices);
+            GroupedSkin::rows(&palette, &mut matrices);
             grouped.mark_joints(&JointSet::first(frame), &mut stale);
             let weights = [0.0, frame as f32, 0.0];
             grouped.morph(&mesh, &weights, &mut shape, &mut stale);

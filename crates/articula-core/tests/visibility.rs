@@ -1,16 +1,13 @@
 //! One look at a whole crowd, against looking at each body by itself, and while cameras move.
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
-use articula_core::attention::{Attention, Interval, multiplier};
-use articula_core::capsule::Capsule;
-use articula_core::motion_bounds::{Bound, ClipBounds};
-use articula_core::motion_error::tolerance_metres;
-use articula_core::occlusion::Occlusion;
-use articula_core::sample::Wrap;
-use articula_core::sphere::Sphere;
-use articula_core::view::{Camera, Viewport};
-use articula_core::visibility::{Bodies, Closing, Seen, View, Visibility, secs_until_grown, see};
-use articula_core::world_bounds::{Places, carry};
+use articula_core::visibility::{
+    Bodies, Closing, Occlusion, Places, Seen, View, Visibility, carry, secs_until_grown, see,
+};
+use articula_core::{
+    Attention, Bound, Camera, Capsule, ClipBounds, Interval, Sphere, Viewport, Wrap, multiplier,
+    tolerance_metres,
+};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 

@@ -6,10 +6,7 @@
 
 use crate::picture::{Picture, Rgba};
 use crate::projection::Screen;
-use articula_core::loa::JointSet;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
+use articula_core::{JointSet, Mesh, ModelPose, Rig};
 use glam::Vec2;
 
 /// What a joint does.
@@ -184,11 +181,10 @@ fn drawn_parent(rig: &Rig, drawn: &JointSet, joint: usize) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::projection::Projection;
-    use articula_core::articulation::{Articulation, JointArticulation, Region};
-    use articula_core::hierarchy::local_to_model;
-    use articula_core::math::Transform;
     use articula_core::source::{Joint, Skeleton};
-    use articula_core::view::{Camera, Viewport};
+    use articula_core::{
+        Articulation, Camera, JointArticulation, Region, Transform, Viewport, local_to_model,
+    };
     use glam::Vec3;
 
     /// Three skin joints one above the other with a plain node between the upper two.

@@ -21,7 +21,7 @@ pub(crate) fn near(degrees: [f32; 3], last: [f32; 3]) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::math::angle_between;
+    use articula_core::angle_between;
     use std::f32::consts::FRAC_PI_2;
 
     #[test]

@@ -8,8 +8,8 @@
 
 use crate::error::ReadError;
 use crate::limits::Limits;
-use articula_core::articulation::{Complexity, Region, Zone};
 use articula_core::loa::{Rule, Selection};
+use articula_core::{Complexity, Region, Zone};
 use serde::{Deserialize, Serialize};
 
 /// What a file looks like, for errors.

@@ -7,8 +7,7 @@
 
 use crate::bytes::{Bytes, varint};
 use crate::{Limits, ReadError};
-use articula_core::key_table::{KeyMode, KeyTable, PoseKeys, TableHashes};
-use articula_core::loa::MAX_JOINTS;
+use articula_core::{KeyMode, KeyTable, MAX_JOINTS, PoseKeys, TableHashes};
 
 const SEGS: &[u8; 4] = b"ASEG";
 const POSE_KEYS: &[u8; 4] = b"APKY";

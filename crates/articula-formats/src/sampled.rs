@@ -1,7 +1,7 @@
 //! A clip as places of joints in model space, frame by frame: what writers of formats that know
 //! neither scale nor other nodes than joints start from.
 
-use articula_core::pose::LocalPose;
+use articula_core::LocalPose;
 use articula_core::source::{Character, Clip, Skeleton, evaluate};
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 use thiserror::Error;

@@ -13,7 +13,7 @@
 
 mod real;
 
-use articula_core::pose::LocalPose;
+use articula_core::LocalPose;
 use articula_core::source::{Character, Property, evaluate};
 use articula_formats::bva::{self, BvaFile, ReadOptions, Up};
 use articula_formats::{Limits, Read, ReadError, bvh, profile};

@@ -9,7 +9,7 @@
 
 mod real;
 
-use articula_core::pose::LocalPose;
+use articula_core::LocalPose;
 use articula_core::source::{Character, Property, evaluate};
 use articula_formats::bvh::{self, BvhFile, ChannelOrder, ReadOptions, Up, WriteOptions};
 use articula_formats::profile;

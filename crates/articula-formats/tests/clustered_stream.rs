@@ -4,7 +4,7 @@
 use articula_build::ClipOptions;
 use articula_build::character;
 use articula_build::{MeshLevelOptions, mesh_levels};
-use articula_core::level_table::LevelTable;
+use articula_core::LevelTable;
 use articula_core::stream::Unit;
 use articula_formats::clustered_stream::{MeshStream, ObjectLevels, Receiver, StreamObject, write};
 use articula_formats::mesh_codec::{Grid, Precision, QuantisedMesh, quantise};

@@ -9,7 +9,7 @@
 )]
 
 use articula_build::{SimplifyOptions, simplify};
-use articula_core::mesh::Mesh;
+use articula_core::Mesh;
 use articula_formats::mesh_codec::{
     Grid, Layout, Precision, Quantised, QuantisedMesh, decode_level, decode_refinement,
     encode_level, encode_refinement, quantise,

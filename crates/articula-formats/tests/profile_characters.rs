@@ -10,9 +10,8 @@
 mod real;
 
 use articula_build::joint_names::{GapReason, Mapping};
-use articula_core::articulation::Region;
-use articula_core::math::Transform;
 use articula_core::source::{Joint, Skeleton};
+use articula_core::{Region, Transform};
 use articula_formats::profile;
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use real::bytes;
@@ -276,7 +275,7 @@ fn the_densest_rig_has_every_finger_and_toe() {
     let joints = &mapping.articulation.joints;
     let count = |region: Region, mapped: bool| {
         let of = |j: &&_| -> bool {
-            let j: &articula_core::articulation::JointArticulation = j;
+            let j: &articula_core::JointArticulation = j;
             j.region == region && j.hanim.is_some() == mapped
         };
         joints.iter().filter(of).count()

@@ -5,10 +5,9 @@
 //! thighs that a body around them would merge; those centres are replaced here, and the right
 //! side is the exact mirror of the left.
 
-use articula_core::articulation::{Articulation, JointArticulation};
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
-use articula_core::math::Transform;
 use articula_core::source;
+use articula_core::{Articulation, JointArticulation, Transform};
 use glam::{Mat3, Vec3};
 
 /// Centres that differ from the standard: pelvis, lumbar and cervical spine, legs and arms of

@@ -6,7 +6,7 @@
 
 use crate::polygonise::Surface;
 use articula_build::{SimplifyOptions, Weighting, simplify};
-use articula_core::mesh::{Mesh, Part};
+use articula_core::{Mesh, Part};
 use glam::{Vec2, Vec3, Vec4};
 
 /// How a surface is thinned.

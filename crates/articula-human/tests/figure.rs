@@ -5,12 +5,8 @@
 )]
 
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::{Character, Clip, Primitive, Property};
+use articula_core::{Mesh, ModelPose, Rig, SkinnedMesh, local_to_model, palette, skin};
 use articula_human::{HumanError, HumanOptions, human};
 use glam::{Affine3A, Quat, Vec3};
 use std::collections::{HashMap, HashSet};

@@ -2,7 +2,7 @@
 
 use crate::commands::{build, completions, convert, crowd, demo, flatten, human, inspect, lod};
 use crate::console::{Answer, Console, Progress};
-use articula_core::view::Viewport;
+use articula_core::Viewport;
 use articula_formats::bvh::Up;
 use articula_formats::mpeg4::fap::Absent;
 use clap::{Args, Parser, Subcommand, ValueEnum};

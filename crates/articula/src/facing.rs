@@ -1,7 +1,6 @@
 //! Where a figure looks.
 
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
+use articula_core::{ModelPose, Rig};
 use glam::Vec3;
 
 /// Direction in which a figure looks at rest, radians from +Z to its left: square to the line from its right to its left side. Files of VRM 0

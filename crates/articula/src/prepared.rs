@@ -52,7 +52,7 @@ impl Prepared {
 }
 
 /// What the file stores of itself, else what its names say.
-pub(crate) fn articulation_of(loaded: &Loaded) -> articula_core::articulation::Articulation {
+pub(crate) fn articulation_of(loaded: &Loaded) -> articula_core::Articulation {
     let stored = loaded.character.articulation.clone();
     stored.unwrap_or_else(|| loaded.mapping.articulation.clone())
 }

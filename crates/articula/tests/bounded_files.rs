@@ -11,12 +11,10 @@ mod judges;
 use articula_build::ClipOptions;
 use articula_build::motion_bounds;
 use articula_build::{Asset, character};
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::{
+    Articulation, Clip, JointArticulation, ModelPose, Region, SkinnedMesh, Wrap, local_to_model,
+    palette, sample, sample_morphs, skin,
+};
 use articula_formats::{Limits, gltf};
 use glam::{Affine3A, Vec3};
 use judges::{data_folder, data_is_here};

@@ -11,7 +11,7 @@ mod judges;
 use articula_build::ClipOptions;
 use articula_build::character;
 use articula_build::decimate;
-use articula_core::view::Viewport;
+use articula_core::Viewport;
 use articula_flat::Picture;
 use articula_flat::appearance::Appearance;
 use articula_flat::compare::{masked_rmse, ssim};

@@ -9,7 +9,7 @@
 mod program;
 
 use articula_build::retarget::{self, Figure, RetargetOptions};
-use articula_core::pose::LocalPose;
+use articula_core::LocalPose;
 use articula_core::source::{Character, evaluate};
 use articula_formats::mpeg4::bap;
 use articula_formats::{Limits, bvh, profile};

@@ -11,13 +11,8 @@ mod program;
 
 use articula_build::ClipOptions;
 use articula_build::character;
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::loa::JointSet;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::rig::Rig;
-use articula_core::sample::{Wrap, sample};
 use articula_core::source::{self, evaluate};
+use articula_core::{Clip, JointSet, LocalPose, ModelPose, Rig, Wrap, local_to_model, sample};
 use articula_formats::gltf::{self, Document, GltfFile};
 use articula_formats::{Limits, profile};
 use glam::Vec3;

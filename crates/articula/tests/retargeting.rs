@@ -8,10 +8,8 @@
 
 mod program;
 
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
 use articula_core::source::{Character, evaluate};
+use articula_core::{ModelPose, Rig, local_to_model};
 use articula_formats::{Limits, gltf, profile};
 use glam::Vec3;
 use program::{BVH, articula, fault, folder, human, json, word};

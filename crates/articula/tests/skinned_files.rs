@@ -8,15 +8,11 @@
 
 mod judges;
 
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::hierarchy::local_to_model;
-use articula_core::loa::JointSet;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::skin_groups::{GroupedSkin, Matrix3x4, rows};
 use articula_core::source::Character;
+use articula_core::{
+    Articulation, GroupedSkin, JointArticulation, JointSet, Matrix3x4, Mesh, ModelPose, Region,
+    Rig, SkinnedMesh, local_to_model, palette, skin,
+};
 use articula_formats::{Limits, gltf};
 use articula_human::{HumanOptions, human};
 use glam::{Affine3A, Quat, Vec3};
@@ -56,7 +52,7 @@ impl Figure {
         let mut matrices = vec![Affine3A::IDENTITY; self.mesh.bindings.len()];
         palette(&self.mesh, &model, &mut matrices);
         let mut rows_of = vec![[[0.0; 4]; 3]; matrices.len()];
-        rows(&matrices, &mut rows_of);
+        GroupedSkin::rows(&matrices, &mut rows_of);
         (matrices, rows_of)
     }
 }

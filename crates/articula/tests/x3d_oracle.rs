@@ -10,7 +10,7 @@
 mod judges;
 mod program;
 
-use articula_core::pose::LocalPose;
+use articula_core::LocalPose;
 use articula_core::source::{Character, Clip, Mesh, Property, evaluate};
 use articula_formats::{Limits, gltf, x3d};
 use glam::{Affine3A, Mat4, Vec3};

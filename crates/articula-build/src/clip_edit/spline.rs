@@ -5,7 +5,7 @@
 //! is none itself: its parts get keys on the unit sphere until they are the same within
 //! [`SAME_RADIANS`].
 
-use articula_core::math::angle_between;
+use articula_core::angle_between;
 use articula_core::source::{Channel, Property};
 use glam::Quat;
 

@@ -2,13 +2,8 @@
 
 use super::channel;
 use crate::clip::check;
-use articula_core::Mismatch;
-use articula_core::articulation::Articulation;
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::rig::Rig;
 use articula_core::source::{Character, Clip, Property, Skeleton, evaluate};
+use articula_core::{Articulation, LocalPose, Mesh, Mismatch, ModelPose, Rig, local_to_model};
 use glam::Vec3;
 
 /// Joints, skin and the names that an edit needs to know where a motion shows.

@@ -1,9 +1,8 @@
 //! Clips for the tests of this folder: by hand and at random.
 
 use super::channel;
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::math::{Transform, same_hemisphere};
 use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
+use articula_core::{Articulation, JointArticulation, Region, Transform, same_hemisphere};
 use glam::{Quat, Vec3, Vec4};
 use proptest::prelude::*;
 

@@ -15,8 +15,7 @@ mod vertex_cache;
 
 pub use order::Order;
 
-use articula_core::Mismatch;
-use articula_core::clustered::{Cluster, Clusters};
+use articula_core::{Cluster, Clusters, Mismatch};
 use std::collections::HashMap;
 
 /// An object with all its levels, each vertex and triangle where it is stored.

@@ -4,9 +4,9 @@
 
 use super::baselines::thesis::ThesisOptions;
 use crate::motion_error::bounds::ChainShare;
+use crate::motion_error::thesis_metric::Threshold;
+use articula_core::JointSet;
 use articula_core::joint_state::{PassivePolicy, TransitionOptions};
-use articula_core::loa::JointSet;
-use articula_core::thesis_metric::Threshold;
 use glam::Quat;
 
 /// Form of our metric.

@@ -9,10 +9,9 @@ use super::stage::{Stage, Trial};
 use crate::motion_error::closed_loop;
 use crate::motion_error::contacts::attention;
 use crate::motion_error::keys::{Segment, central_rotation, linear_keys, pose_segments};
+use crate::motion_error::thesis_metric::{ErrorMatrix, switch};
 use articula_core::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
-use articula_core::loa::JointSet;
-use articula_core::math::nlerp;
-use articula_core::thesis_metric::{ErrorMatrix, switch};
+use articula_core::{JointSet, nlerp};
 use glam::{Quat, Vec3};
 
 /// Plays a method at one parameter.

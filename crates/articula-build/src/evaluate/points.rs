@@ -2,11 +2,9 @@
 
 use crate::character::Asset;
 use crate::split_mix::SplitMix;
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{palette, skin_points};
+use articula_core::{
+    Clip, LocalPose, ModelPose, Wrap, local_to_model, palette, sample, skin_points,
+};
 use glam::{Affine3A, Vec3};
 
 /// Vertices that stand for the whole skin; for a rig without mesh, its joints.

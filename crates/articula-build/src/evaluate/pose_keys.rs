@@ -9,7 +9,8 @@
 //! [`crate::motion_error::pose_keys`]: in metres, for the farthest vertex, and also tested
 //! between the clip's own frames.
 
-use super::stage::{Stage, percentile};
+use super::stage::Stage;
+use articula_core::percentile;
 use glam::Vec3;
 
 /// Frames at which the pose is evaluated, the first and the last among them; all others are the

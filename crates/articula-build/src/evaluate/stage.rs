@@ -7,14 +7,10 @@ use crate::character::Asset;
 use crate::motion_error::bounds::moving_joints;
 use crate::motion_error::contacts::{Contact, contacts};
 use crate::motion_error::levers::levers;
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::loa::JointSet;
-use articula_core::motion_error::JointLever;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample};
-use articula_core::thesis_metric::ErrorMatrix;
-use articula_core::view::Viewport;
+use crate::motion_error::thesis_metric::ErrorMatrix;
+use articula_core::{
+    Clip, JointLever, JointSet, LocalPose, ModelPose, Viewport, Wrap, local_to_model, sample,
+};
 use glam::{Quat, Vec3};
 use std::cell::OnceCell;
 

@@ -5,11 +5,10 @@
 
 use super::resolve;
 use crate::clip::{MOST_NUMBERS, source_rate_hz};
-use articula_core::Mismatch;
-use articula_core::math::{Transform, same_hemisphere};
 use articula_core::source::{
     Channel, Character, Clip, Expression, Interpolation, JointBinding, Property, evaluate,
 };
+use articula_core::{Mismatch, Transform, same_hemisphere};
 use glam::{Quat, Vec3};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -333,7 +332,7 @@ fn check(character: &Character, channel: &Channel) -> Result<(), String> {
 /// Which parts of a joint's transform a binding changes.
 fn driven_parts(rest: Transform, full: Transform) -> impl Iterator<Item = Property> {
     let differs = |a: Vec3, b: Vec3| (a - b).abs().max_element() > STILL;
-    let turns = articula_core::math::angle_between(rest.rotation, full.rotation) > STILL_RADIANS;
+    let turns = articula_core::angle_between(rest.rotation, full.rotation) > STILL_RADIANS;
     [
         (
             Property::Translation,
@@ -387,7 +386,7 @@ fn order(property: Property) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::math::angle_between;
+    use articula_core::angle_between;
     use articula_core::source::{Joint, Mesh, MorphBinding, Skeleton};
 
     fn near(found: &[f32], wanted: &[f32]) {
@@ -500,7 +499,7 @@ mod tests {
     impl LocalAt {
         fn of<'a>(clip: &'a Clip, character: &'a Character) -> impl FnMut(f32) -> Transform + 'a {
             let joints = &character.skeleton.joints;
-            let mut pose = articula_core::pose::LocalPose::from_iter(joints.iter().map(|j| j.rest));
+            let mut pose = articula_core::LocalPose::from_iter(joints.iter().map(|j| j.rest));
             move |t| {
                 evaluate::pose(clip, &character.skeleton, t, &mut pose);
                 pose.get(1)

@@ -1,7 +1,7 @@
 //! The chain of levels along the cheapest that each tolerance allows.
 
 use super::FigureLevel;
-use articula_core::mesh::{Mesh, Part};
+use articula_core::{Mesh, Part};
 
 /// A level is worth having if it costs at most this part of the one before.
 const WORTH: f32 = 0.88;

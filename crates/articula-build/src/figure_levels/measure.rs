@@ -7,7 +7,7 @@ use crate::ladder::{
     spread_frames,
 };
 use crate::surface_distance::{SkinPoint, corners};
-use articula_core::mesh::{Binding, Mesh};
+use articula_core::{Binding, Mesh};
 use glam::Vec3;
 
 /// What is shown: a skin, and the points on a mesh level.

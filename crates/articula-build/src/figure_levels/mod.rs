@@ -17,12 +17,9 @@ use crate::ladder::{
     self, LevelOptions, LevelSkin, LevelSkins, MOST_FRAMES, MergedLevels, Tally, Watched, rising,
 };
 use crate::surface_distance::{SkinPoint, attach};
-use articula_core::Mismatch;
-use articula_core::ladder::{Ladder, MAX_LEVELS};
-use articula_core::level_error::{ClipErrors, LevelErrors, judged_metres};
-use articula_core::mesh::Mesh;
-use articula_core::palette::PaletteMap;
-use articula_core::pose::LocalPose;
+use articula_core::{
+    ClipErrors, Ladder, LevelErrors, LocalPose, Mesh, Mismatch, PaletteMap, judged_metres,
+};
 use chain::Candidate;
 use glam::{Affine3A, Vec3};
 use measure::{Scene, Shown};
@@ -119,7 +116,7 @@ pub fn figure_levels(
     let chosen = chain::choose(
         candidates,
         opts.first_metres,
-        opts.most_levels.min(MAX_LEVELS),
+        opts.most_levels.min(Ladder::MAX_LEVELS),
     );
     let shown: Vec<Shown> = chosen.iter().map(Shown::of).collect();
     let errors = table(merged, &scene.measure(&shown, MOST_FRAMES));

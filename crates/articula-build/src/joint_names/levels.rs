@@ -7,9 +7,10 @@
 //! level too.
 
 use super::gap::GapReason;
-use articula_core::articulation::{JointArticulation, MAX_LEVEL, Region};
 use articula_core::joint_names::Target;
+use articula_core::loa::MAX_LEVEL;
 use articula_core::source::Skeleton;
+use articula_core::{JointArticulation, Region};
 
 /// Fills in every joint from what the mapped ones are.
 pub(super) fn articulated(

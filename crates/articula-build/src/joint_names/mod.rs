@@ -16,7 +16,7 @@ mod spine;
 
 pub use gap::{Gap, GapReason};
 
-use articula_core::articulation::Articulation;
+use articula_core::Articulation;
 use articula_core::hanim_table::{self, JOINTS};
 use articula_core::joint_names::{Profile, Scope, Segments, Target};
 use articula_core::source::Skeleton;
@@ -193,9 +193,8 @@ fn unmapped(skeleton: &Skeleton) -> Mapping {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::articulation::Region;
-    use articula_core::math::Transform;
     use articula_core::source::Joint;
+    use articula_core::{Region, Transform};
     use articula_formats::profile::builtin;
 
     fn joint(name: &str, parent: Option<usize>) -> Joint {

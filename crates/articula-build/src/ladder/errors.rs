@@ -9,12 +9,8 @@ use super::skins::{LevelSkin, LevelSkins, placed_skins, skin_part};
 use super::watch::{Watched, skin_of};
 use super::{LevelOptions, check, check_ladder};
 use crate::character::Asset;
-use crate::evaluate::percentile;
-use articula_core::Mismatch;
-use articula_core::clip::Clip;
-use articula_core::ladder::Ladder;
-use articula_core::level_error::{ClipErrors, LevelErrors};
-use articula_core::mesh::{Binding, Mesh};
+use articula_core::percentile;
+use articula_core::{Binding, Clip, ClipErrors, Ladder, LevelErrors, Mesh, Mismatch};
 use glam::Vec3;
 
 /// Frames of all clips that errors are measured at; shorter clips are seen frame by frame.

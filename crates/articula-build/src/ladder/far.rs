@@ -15,19 +15,11 @@ use super::skins::{LevelSkins, placed_skins};
 use super::watch::skin_of;
 use super::{LevelOptions, check};
 use crate::character::Asset;
-use articula_core::Mismatch;
-use articula_core::articulation::Articulation;
-use articula_core::clip::{Clip, Track, Tracks};
-use articula_core::hierarchy::local_to_model;
-use articula_core::ladder::Ladder;
-use articula_core::level_error::LevelErrors;
-use articula_core::loa::JointSet;
-use articula_core::math::{Transform, angle_between, same_hemisphere};
-use articula_core::mesh::Binding;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::rig::Rig;
-use articula_core::sample::{Wrap, sample};
 use articula_core::source::{Joint, Skeleton};
+use articula_core::{
+    Articulation, Binding, Clip, JointSet, Ladder, LevelErrors, LocalPose, Mismatch, ModelPose,
+    Rig, Track, Tracks, Transform, Wrap, angle_between, local_to_model, same_hemisphere, sample,
+};
 use glam::{Affine3A, Quat, Vec3};
 
 /// Differences that are rounding, not motion: metres, radians, parts of a scale.

@@ -6,8 +6,7 @@
 
 use super::moments::{pose_of, share_frames, spread_frames};
 use crate::character::Asset;
-use articula_core::math::{Transform, same_hemisphere};
-use articula_core::pose::LocalPose;
+use articula_core::{LocalPose, Transform, same_hemisphere};
 use glam::{DMat4, DVec3, DVec4, Quat, Vec3};
 
 /// A clip counts by its length up to this, so that a long one does not drown the others.
@@ -128,7 +127,7 @@ pub(crate) fn principal(outer: DMat4, fallback: Quat) -> Quat {
 mod tests {
     use super::super::test_figures::{arm, moving};
     use super::*;
-    use articula_core::math::angle_between;
+    use articula_core::angle_between;
 
     #[test]
     fn half_way_between_two_turns_whatever_their_signs() {

@@ -3,10 +3,8 @@
 use super::moments::{model_of, pose_of, share_frames, spread_frames};
 use super::watch::Watched;
 use crate::character::Asset;
-use crate::evaluate::percentile;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::skin::{palette, skin_points};
+use articula_core::percentile;
+use articula_core::{Mesh, ModelPose, palette, skin_points};
 use glam::{Affine3A, Vec3};
 
 /// Error of one skin: the greatest over frames.

@@ -43,11 +43,8 @@ pub(crate) use watch::Watched;
 pub use watch::skin_of;
 
 use crate::character::Asset;
-use articula_core::Mismatch;
-use articula_core::ladder::{Ladder, MAX_LEVELS};
-use articula_core::level_error::LevelErrors;
-use articula_core::loa::{Expression, JointSet};
-use articula_core::pose::LocalPose;
+use articula_core::loa::Expression;
+use articula_core::{JointSet, Ladder, LevelErrors, LocalPose, Mismatch};
 use choose::Choice;
 use order::Folds;
 
@@ -57,7 +54,7 @@ pub struct LevelOptions {
     /// Joints that every level keeps, such as those that carry attachments; their ancestors
     /// stay with them.
     pub protected: JointSet,
-    /// Most levels, the full character counted; at most [`MAX_LEVELS`].
+    /// Most levels, the full character counted; at most [`Ladder::MAX_LEVELS`].
     pub most_levels: usize,
     /// Fewest joints that the coarsest level keeps.
     pub fewest_joints: usize,
@@ -165,7 +162,7 @@ fn far_options(asset: &Asset, opts: &LevelOptions) -> LevelOptions {
 
 fn capped(opts: &LevelOptions) -> LevelOptions {
     LevelOptions {
-        most_levels: opts.most_levels.min(MAX_LEVELS),
+        most_levels: opts.most_levels.min(Ladder::MAX_LEVELS),
         ..*opts
     }
 }

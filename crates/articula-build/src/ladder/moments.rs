@@ -1,10 +1,7 @@
 //! Poses of all clips at spread frames: what the order and the errors are judged on.
 
 use crate::character::Asset;
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample};
+use articula_core::{Clip, LocalPose, ModelPose, Wrap, local_to_model, sample};
 
 /// Frames of a clip, spread evenly from the first to the last; all of them if there are no more
 /// than `count`, the middle one if only one is asked for.
@@ -53,7 +50,7 @@ pub(crate) fn model_of(asset: &Asset, pose: &LocalPose) -> ModelPose {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::clip::Tracks;
+    use articula_core::Tracks;
 
     #[test]
     fn frames_are_spread_from_end_to_end() {

@@ -10,11 +10,8 @@ use super::LevelOptions;
 use super::moments::{model_of, pose_of, share_frames, spread_frames};
 use super::watch::{Watched, skin_of};
 use crate::character::Asset;
-use crate::evaluate::percentile;
-use articula_core::loa::JointSet;
-use articula_core::math::Transform;
-use articula_core::mesh::Mesh;
-use articula_core::pose::{LocalPose, ModelPose};
+use articula_core::percentile;
+use articula_core::{JointSet, LocalPose, Mesh, ModelPose, Transform};
 use glam::{Affine3A, Vec3A};
 
 /// Most products of frames and joints that are looked at.
@@ -71,7 +68,7 @@ pub(super) fn order(asset: &Asset, mean: &LocalPose, folds: Folds, opts: &LevelO
 pub(super) fn never_merged(asset: &Asset, mesh: &Mesh, protected: &JointSet) -> JointSet {
     let asked = protected.intersection(&asset.rig.all());
     let all = asked.union(&skinned_roots(asset, mesh));
-    articula_core::loa::selection::with_ancestors(&asset.rig, &all)
+    articula_core::loa::with_ancestors(&asset.rig, &all)
 }
 
 /// The roots that have skin on them or below.
@@ -349,7 +346,7 @@ mod tests {
         order(asset, &mean_pose(asset), folds, &opts)
     }
 
-    fn swing(joints: usize, joint: usize, radians: f32) -> articula_core::clip::Clip {
+    fn swing(joints: usize, joint: usize, radians: f32) -> articula_core::Clip {
         let turn = |i: i32| Quat::from_rotation_z(radians * (i as f32 / 5.0 - 1.0));
         let frames: Vec<Quat> = (0..=10).map(turn).collect();
         moving(joints, joint, &frames)

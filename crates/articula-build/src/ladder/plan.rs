@@ -6,8 +6,7 @@
 use super::moments::model_of;
 use super::prefixes::Prefixes;
 use crate::character::Asset;
-use articula_core::mesh::{Binding, Mesh};
-use articula_core::pose::ModelPose;
+use articula_core::{Binding, Mesh, ModelPose};
 use glam::{Affine3A, DAffine3};
 use std::collections::BTreeMap;
 

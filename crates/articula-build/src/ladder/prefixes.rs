@@ -3,9 +3,7 @@
 //! A near level holds the ancestors of what it holds, a far one need not. Either way a level
 //! keeps the first places of one order, and a merged joint moves with its nearest kept ancestor.
 
-use articula_core::ladder::Ladder;
-use articula_core::pose::LocalPose;
-use articula_core::rig::Rig;
+use articula_core::{Ladder, LocalPose, Rig};
 use glam::DAffine3;
 
 /// Levels as prefixes of an order of a rig's joints, and the mean pose.

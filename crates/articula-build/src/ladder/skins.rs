@@ -7,10 +7,7 @@ use super::prefixes::Prefixes;
 use super::watch::Watched;
 use super::{LevelOptions, check, check_ladder};
 use crate::character::Asset;
-use articula_core::Mismatch;
-use articula_core::ladder::Ladder;
-use articula_core::mesh::{Binding, Mesh, Morph};
-use articula_core::palette::PaletteMap;
+use articula_core::{Binding, Ladder, Mesh, Mismatch, Morph, PaletteMap};
 use glam::{Affine3A, Vec3};
 
 /// Influences that a coarser level may try, besides all.

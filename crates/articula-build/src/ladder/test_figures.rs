@@ -1,12 +1,10 @@
 //! Small figures for the tests of this room.
 
 use crate::character::Asset;
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::clip::{Clip, Track, Tracks};
-use articula_core::math::Transform;
-use articula_core::mesh::{Binding, Mesh};
-use articula_core::rig::Rig;
 use articula_core::source::{Joint, Skeleton};
+use articula_core::{
+    Articulation, Binding, Clip, JointArticulation, Mesh, Region, Rig, Track, Tracks, Transform,
+};
 use glam::{Affine3A, Quat, Vec3};
 
 /// A rig of joints one metre above their parents.

@@ -10,15 +10,10 @@
 pub(crate) mod reach;
 
 use crate::character::Asset;
-use articula_core::Mismatch;
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::motion_bounds::{Bound, ClipBounds, MotionBounds};
-use articula_core::motion_error::LEVER_FLOOR_METRES;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::sphere::Sphere;
+use articula_core::{
+    Bound, Clip, ClipBounds, JointLever, LocalPose, Mismatch, ModelPose, MotionBounds, SkinnedMesh,
+    Sphere, Wrap, local_to_model, palette, sample, sample_morphs, skin,
+};
 use glam::{Affine3A, Vec3};
 use reach::Reach;
 use std::ops::RangeInclusive;
@@ -213,7 +208,11 @@ impl<'a> Body<'a> {
             matrices: vec![Affine3A::IDENTITY; mesh.bindings.len()],
             morph_weights: mesh.morph_weights.clone(),
             skinned,
-            floor: if is_bare { LEVER_FLOOR_METRES } else { 0.0 },
+            floor: if is_bare {
+                JointLever::FLOOR_METRES
+            } else {
+                0.0
+            },
         }
     }
 

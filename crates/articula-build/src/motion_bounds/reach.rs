@@ -4,10 +4,7 @@
 //! hold in every pose and in every blend of poses.
 
 use crate::character::Asset;
-use articula_core::clip::{Clip, Track};
-use articula_core::math::angle_between;
-use articula_core::motion_error::LEVER_FLOOR_METRES;
-use articula_core::rig::Rig;
+use articula_core::{Clip, JointLever, Rig, Track, angle_between};
 use glam::Vec3;
 
 /// Lengths of one character, over all its clips.
@@ -152,7 +149,7 @@ fn greatest<'a>(
 fn own_skin(asset: &Asset) -> Vec<Option<f32>> {
     let mesh = &asset.mesh;
     if mesh.is_empty() {
-        return vec![Some(LEVER_FLOOR_METRES); asset.rig.len()];
+        return vec![Some(JointLever::FLOOR_METRES); asset.rig.len()];
     }
     // How far morphs may take each vertex, in the space of its mesh.
     let mut morphed = vec![0.0f32; mesh.len()];

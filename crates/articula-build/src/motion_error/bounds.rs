@@ -2,11 +2,7 @@
 
 use super::levers::chain_counts;
 use crate::character::Asset;
-use articula_core::clip::Clip;
-use articula_core::drift::JointBounds;
-use articula_core::loa::JointSet;
-use articula_core::math::angle_between;
-use articula_core::motion_error::JointLever;
+use articula_core::{Clip, JointBounds, JointLever, JointSet, angle_between};
 
 /// Which lever turns radians into metres.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -4,9 +4,7 @@
 //! joint under its *shown* parent decides; a renewed joint takes the local rotation that puts
 //! it where it truly is.
 
-use articula_core::loa::JointSet;
-use articula_core::math::angle_between;
-use articula_core::rig::Rig;
+use articula_core::{JointSet, Rig, angle_between};
 use glam::Quat;
 
 /// Local rotations shown at each frame, and which joints were renewed.
@@ -20,7 +18,12 @@ pub(crate) struct ClosedLoop {
 
 /// Plays true local rotations (`truth[frame][joint]`) holding each of `moving` while its
 /// model-space error stays within its `radians`.
-pub(crate) fn closed_loop(rig: &Rig, truth: &[&[Quat]], moving: &JointSet, radians: &[f32]) -> ClosedLoop {
+pub(crate) fn closed_loop(
+    rig: &Rig,
+    truth: &[&[Quat]],
+    moving: &JointSet,
+    radians: &[f32],
+) -> ClosedLoop {
     let mut out = ClosedLoop::default();
     let mut held: Vec<Quat> = truth.first().map_or_else(Vec::new, |first| first.to_vec());
     let mut true_model = held.clone();

@@ -4,11 +4,7 @@
 //! lowest height of the clip, for 80 ms or more.
 
 use crate::character::Asset;
-use articula_core::attention::Interval;
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample};
+use articula_core::{Clip, Interval, ModelPose, Wrap, local_to_model, sample};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -132,8 +128,7 @@ fn paths(asset: &Asset, clip: &Clip, joints: &[usize]) -> Vec<Vec<Vec3>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::attention::Attention;
-    use articula_core::clip::Tracks;
+    use articula_core::{Attention, Tracks};
 
     #[test]
     fn contacts_become_intervals_of_the_clip() {

@@ -4,7 +4,7 @@
 //! they start the next one. A run of blends or of one rotation ends after [`LONGEST_RUN`] frames
 //! at the latest: trying ever longer runs costs the square of their length.
 
-use articula_core::math::{angle_between, nlerp, same_hemisphere};
+use articula_core::{angle_between, nlerp, same_hemisphere};
 use glam::Quat;
 use std::f32::consts::PI;
 

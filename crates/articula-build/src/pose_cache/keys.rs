@@ -2,10 +2,8 @@
 
 use super::skins::Skins;
 use crate::motion_error::runs::long_runs;
-use articula_core::batch::{BatchEvaluator, Shown};
-use articula_core::clip_set::ClipSet;
-use articula_core::palette::{PaletteForm, PaletteMap, PaletteRows};
-use articula_core::{Backend, LANES, Mismatch};
+use articula_core::batch::{BatchEvaluator, LANES, Shown};
+use articula_core::{Backend, ClipSet, Mismatch, PaletteForm, PaletteMap, PaletteRows};
 use glam::Vec3;
 
 /// Least rate of the moments that may be keys.
@@ -158,7 +156,7 @@ fn points_beyond(count: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::percentile;
+    use articula_core::percentile;
 
     #[test]
     fn the_count_beyond_is_that_of_the_percentile() {

@@ -6,11 +6,10 @@
 
 use super::keys::{Ticks, evaluated};
 use super::skins::Skins;
-use crate::evaluate::percentile;
-use articula_core::clip_set::ClipSet;
-use articula_core::palette::{PaletteMap, PaletteRows};
-use articula_core::pose_cache::PoseCache;
-use articula_core::{Backend, Mismatch, f32_from_half};
+use articula_core::percentile;
+use articula_core::{
+    Backend, ClipSet, Mismatch, PaletteMap, PaletteRows, PoseCache, f32_from_half,
+};
 use glam::Vec3;
 
 /// Half ticks that are evaluated at once.

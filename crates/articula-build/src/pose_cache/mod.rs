@@ -13,11 +13,10 @@ mod skins;
 
 use crate::character::Asset;
 use crate::ladder::MergedLevels;
-use articula_core::batch::{BatchEvaluator, Shown};
-use articula_core::clip_set::ClipSet;
-use articula_core::palette::{PaletteForm, PaletteRows};
-use articula_core::pose_cache::{CachedKeys, CachedRows, PoseCache};
-use articula_core::{Backend, LANES, Mismatch};
+use articula_core::batch::{BatchEvaluator, LANES, Shown};
+use articula_core::{
+    Backend, CachedKeys, CachedRows, ClipSet, Mismatch, PaletteForm, PaletteRows, PoseCache,
+};
 use keys::{Ticks, choose};
 use measure::measure;
 use skins::Skins;

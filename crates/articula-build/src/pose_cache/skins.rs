@@ -4,8 +4,7 @@ use super::CacheOptions;
 use crate::character::Asset;
 use crate::evaluate::draw_vertices;
 use crate::ladder::MergedLevels;
-use articula_core::mesh::Mesh;
-use articula_core::skin::skin_points;
+use articula_core::{Mesh, skin_points};
 use glam::{Affine3A, Vec3};
 
 /// The skins, and the sample of their vertices that stands for all.

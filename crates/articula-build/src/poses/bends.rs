@@ -7,9 +7,7 @@
 use super::skin_pose::{Origin, SkinPose};
 use crate::character::Asset;
 use crate::split_mix::SplitMix;
-use articula_core::articulation::{JointArticulation, Region};
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
+use articula_core::{JointArticulation, ModelPose, Region, local_to_model};
 use glam::{Quat, Vec3};
 
 /// Mapped joints from which on a rig counts as a human.
@@ -142,7 +140,7 @@ fn hinge(asset: &Asset, model: &ModelPose, joint: usize, front: Vec3) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::math::angle_between;
+    use articula_core::angle_between;
     use articula_human::{HumanOptions, human};
 
     fn someone() -> Asset {

@@ -5,7 +5,7 @@ use super::shape::{Sample, Shape};
 use super::skin_pose::{Origin, SkinPose};
 use crate::character::Asset;
 use crate::ladder::{share_frames, spread_frames};
-use articula_core::mesh::Morph;
+use articula_core::Morph;
 
 /// Frames looked at, over all clips.
 const MOST_FRAMES: usize = 600;

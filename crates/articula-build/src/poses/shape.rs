@@ -7,7 +7,7 @@ use super::skin_pose::SkinPose;
 use crate::character::Asset;
 use crate::evaluate::draw_vertices;
 use crate::ladder::principal;
-use articula_core::mesh::{Mesh, Morph};
+use articula_core::{Mesh, Morph};
 use glam::{DMat3, DMat4, DVec3, DVec4, Quat, Vec3};
 
 /// Vertices that stand for the whole skin.

@@ -1,11 +1,10 @@
 //! One pose of the whole skin: joints and morph weights, and the vertices under them.
 
 use crate::character::Asset;
-use articula_core::hierarchy::{local_to_model, local_to_model_from};
-use articula_core::mesh::Mesh;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::{
+    LocalPose, Mesh, ModelPose, SkinnedMesh, Wrap, local_to_model, local_to_model_from, palette,
+    sample, sample_morphs, skin,
+};
 use glam::{Affine3A, Vec3, Vec3A};
 
 /// Where a pose comes from.

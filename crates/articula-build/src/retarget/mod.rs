@@ -40,9 +40,8 @@ pub use planted::Pinning;
 pub use quality::{EndError, Quality, Slide};
 pub use report::{JointReport, Origin, RetargetReport};
 
-use articula_core::Mismatch;
-use articula_core::articulation::Articulation;
 use articula_core::source::{Clip, Skeleton};
+use articula_core::{Articulation, Mismatch};
 
 /// A skeleton and what its joints are.
 #[derive(Debug, Clone, Copy)]

@@ -2,10 +2,8 @@
 
 use super::rest::Rest;
 use crate::clip::{MOST_NUMBERS, source_rate_hz};
-use articula_core::Mismatch;
-use articula_core::math::{Transform, angle_between};
-use articula_core::pose::LocalPose;
 use articula_core::source::{Clip, Interpolation, Property, Skeleton, evaluate};
+use articula_core::{LocalPose, Mismatch, Transform, angle_between};
 use glam::{Affine3A, Quat, Vec3};
 
 /// Most frames of one clip.

@@ -5,8 +5,7 @@ use super::body::Body;
 use super::chain::Chain;
 use super::frames::{Frames, Fronts, frames};
 use super::rest::Rest;
-use articula_core::Mismatch;
-use articula_core::math::angle_between;
+use articula_core::{Mismatch, angle_between};
 
 /// A rig as the plan sees it.
 #[derive(Debug, Clone)]

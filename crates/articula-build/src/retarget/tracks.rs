@@ -3,8 +3,8 @@
 use super::plan::{Drive, Plan};
 use super::pose::Pose;
 use super::side::Side;
-use articula_core::math::{angle_between, same_hemisphere};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::{angle_between, same_hemisphere};
 use glam::{Quat, Vec3};
 
 /// Differences between keys below which a channel stands still and keeps one key.

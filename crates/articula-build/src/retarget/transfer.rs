@@ -7,7 +7,7 @@ use super::plan::{Drive, Plan, Source, swing};
 use super::pose::Pose;
 use super::side::Side;
 use super::steps::{Steps, rest_floor};
-use articula_core::math::same_hemisphere;
+use articula_core::same_hemisphere;
 use glam::{Quat, Vec3};
 
 /// All that is needed to carry over the frames of one clip.

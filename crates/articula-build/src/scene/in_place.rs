@@ -6,11 +6,9 @@
 
 use crate::clip_edit::Subject;
 use crate::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey, split};
-use articula_core::Mismatch;
-use articula_core::articulation::Articulation;
-use articula_core::clip::Clip;
 use articula_core::crowd::{RootPath, RootStep};
 use articula_core::source::Character;
+use articula_core::{Articulation, Clip, Mismatch};
 use glam::Vec3;
 
 /// How far a clip may carry its character from the first frame: half the way to its neighbour on
@@ -100,7 +98,7 @@ fn place(way: &[TrajectoryKey], secs: f32) -> RootStep {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::clip::Tracks;
+    use articula_core::Tracks;
 
     #[test]
     fn the_way_is_sampled_at_the_frames() {

@@ -10,7 +10,7 @@ pub use in_place::{Way, put_in_place, root_path};
 pub use plaza::{PLAZA_COUNT, Phases, plaza, plaza_2};
 
 use crate::evaluate::{CameraKey, camera_at};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{Camera, Viewport};
 use glam::{Affine3A, Quat, Vec3};
 
 /// One character of a scene; it is animated in place.

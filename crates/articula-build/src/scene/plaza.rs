@@ -8,7 +8,7 @@
 use super::{CrossFade, Member, Play, Scene};
 use crate::evaluate::CameraKey;
 use crate::split_mix::SplitMix;
-use articula_core::view::Viewport;
+use articula_core::Viewport;
 use glam::Vec3;
 use std::f32::consts::TAU;
 

@@ -5,7 +5,7 @@
 //! Source: `spec/clustered-mesh.md` 5. Differs: the part that draws a vertex and the classes that
 //! a caller names tell wedges apart too.
 
-use articula_core::mesh::{Mesh, Morph};
+use articula_core::{Mesh, Morph};
 use glam::Vec3;
 use std::collections::HashMap;
 

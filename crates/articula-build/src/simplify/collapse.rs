@@ -13,7 +13,7 @@ use super::strays::Strays;
 use super::topology::Surface;
 use super::wedges::{Images, Wedges};
 use super::{LevelTriangles, classes};
-use articula_core::mesh::Mesh;
+use articula_core::Mesh;
 use glam::Vec3;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

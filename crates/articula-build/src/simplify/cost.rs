@@ -5,7 +5,7 @@ use super::quadric::Quadric;
 use super::ring::Ring;
 use super::topology::Surface;
 use super::{SimplifyOptions, Weighting};
-use articula_core::mesh::Mesh;
+use articula_core::Mesh;
 use glam::{DVec3, Vec3};
 
 /// Weight of a border plane over that of a face of the edge's squared length.

@@ -4,7 +4,7 @@ use super::LevelTriangles;
 use super::classes::Classes;
 use super::topology::Surface;
 use crate::clusters::rotated;
-use articula_core::mesh::Mesh;
+use articula_core::Mesh;
 use std::collections::HashSet;
 use std::ops::Range;
 

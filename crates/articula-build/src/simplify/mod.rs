@@ -25,8 +25,7 @@ mod wedges;
 
 pub use region_weights::region_weights;
 
-use articula_core::Mismatch;
-use articula_core::mesh::Mesh;
+use articula_core::{Mesh, Mismatch};
 use glam::Vec3;
 use std::ops::Range;
 

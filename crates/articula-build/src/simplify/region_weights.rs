@@ -1,9 +1,6 @@
 //! Weights of vertices by the region of the body that moves them most.
 
-use articula_core::Mismatch;
-use articula_core::articulation::Region;
-use articula_core::mesh::Mesh;
-use articula_core::rig::Rig;
+use articula_core::{Mesh, Mismatch, Region, Rig};
 
 /// How much an error at each vertex counts, by the region of the joint that weighs most on it:
 /// `("hands", 4.0)` makes errors of hands count four times. Regions that are not named count 1.
@@ -59,7 +56,7 @@ pub fn region_weights(
 mod tests {
     use super::*;
     use crate::ladder::test_figures::{figure, rig};
-    use articula_core::articulation::Articulation;
+    use articula_core::Articulation;
     use articula_core::source::{Joint, Skeleton};
 
     /// A tube of two joints, the upper one a hand.

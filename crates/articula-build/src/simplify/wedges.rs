@@ -10,7 +10,7 @@
 use super::classes::Classes;
 use super::ring::Ring;
 use super::topology::Surface;
-use articula_core::mesh::Mesh;
+use articula_core::Mesh;
 
 /// A change of texture coordinates by 1 counts as much as this change of a unit normal, squared.
 const TEXCOORDS: f32 = 2500.0;

@@ -7,7 +7,7 @@
 
 use super::skin_point::SkinPoint;
 use super::tree::SurfaceTree;
-use articula_core::mesh::Part;
+use articula_core::Part;
 use glam::Vec3;
 
 /// The point of a level's surface that stands for each of some vertices of the original, on the

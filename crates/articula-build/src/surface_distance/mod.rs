@@ -18,9 +18,9 @@ pub use attach::attach;
 pub use skin_point::{SkinPoint, corners};
 pub use tree::SurfaceTree;
 
-use crate::evaluate::{draw_vertices, percentile};
-use articula_core::Mismatch;
-use articula_core::level_table::SurfaceError;
+use crate::evaluate::draw_vertices;
+use articula_core::percentile;
+use articula_core::{Mismatch, SurfaceError};
 use glam::Vec3;
 use tree::NO_TRIANGLE;
 

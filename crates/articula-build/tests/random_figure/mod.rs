@@ -5,12 +5,11 @@
     reason = "each test file uses a part of it, and a test may panic"
 )]
 
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::hierarchy::local_to_model;
-use articula_core::math::Transform;
-use articula_core::pose::ModelPose;
 use articula_core::source::{
     Channel, Character, Clip, Interpolation, Joint, Mesh, Primitive, Property, Skeleton, Skin,
+};
+use articula_core::{
+    Articulation, JointArticulation, ModelPose, Region, Transform, local_to_model,
 };
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
@@ -47,7 +46,7 @@ fn parents(rows: &[Row]) -> Vec<Option<usize>> {
 fn skinned(rows: &[Row], skeleton: &Skeleton) -> Mesh {
     let count = rows.len();
     let articulation = flat(count);
-    let rig = articula_core::rig::Rig::new(skeleton, articulation).unwrap();
+    let rig = articula_core::Rig::new(skeleton, articulation).unwrap();
     let mut model = ModelPose::new(count);
     local_to_model(&rig, rig.rest_pose(), &mut model);
     let mut primitive = Primitive {

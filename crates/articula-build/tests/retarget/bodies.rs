@@ -2,7 +2,7 @@
 
 use crate::figure::{Human, arms_up, as_it_is, reference, rotation};
 use articula_build::retarget::{Origin, Pinning, RetargetOptions, Retargeted, retarget};
-use articula_core::math::angle_between;
+use articula_core::angle_between;
 use articula_core::source::Clip;
 use glam::{Quat, Vec3};
 
@@ -234,7 +234,7 @@ fn legs_that_hang_beside_the_hips_follow_them() {
     }
     let mut base = beside.skeleton.joints[0].clone();
     base.name = "base".to_owned();
-    base.rest = articula_core::math::Transform::IDENTITY;
+    base.rest = articula_core::Transform::IDENTITY;
     base.parent = None;
     let mut unmapped = beside.articulation.joints[0].clone();
     unmapped.hanim = None;

@@ -2,10 +2,10 @@
 //! fewer joints, other sizes and other limbs.
 
 use articula_build::retarget::Figure;
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::math::{Transform, same_hemisphere};
-use articula_core::pose::LocalPose;
 use articula_core::source::{Channel, Clip, Interpolation, Joint, Property, Skeleton, evaluate};
+use articula_core::{
+    Articulation, JointArticulation, LocalPose, Region, Transform, same_hemisphere,
+};
 use articula_human::{HumanOptions, human};
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use std::sync::OnceLock;

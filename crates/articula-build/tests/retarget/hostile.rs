@@ -2,9 +2,8 @@
 
 use crate::figure::{Human, reference};
 use articula_build::retarget::{Pinning, RetargetOptions, Retargeter, retarget};
-use articula_core::articulation::Articulation;
-use articula_core::math::Transform;
 use articula_core::source::{Clip, Property};
+use articula_core::{Articulation, Transform};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 

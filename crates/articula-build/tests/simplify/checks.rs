@@ -1,7 +1,7 @@
 //! What holds for the levels of any mesh.
 
 use articula_build::{LevelTriangles, Simplified, SimplifyOptions, simplify};
-use articula_core::mesh::Mesh;
+use articula_core::Mesh;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(crate) fn of(mesh: &Mesh, options: &SimplifyOptions) -> Simplified {

@@ -3,7 +3,7 @@
 use crate::checks::{check, of};
 use crate::shapes::{ball, mesh, sheet};
 use articula_build::{SimplifyOptions, simplify};
-use articula_core::mesh::Mesh;
+use articula_core::Mesh;
 use glam::Vec3;
 use proptest::prelude::*;
 

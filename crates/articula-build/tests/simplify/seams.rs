@@ -3,7 +3,7 @@
 use crate::checks::{check, is_closed, of};
 use crate::shapes::{ball, sheet};
 use articula_build::{SimplifyOptions, simplify};
-use articula_core::mesh::{Mesh, Part};
+use articula_core::{Mesh, Part};
 use glam::{Vec2, Vec3};
 use std::collections::BTreeSet;
 

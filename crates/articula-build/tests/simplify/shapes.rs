@@ -1,6 +1,6 @@
 //! Small surfaces whose levels can be told by hand.
 
-use articula_core::mesh::{Binding, Mesh, Part};
+use articula_core::{Binding, Mesh, Part};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 /// A mesh of one part whose vertices hang on one joint.

@@ -2,7 +2,7 @@
 
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
-use articula_core::clip::Clip;
+use articula_core::Clip;
 use articula_human::{HumanOptions, human};
 use std::sync::LazyLock;
 

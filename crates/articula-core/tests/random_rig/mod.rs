@@ -1,11 +1,10 @@
 //! Random rigs with two clips and nested joint sets, for property tests.
 
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::clip::{Clip, Track, Tracks};
-use articula_core::loa::JointSet;
-use articula_core::math::{Transform, same_hemisphere};
-use articula_core::rig::Rig;
 use articula_core::source::{Joint, Skeleton};
+use articula_core::{
+    Articulation, Clip, JointArticulation, JointSet, Region, Rig, Track, Tracks, Transform,
+    same_hemisphere,
+};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 

@@ -6,7 +6,7 @@ use crate::frame::{Bounds, front_view};
 use crate::projection::Projection;
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
-use articula_core::view::Viewport;
+use articula_core::Viewport;
 use articula_human::{HumanOptions, human};
 use glam::Vec3;
 

@@ -3,9 +3,7 @@
 use super::clip::PortraitClip;
 use super::error::{PortraitError, refuse};
 use crate::appearance::Appearance;
-use articula_core::mesh::Mesh;
-use articula_core::rig::Rig;
-use articula_core::view::Camera;
+use articula_core::{Camera, Mesh, Rig};
 use glam::{EulerRot, Quat, Vec3};
 
 /// Most triangles of a 2D mesh.

@@ -7,12 +7,10 @@ use super::visibility::NOT_SEEN;
 use super::*;
 use crate::appearance::Appearance;
 use crate::picture::Rgba;
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::math::Transform;
-use articula_core::mesh::Mesh;
-use articula_core::rig::Rig;
 use articula_core::source::{self, Joint, MorphTarget, Primitive, Skeleton, Skin};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{
+    Articulation, Camera, JointArticulation, Mesh, Region, Rig, Transform, Viewport,
+};
 use glam::{Affine3A, Vec3, Vec4};
 
 /// A rectangle with two triangles, of one colour, with its offset when the mouth is open.

@@ -8,8 +8,8 @@ use crate::limits::Limits;
 use crate::notes::Notes;
 use crate::units::{self, Up};
 use crate::words::FRAME_TIMES_SECS;
-use articula_core::math::{Transform, same_hemisphere};
 use articula_core::source::{self, Character, Clip, Interpolation, Joint, Property, Skeleton};
+use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
 
 /// Frames a second of the CMU and most other motions.

@@ -5,8 +5,8 @@ use crate::limits::Limits;
 use crate::notes::Notes;
 use crate::units::{self, Up};
 use crate::words::{MAX_FRAMES, frame_time, number, shortened, value_of};
-use articula_core::math::{Transform, same_hemisphere};
 use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property};
+use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
 
 /// Most channels of one segment: nothing has more than translation, rotation and scale.

@@ -7,9 +7,9 @@
 use super::reader::{self, BvaFile};
 use crate::error::Warning;
 use crate::sampled::still_metres;
+use articula_core::Transform;
 use articula_core::hanim_table::{self, JOINTS};
 use articula_core::joint_names::Segments;
-use articula_core::math::Transform;
 use articula_core::source::{Channel, Character, Clip, Joint, Property, Skeleton};
 use glam::{Quat, Vec3};
 

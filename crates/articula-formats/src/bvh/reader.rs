@@ -5,8 +5,8 @@ use super::motion::{self, Motion};
 use crate::error::{Read, ReadError, Warning};
 use crate::limits::Limits;
 use crate::units::{self, Up};
-use articula_core::math::{Transform, same_hemisphere};
 use articula_core::source::{self, Character, Clip, Interpolation, Joint, Property, Skeleton};
+use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
 
 /// What the file does not say.

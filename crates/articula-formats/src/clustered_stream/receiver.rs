@@ -4,8 +4,8 @@ use super::head::MeshStream;
 use super::write::hash_of;
 use crate::mesh_codec::{QuantisedMesh, decode_level, decode_refinement, restore};
 use crate::{Limits, ReadError};
-use articula_core::clustered::{Cluster, ClusteredTriangles, Clusters};
 use articula_core::source::Primitive;
+use articula_core::{Cluster, ClusteredTriangles, Clusters};
 
 /// What of one object is there.
 #[derive(Debug, Clone, Default)]

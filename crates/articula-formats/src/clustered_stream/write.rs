@@ -4,9 +4,8 @@ use super::head::{self, MeshStream, StreamObject};
 use super::{Hash, hash};
 use crate::Limits;
 use crate::mesh_codec::{QuantisedMesh, encode_level, encode_refinement};
-use articula_core::Mismatch;
-use articula_core::level_table::LevelTable;
 use articula_core::stream::Unit;
+use articula_core::{LevelTable, Mismatch};
 use std::ops::Range;
 
 /// An object with all its levels in whole numbers.

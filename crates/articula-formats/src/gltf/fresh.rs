@@ -5,7 +5,7 @@ use super::document::Document;
 use super::geometry::add_primitive;
 use super::write::WriteError;
 use crate::uri::mime_type;
-use articula_core::math::Transform;
+use articula_core::Transform;
 use articula_core::source::{Character, Image, Joint, Material, Mesh, Primitive, Skin};
 use glam::{Affine3A, Mat4, Vec4};
 use serde_json::{Value, json};

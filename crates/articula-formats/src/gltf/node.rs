@@ -6,7 +6,7 @@ use super::place::Place;
 use super::reader::Reader;
 use crate::error::ReadError;
 use crate::limits::Limits;
-use articula_core::math::Transform;
+use articula_core::Transform;
 use glam::{Mat4, Quat, Vec3};
 
 /// The nodes of a document: each has at most one parent, none is its own ancestor.

@@ -2,8 +2,8 @@
 
 use super::bap::{BapClip, Motion, TABLE};
 use super::bap_table;
+use articula_core::Transform;
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
-use articula_core::math::Transform;
 use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
 use glam::{DQuat, DVec3, Vec3};
 

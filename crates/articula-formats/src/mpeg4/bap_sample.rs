@@ -16,7 +16,7 @@ use super::bap_split::{near, split};
 use super::bap_table;
 use crate::Limits;
 use crate::sampled::{self, Place, WriteError};
-use articula_core::articulation::Articulation;
+use articula_core::Articulation;
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS, find};
 use articula_core::source::Character;
 use glam::{DQuat, Vec3};

@@ -6,7 +6,7 @@ use super::names::{self, HAND, SIDE};
 use super::standard;
 use crate::error::ReadError;
 use crate::limits::Limits;
-use articula_core::articulation::Region;
+use articula_core::Region;
 use articula_core::joint_names::{Profile, Scope, Target, folded};
 use serde::Deserialize;
 use std::collections::BTreeMap;

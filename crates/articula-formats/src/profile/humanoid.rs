@@ -2,7 +2,7 @@
 //!
 //! Source: VRM 1.0 `humanoid`; VRM 0.x differs in the thumb.
 
-use articula_core::articulation::Articulation;
+use articula_core::Articulation;
 use articula_core::joint_names::Target;
 use std::collections::HashMap;
 
@@ -106,7 +106,7 @@ mod tests {
     #[test]
     fn the_standard_has_every_bone() {
         let standard = articula_core::hanim_table::JOINTS.iter();
-        let joints = standard.map(|j| articula_core::articulation::JointArticulation {
+        let joints = standard.map(|j| articula_core::JointArticulation {
             hanim: Some(j.name.to_owned()),
             level: j.level,
             region: j.region,

@@ -5,9 +5,10 @@
 //! belong to the last level.
 
 use super::names::SIDE;
-use articula_core::articulation::{MAX_LEVEL, Region};
+use articula_core::Region;
 use articula_core::hanim_table;
 use articula_core::joint_names::{Side, StandardJoint};
+use articula_core::loa::MAX_LEVEL;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

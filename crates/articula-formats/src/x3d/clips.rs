@@ -16,8 +16,8 @@ use super::{motion, pose, routes};
 use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::hanim_table;
-use articula_core::math::{Transform, angle_between, same_hemisphere};
 use articula_core::source::{Channel, Clip, Interpolation, Property, evaluate};
+use articula_core::{Transform, angle_between, same_hemisphere};
 use glam::{DQuat, DVec3, Quat};
 use std::collections::{BTreeMap, HashMap, HashSet};
 

@@ -17,7 +17,7 @@ use super::fields::Reader;
 use super::figure::{Figure, FigureJoint};
 use super::placement::{Placement, Similarity};
 use crate::error::ReadError;
-use articula_core::math::Transform;
+use articula_core::Transform;
 use articula_core::source::{Joint, Skeleton};
 use glam::{Affine3A, DAffine3, DMat3, DQuat, DVec3, Mat4, Quat, Vec3};
 

@@ -66,7 +66,7 @@ fn a_bone_turns_about_its_own_axes() {
         let mut tip = file.character.skeleton.joints[joint].clone();
         tip.name = "tip".to_owned();
         tip.parent = Some(joint);
-        tip.rest = articula_core::math::Transform::from_translation(offset);
+        tip.rest = articula_core::Transform::from_translation(offset);
         file.character.skeleton.joints.push(tip);
         place(&file.character, "tip", 0.5)
     };
@@ -156,9 +156,7 @@ fn joints_without_a_row_hold() {
     let rest = file.character.skeleton.joints[thigh].rest.rotation;
     let angle = |key: usize| {
         let q = Quat::from_slice(&keys.values[4 * key..]);
-        articula_core::math::angle_between(rest, q)
-            .to_degrees()
-            .round()
+        articula_core::angle_between(rest, q).to_degrees().round()
     };
     assert_eq!(
         [angle(0), angle(1), angle(2), angle(3)],

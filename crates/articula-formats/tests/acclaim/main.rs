@@ -16,7 +16,7 @@ mod hand;
 mod hostile;
 mod written;
 
-use articula_core::pose::LocalPose;
+use articula_core::LocalPose;
 use articula_core::source::{Character, evaluate};
 use articula_formats::acclaim::{self, AcclaimFile, ReadOptions, Up};
 use articula_formats::{Limits, Read, ReadError};

@@ -1,7 +1,7 @@
 //! What we write opens again with every joint where it was.
 
 use super::{AMC, ASF, plain, real, world};
-use articula_core::math::Transform;
+use articula_core::Transform;
 use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
 use articula_formats::acclaim::{self, AcclaimFile, ReadOptions, WriteOptions, Written};
 use articula_formats::{Limits, bvh, gltf};

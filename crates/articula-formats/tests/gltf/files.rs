@@ -1,7 +1,7 @@
 //! Every real file: the counts that its makers state, and round trips.
 
-use articula_core::articulation::{Articulation, JointArticulation, Region};
 use articula_core::source::{Clip, Property};
+use articula_core::{Articulation, JointArticulation, Region};
 use articula_formats::gltf::{self, Document, GltfFile};
 use articula_formats::{Limits, Read, ReadError};
 use std::path::{Path, PathBuf};

@@ -2,10 +2,9 @@
 
 use crate::dice::Dice;
 use crate::real::bytes;
-use articula_core::articulation::Articulation;
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS, find};
-use articula_core::pose::LocalPose;
 use articula_core::source::{Channel, Character, Clip, Interpolation, Property, evaluate};
+use articula_core::{Articulation, LocalPose};
 use articula_formats::mpeg4::bap::{self, BAPS, BapClip, BapFrame, Motion, SampleError, TABLE};
 use articula_formats::{Limits, bvh, profile};
 use glam::{Affine3A, Quat, Vec3};

@@ -6,8 +6,8 @@
 )]
 
 use articula_build::{Clustered, Order, cluster};
-use articula_core::level_table::{LevelRow, LevelTable, SurfaceError};
 use articula_core::source::{Mesh, Primitive};
+use articula_core::{LevelRow, LevelTable, SurfaceError};
 use articula_formats::gltf::clustered::{MeshParts, PartLevels};
 use articula_formats::gltf::{GltfFile, WriteError};
 

@@ -1,6 +1,6 @@
 //! Two characters compared where it counts: joints and skinned corners at any time.
 
-use articula_core::pose::LocalPose;
+use articula_core::LocalPose;
 use articula_core::source::{Character, Clip, Mesh, Property, evaluate};
 use glam::{DAffine3, DMat3, DVec3};
 

@@ -2,7 +2,7 @@
 
 use crate::compare::{corners, extent, farthest, globals};
 use crate::real;
-use articula_core::articulation::Articulation;
+use articula_core::Articulation;
 use articula_core::hanim_table;
 use articula_core::source::Character;
 use articula_formats::x3d::{self, WriteError, WriteOptions, X3dFile};

@@ -2,7 +2,7 @@
 
 use crate::wire_mesh::{PRECISION, WireMesh};
 use anyhow::{Result, ensure};
-use articula_core::mesh::Mesh;
+use articula_core::Mesh;
 use glam::{Vec2, Vec3};
 use meshopt::{SimplifyOptions, VertexDataAdapter};
 use std::collections::HashMap;

@@ -22,10 +22,7 @@ mod tests {
     use super::structs::Structs;
     use articula_build::ClipOptions;
     use articula_build::{Asset, character};
-    use articula_core::clip::{Clip, Tracks};
-    use articula_core::hierarchy::local_to_model;
-    use articula_core::pose::ModelPose;
-    use articula_core::sample::{Wrap, sample};
+    use articula_core::{Clip, ModelPose, Tracks, Wrap, local_to_model, sample};
     use articula_human::{HumanOptions, human};
     use glam::Mat4;
     use std::sync::LazyLock;
@@ -144,7 +141,7 @@ mod tests {
         let places = places(asset);
         assert!(gap(asset, &still, 0.0, |j| from_rows(&out[places[j]])) < ROUNDING);
         let tracks = Tracks {
-            scales: vec![articula_core::clip::Track {
+            scales: vec![articula_core::Track {
                 target: 0,
                 step: false,
                 values: vec![glam::Vec3::splat(2.0)],

@@ -5,7 +5,7 @@
 //! Such ranks ship with several engines; the numbers are the ones `issue 4` asks for. It decides
 //! which moment each character shows, and evaluates nothing.
 
-use articula_core::view::Camera;
+use articula_core::Camera;
 use glam::Vec3;
 
 /// Half the size of a body around its middle, for telling whether it is in the picture.
@@ -129,7 +129,7 @@ pub(crate) fn is_visible(camera: &Camera, position: Vec3) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::view::Viewport;
+    use articula_core::Viewport;
 
     /// A row of bodies straight ahead, the farthest first, and one behind the camera.
     fn row(count: usize) -> (Camera, Vec<Vec3>) {

@@ -5,9 +5,7 @@
 //! Nothing in it is slow on purpose; it is what the glTF tutorials lead to.
 
 use anyhow::{Result, ensure};
-use articula_core::clip::{Clip, Track};
-use articula_core::math::Transform;
-use articula_core::rig::Rig;
+use articula_core::{Clip, Rig, Track, Transform};
 use glam::{Mat4, Quat, Vec3};
 
 /// A value at a time in seconds.

@@ -10,8 +10,8 @@ use articula_build::evaluate::Direction;
 use articula_build::evaluate::{
     Method, MethodOptions, Row, Setup, SkinPxVariant, Stage, calibrate, sweep,
 };
-use articula_core::articulation::Complexity;
-use articula_core::loa::selection::complexity;
+use articula_core::Complexity;
+use articula_core::loa::complexity;
 use std::fmt::Write as _;
 
 /// A row of the table: its title, the method, and what the prototype measured.

@@ -167,7 +167,7 @@ impl Report {
         let (prepared, levels) = (&built.prepared, built.levels.as_ref());
         let asset = &prepared.asset;
         let articulation = asset.rig.articulation();
-        let clip = |(clip, tables): (&articula_core::clip::Clip, &ClipTables)| Clip {
+        let clip = |(clip, tables): (&articula_core::Clip, &ClipTables)| Clip {
             name: clip.name.clone(),
             frames: clip.frames(),
             segs_bytes: tables.segs.len(),

@@ -11,15 +11,11 @@ use articula_build::{
     LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
     named_ladder, skin_of,
 };
-use articula_core::Backend;
-use articula_core::clip::{Clip, Tracks};
-use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::crowd::{CrowdModel, CrowdParts};
-use articula_core::ladder::Ladder;
 use articula_core::loa::Expression;
-use articula_core::mesh::Mesh;
-use articula_core::motion_bounds::MotionBounds;
-use articula_core::palette::{PaletteForm, PaletteMap};
+use articula_core::{
+    Backend, Clip, ClipSet, Ladder, Mesh, MotionBounds, PaletteForm, PaletteMap, Storage, Tracks,
+};
 
 /// Which levels a crowd has.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,7 +7,7 @@ use articula_build::{FigureLevel, figure_levels};
 use articula_build::{LevelOptions, MergedLevels};
 use articula_build::{PoseOptions, poses, positions};
 use articula_build::{SimplifyOptions, simplify};
-use articula_core::mesh::Mesh;
+use articula_core::Mesh;
 use glam::Vec3;
 
 /// Most mesh levels that can be asked for.

@@ -1,8 +1,6 @@
 //! The memory that palettes are written to, made once, and reading them again.
 
-use articula_core::f32_from_half;
-use articula_core::palette::{PaletteForm, PaletteRows};
-use articula_core::pose_cache::BlendRecord;
+use articula_core::{BlendRecord, PaletteForm, PaletteRows, f32_from_half};
 use glam::{Affine3A, Mat3, Quat, Vec3, Vec4};
 
 /// Offset and factor of the 64-bit hash of Fowler, Noll and Vo, variant 1a.

@@ -8,8 +8,7 @@ use crate::load;
 use crate::play::camera_path::{self, Key};
 use anyhow::{Context, bail, ensure};
 use articula_build::scene::{CrossFade, Member, Play, Scene};
-use articula_core::clip::Clip;
-use articula_core::view::Viewport;
+use articula_core::{Clip, Viewport};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -198,7 +197,7 @@ pub(crate) fn save(path: &Path, scene: &Scene, clips: &[Clip]) -> anyhow::Result
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::clip::Tracks;
+    use articula_core::Tracks;
 
     fn clips() -> Vec<Clip> {
         let clip = |name: &str| Clip::new(name, 30.0, 31, 1, Tracks::default()).unwrap();

@@ -3,7 +3,7 @@
 use super::cast::Cast;
 use super::pixel_error::{CharacterError, Looked};
 use super::stage::Stage;
-use super::timing::percentile;
+use articula_core::percentile;
 use serde::Serialize;
 
 /// One level over all frames; counts of characters and poses are means over frames.

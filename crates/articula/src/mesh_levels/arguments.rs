@@ -3,9 +3,7 @@
 use anyhow::Context;
 use articula_build::MeshLevelOptions;
 use articula_build::{SimplifyOptions, Weighting, region_weights};
-use articula_core::articulation::{Region, Zone};
-use articula_core::mesh::{Mesh, Part};
-use articula_core::rig::Rig;
+use articula_core::{Mesh, Part, Region, Rig, Zone};
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -4,12 +4,10 @@ use crate::facing::facing;
 use crate::prepared::Prepared;
 use anyhow::Context;
 use articula_build::evaluate::Stage;
-use articula_core::articulation::Region;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{
+    Camera, LocalPose, ModelPose, Region, SkinnedMesh, Viewport, Wrap, local_to_model, palette,
+    sample_morphs, skin,
+};
 use articula_flat::appearance::Appearance;
 use articula_flat::frame::Bounds;
 use articula_flat::projection::{Projection, Screen};

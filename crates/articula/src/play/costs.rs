@@ -6,11 +6,8 @@
 
 use super::Scene;
 use articula_build::evaluate::{Method, Stage, play};
-use articula_core::articulation::{Complexity, Region, Zone};
-use articula_core::hierarchy::local_to_model;
-use articula_core::loa::{JointSet, selection};
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample};
+use articula_core::loa;
+use articula_core::{Complexity, JointSet, ModelPose, Region, Wrap, Zone, local_to_model, sample};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -46,7 +43,7 @@ pub(crate) fn of(scene: &Scene<'_>) -> Costs {
     let rig = &stage.asset.rig;
     let cost = |name: String, set: JointSet| cost(&stage, name, &set);
     let deepest = rig.skin_joints().iter().map(|j| rig.depth(j)).max();
-    let zone = |(name, zone): (&str, Zone)| cost(name.to_owned(), selection::zone(rig, zone));
+    let zone = |(name, zone): (&str, Zone)| cost(name.to_owned(), loa::zone(rig, zone));
     let regions = Region::ALL.map(|r| (r.name(), Zone::from(r)));
     let composites = [
         ("upper", Zone::UPPER),
@@ -56,10 +53,10 @@ pub(crate) fn of(scene: &Scene<'_>) -> Costs {
     Costs {
         zones: regions.into_iter().chain(composites).map(zone).collect(),
         depths: (0..=deepest.unwrap_or(0) as u32 + 1)
-            .map(|k| cost(k.to_string(), selection::depth(rig, k)))
+            .map(|k| cost(k.to_string(), loa::depth(rig, k)))
             .collect(),
         complexities: Complexity::ALL
-            .map(|c| cost(c.name().to_owned(), selection::complexity(rig, c)))
+            .map(|c| cost(c.name().to_owned(), loa::complexity(rig, c)))
             .into(),
     }
 }

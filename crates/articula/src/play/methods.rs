@@ -5,12 +5,10 @@ use anyhow::Context;
 use articula_build::evaluate::{Direction, Radius};
 use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
 use articula_build::motion_error::ChainShare;
-use articula_core::articulation::Complexity;
-use articula_core::drift::DriftOptions;
+use articula_build::motion_error::thesis_metric::ThresholdCurve;
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::{Expression, JointSet, selection};
-use articula_core::rig::Rig;
-use articula_core::thesis_metric::ThresholdCurve;
+use articula_core::loa::{self, Expression};
+use articula_core::{Complexity, DriftOptions, JointSet, Rig};
 use clap::{Args, ValueEnum};
 
 use crate::arguments::{not_negative, positive};
@@ -223,7 +221,7 @@ impl Chosen {
     /// The named levels of articulation, from every joint to none.
     fn ladder(rig: &Rig) -> Self {
         let levels = Complexity::ALL.into_iter().rev();
-        let sets = levels.clone().map(|c| selection::complexity(rig, c));
+        let sets = levels.clone().map(|c| loa::complexity(rig, c));
         Self {
             method: Method::Loa(sets.collect()),
             variant: None,
@@ -329,7 +327,7 @@ impl MethodArgs {
     fn level(&self, rig: &Rig) -> anyhow::Result<Chosen> {
         match &self.loa {
             Some(text) if self.close_up => {
-                let set = selection::with_ancestors(rig, &joints(text, rig)?);
+                let set = loa::with_ancestors(rig, &joints(text, rig)?);
                 Ok(Chosen::fixed(&format!("{text}, close up"), set))
             }
             Some(text) => Ok(Chosen::fixed(text, joints(text, rig)?)),

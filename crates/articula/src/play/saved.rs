@@ -2,9 +2,8 @@
 
 use articula_build::{MotionSize, motion_size, reduce};
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::JointSet;
-use articula_core::rig::Rig;
 use articula_core::source::Clip;
+use articula_core::{JointSet, Rig};
 use serde::Serialize;
 use std::ops::AddAssign;
 

@@ -15,9 +15,8 @@ use super::super::heading::yaw;
 use super::super::root_motion::similarity::Similarity;
 use super::super::subject::{Posed, Subject};
 use crate::clip::{source_rate_hz, steps_at};
-use articula_core::Mismatch;
-use articula_core::math::{angle_between, same_hemisphere};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::{Mismatch, angle_between, same_hemisphere};
 use glam::{Quat, Vec3};
 
 /// A clip that turns by more than this goes in a curve, and is to go on in it.

@@ -8,9 +8,8 @@
 use super::super::root_motion::trajectory::Trajectory;
 use super::super::subject::Subject;
 use crate::clip::{source_rate_hz, steps_at};
-use articula_core::Mismatch;
-use articula_core::articulation::Region;
 use articula_core::source::Clip;
+use articula_core::{Mismatch, Region};
 use glam::{Quat, Vec3};
 
 /// Most frames that are compared with each other; longer clips are looked at more coarsely.

@@ -14,7 +14,7 @@ mod tests {
     use super::super::Subject;
     use super::super::test_clips::bar;
     use super::*;
-    use articula_core::math::angle_between;
+    use articula_core::angle_between;
     use articula_core::source::{Channel, Character, Clip, Interpolation, Property, evaluate};
     use glam::{Quat, Vec3};
     use std::f32::consts::TAU;

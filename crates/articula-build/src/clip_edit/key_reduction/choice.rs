@@ -7,8 +7,8 @@ use super::morphs::MorphErrors;
 use super::watch::Watch;
 use crate::motion_error::keys::central_rotation;
 use crate::motion_error::runs::long_runs;
-use articula_core::math::{angle_between, same_hemisphere};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::{angle_between, same_hemisphere};
 use glam::Quat;
 
 /// Turns beyond this are followed whatever they move: two keys of a slerp must not be so far

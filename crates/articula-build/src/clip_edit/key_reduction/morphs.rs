@@ -6,7 +6,7 @@
 
 use super::super::channel;
 use super::super::subject::Subject;
-use articula_core::loa::JointSet;
+use articula_core::JointSet;
 use articula_core::source::{Channel, Clip, Property};
 
 /// Vertices that one target moves most.

@@ -4,7 +4,7 @@ use super::super::subject::{Posed, Subject};
 use super::choice::{Choice, distance};
 use super::morphs::MorphErrors;
 use super::watch::Watch;
-use articula_core::rig::Rig;
+use articula_core::Rig;
 use articula_core::source::{Channel, Clip, Property};
 use glam::Vec3A;
 

@@ -5,7 +5,7 @@
 //! of its space, and a box is moved most at a corner: nine points a joint bound the whole skin.
 
 use super::super::subject::{Posed, Subject};
-use articula_core::motion_error::LEVER_FLOOR_METRES;
+use articula_core::JointLever;
 use articula_core::source::{Clip, Property};
 use glam::{Affine3A, Vec3, Vec3A};
 
@@ -127,7 +127,7 @@ impl Watch {
     pub(super) fn levers(&self, subject: &Subject<'_>) -> Vec<f32> {
         let rest = subject.rest();
         let rig = &subject.rig;
-        let mut levers = vec![LEVER_FLOOR_METRES; rig.len()];
+        let mut levers = vec![JointLever::FLOOR_METRES; rig.len()];
         for joint in 0..rig.len() {
             let model = &rest.model.matrices[joint];
             let corners = self.hulls[joint].into_iter().flat_map(Hull::corners);
@@ -160,7 +160,7 @@ fn least_lever(subject: &Subject<'_>, rest: &Posed, joint: usize) -> f32 {
     } else {
         0.0
     };
-    metres.max(LEVER_FLOOR_METRES) / scale
+    metres.max(JointLever::FLOOR_METRES) / scale
 }
 
 /// How far morph targets may take each vertex along each axis, down and up.

@@ -2,7 +2,7 @@
 
 use super::super::subject::{Posed, Subject};
 use super::similarity::Similarity;
-use articula_core::loa::JointSet;
+use articula_core::JointSet;
 use articula_core::source::Clip;
 
 /// A joint that carries a trajectory, or the world itself.

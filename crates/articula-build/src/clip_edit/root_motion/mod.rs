@@ -19,9 +19,8 @@ use super::channel::{self, SAME_SECS};
 use super::grid::{grid, rising};
 use super::subject::{Posed, Subject};
 use crate::clip::steps_at;
-use articula_core::Mismatch;
-use articula_core::math::{Transform, angle_between, same_hemisphere};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::{Mismatch, Transform, angle_between, same_hemisphere};
 use carrier::Carrier;
 use similarity::Similarity;
 use trajectory::Trajectory;
@@ -365,7 +364,7 @@ mod tests {
     use std::f32::consts::TAU;
 
     /// A root node, hips below it, and another node below the root that nothing moves.
-    fn figure(root_scale: Vec3) -> (Character, articula_core::articulation::Articulation) {
+    fn figure(root_scale: Vec3) -> (Character, articula_core::Articulation) {
         let (mut character, articulation) = bar(3);
         let joints = &mut character.skeleton.joints;
         joints[0].in_skin = false;

@@ -1,7 +1,7 @@
 //! Transforms that keep shapes: a turn, one scale, an offset; in double precision, because
 //! inverses of armatures of scale 100 are multiplied with what they are inverse to.
 
-use articula_core::math::Transform;
+use articula_core::Transform;
 use glam::{DQuat, DVec3};
 use std::ops::Mul;
 

@@ -4,14 +4,8 @@
 //! `spec/motion-lod.md` 3.1.
 
 use crate::character::Asset;
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::loa::JointSet;
-use articula_core::math::angle_between;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::sample::{Wrap, sample};
-use articula_core::thesis_metric::ErrorMatrix;
+use crate::motion_error::thesis_metric::ErrorMatrix;
+use articula_core::{Clip, JointSet, ModelPose, Rig, Wrap, angle_between, local_to_model, sample};
 use glam::{Quat, Vec3};
 
 /// Which direction's change is the position term.

@@ -42,7 +42,7 @@ fn rest_place(skeleton: &Skeleton, joint: usize) -> Vec3A {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::math::Transform;
+    use articula_core::Transform;
     use articula_core::source::Joint;
     use glam::Vec3;
 

@@ -11,7 +11,7 @@ use super::super::vrm::facing::{faces_back, parents, rest};
 use super::super::write::WriteError;
 use super::{CHARACTER, REFERENCE_POSE, SKELETON_MAPPING};
 use crate::profile::is_vrm_bone;
-use articula_core::math::Transform;
+use articula_core::Transform;
 use articula_core::source::{Channel, Clip, Credits, Interpolation, Property};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;

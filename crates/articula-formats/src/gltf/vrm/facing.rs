@@ -7,7 +7,7 @@
 
 use super::super::append::index;
 use super::super::place::Place;
-use articula_core::math::Transform;
+use articula_core::Transform;
 use articula_core::source::{Channel, Character, Property};
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use serde_json::Value;

@@ -18,10 +18,9 @@ use super::names::Names;
 use super::zero::{ZeroPose, zero_pose};
 use crate::error::Warning;
 use crate::x3d::placement::Similarity;
-use articula_core::articulation::Articulation;
 use articula_core::hanim_table;
-use articula_core::math::Transform;
 use articula_core::source::{Character, Property};
+use articula_core::{Articulation, Transform};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Quat, Vec3};
 use std::collections::HashSet;
 

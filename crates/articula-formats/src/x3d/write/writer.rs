@@ -8,7 +8,7 @@ use super::shapes::Shapes;
 use super::tracks::{self, Driven, axis_angle};
 use crate::error::Warning;
 use crate::x3d::Site;
-use articula_core::articulation::Articulation;
+use articula_core::Articulation;
 use articula_core::source::{Character, Credits, Property};
 use glam::{DQuat, Vec3};
 use thiserror::Error;

@@ -22,9 +22,7 @@ mod arrays;
 mod avx2;
 
 use anyhow::{Result, ensure};
-use articula_core::clip::{Clip, Track};
-use articula_core::loa::JointSet;
-use articula_core::rig::Rig;
+use articula_core::{Clip, JointSet, Rig, Track};
 use glam::{Quat, Vec3};
 
 /// Characters in a batch.

@@ -5,9 +5,7 @@ use super::{Bench, Line, Report, evaluation};
 use crate::measure::{Contestant, race};
 use anyhow::Result;
 use articula_build::scene::plaza;
-use articula_core::clip_set::{ClipSet, Storage};
-use articula_core::ladder::Ladder;
-use articula_core::palette::{PaletteForm, PaletteMap};
+use articula_core::{ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
 
 /// Ways through a clip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -18,8 +18,7 @@ use crate::measure::Timing;
 use anyhow::{Context, Result};
 use articula_build::Asset;
 use articula_build::scene::plaza;
-use articula_core::Backend;
-use articula_core::clip::Clip;
+use articula_core::{Backend, Clip};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 

@@ -3,13 +3,10 @@
 use super::Bench;
 use crate::measure::Contestant;
 use anyhow::Result;
-use articula_core::batch::{BatchEvaluator, Scratch, Shown};
-use articula_core::clip_set::ClipSet;
-use articula_core::hierarchy::local_to_model;
-use articula_core::palette::{PaletteForm, PaletteMap, PaletteRows};
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample};
-use articula_core::{Backend, LANES};
+use articula_core::batch::{BatchEvaluator, LANES, Scratch, Shown};
+use articula_core::{
+    Backend, ClipSet, ModelPose, PaletteForm, PaletteMap, PaletteRows, Wrap, local_to_model, sample,
+};
 use std::hint::black_box;
 
 /// Memory for the palettes of a crowd.

@@ -10,10 +10,7 @@ use crate::peers::ranks::{Beyond, Moment, Rank, Ranks};
 use anyhow::{Context, Result};
 use articula_build::evaluate::Points;
 use articula_build::scene::{Member, PLAZA_COUNT, Scene, plaza};
-use articula_core::clip_set::{ClipSet, Storage};
-use articula_core::ladder::Ladder;
-use articula_core::palette::{PaletteForm, PaletteMap};
-use articula_core::view::Camera;
+use articula_core::{Camera, ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
 use glam::Vec3;
 
 /// Skin points of a character that are watched.

@@ -4,12 +4,9 @@ use super::access::Access;
 use super::{Bench, Line, Report};
 use crate::measure::{Contestant, race};
 use anyhow::Result;
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::skin_groups::{GroupedSkin, rows};
+use articula_core::{
+    GroupedSkin, Mesh, ModelPose, SkinnedMesh, Wrap, local_to_model, palette, sample, skin,
+};
 use glam::Affine3A;
 use std::hint::black_box;
 
@@ -99,7 +96,7 @@ fn follower<'a>(bench: &'a Bench, mesh: &'a Mesh, way: Way) -> Contestant<'a> {
                 Way::PoseAlone => {}
                 Way::Plain => skin(mesh, &matrices, &mesh.morph_weights, &mut out),
                 Way::Grouped => {
-                    rows(&matrices, &mut matrix_rows);
+                    GroupedSkin::rows(&matrices, &mut matrix_rows);
                     grouped.skin(grouped.rest(), &matrix_rows, &mut out);
                 }
             }

@@ -7,22 +7,15 @@ use articula_build::motion_bounds;
 use articula_build::scene::{Member, Scene};
 use articula_build::{CacheOptions, cached_poses};
 use articula_build::{LevelOptions, merged_levels};
-use articula_core::Backend;
-use articula_core::blend::blend;
 use articula_core::budget::{CostModel, Policy};
-use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::crowd::{
     CacheUse, Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, Player, Sight, Voice,
 };
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::palette::{PaletteForm, PaletteRows};
-use articula_core::pose::ModelPose;
-use articula_core::pose_cache::CachedRows;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{palette, skin_points};
-use articula_core::view::Camera;
 use articula_core::visibility::View;
+use articula_core::{
+    Backend, CachedRows, Camera, ClipSet, Mesh, ModelPose, PaletteForm, PaletteRows, Storage, Wrap,
+    blend, local_to_model, palette, sample, skin_points,
+};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
 /// Time from frame to frame.

@@ -2,13 +2,11 @@
 
 use anyhow::{Context, Result};
 use articula_build::source_rate_hz;
-use articula_core::articulation::{Articulation, JointArticulation};
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::{Character, Clip, Joint, Property, evaluate};
+use articula_core::{
+    Articulation, JointArticulation, LocalPose, Mesh, ModelPose, Rig, SkinnedMesh, local_to_model,
+    palette, skin,
+};
 use std::collections::{HashMap, VecDeque};
 
 /// Most frames of a clip whose joints are compared; they are spread evenly.
@@ -191,7 +189,7 @@ impl<'a> Side<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::math::Transform;
+    use articula_core::Transform;
     use articula_formats::profile;
     use glam::Vec3;
 

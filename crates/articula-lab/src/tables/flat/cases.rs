@@ -5,7 +5,7 @@ use articula_build::ClipOptions;
 use articula_build::decimate;
 use articula_build::{Asset, character};
 use articula_core::source::{Character, Clip as SourceClip, Property};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{Camera, Viewport};
 use articula_flat::appearance::Appearance;
 use articula_flat::frame::Bounds;
 use articula_flat::planar::bake::{BakeOptions, Lamp, Subject, Turn, bake};

@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use articula_build::ClipOptions;
 use articula_build::decimate;
 use articula_build::{Asset, character};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{Camera, Viewport};
 use articula_flat::appearance::Appearance;
 use articula_flat::frame::Bounds;
 use articula_flat::planar::bake::{Subject, Turn};

@@ -12,9 +12,8 @@ use articula_build::{
     LevelOptions, far_levels, far_order, joint_ladder, levels_of, mean_pose, merged_levels,
     named_ladder,
 };
-use articula_core::ladder::Ladder;
-use articula_core::level_error::LevelErrors;
 use articula_core::loa::Expression;
+use articula_core::{Ladder, LevelErrors};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 

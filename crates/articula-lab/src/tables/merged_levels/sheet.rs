@@ -3,14 +3,9 @@
 use anyhow::{Context, Result};
 use articula_build::Asset;
 use articula_build::{LevelOptions, merged_levels};
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::view::Viewport;
+use articula_core::{
+    Clip, Mesh, ModelPose, Rig, SkinnedMesh, Viewport, Wrap, local_to_model, palette, sample, skin,
+};
 use articula_flat::Picture;
 use articula_flat::appearance::Appearance;
 use articula_flat::codec;

@@ -4,7 +4,7 @@ use crate::subdivide::subdivide;
 use anyhow::{Context, Result};
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
-use articula_core::articulation::Articulation;
+use articula_core::Articulation;
 use articula_core::source::Character;
 use articula_formats::{Limits, gltf, profile};
 use glam::Vec3;

@@ -5,7 +5,7 @@ use super::contestants::{Contestant, Made, Posed, levels};
 use anyhow::Result;
 use articula_build::LevelTriangles;
 use articula_build::surface_distance::{DistanceOptions, surface_distances};
-use articula_core::level_table::SurfaceError;
+use articula_core::SurfaceError;
 use rayon::prelude::*;
 
 /// Lines of the picture that the figure fills.

@@ -4,7 +4,7 @@ use crate::open::{self, Content};
 use anyhow::{Context, Result, bail};
 use articula_build::retarget::{Figure, RetargetOptions, Retargeted, retarget};
 use articula_build::source_rate_hz;
-use articula_core::articulation::Articulation;
+use articula_core::Articulation;
 use articula_core::source::{Character, Clip};
 use articula_formats::mpeg4::bap;
 use articula_formats::profile;

@@ -16,7 +16,7 @@ use articula_build::expression::bake;
 use articula_build::retarget::{
     self, Figure, Origin, Pinning, RetargetOptions, RetargetReport, Retargeter,
 };
-use articula_core::articulation::Articulation;
+use articula_core::Articulation;
 use articula_core::source::{Clip, Skeleton};
 use clap::ValueEnum;
 use serde::Serialize;

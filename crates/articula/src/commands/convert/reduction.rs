@@ -8,9 +8,8 @@ use crate::prepared::articulation_of;
 use crate::{fault, files};
 use anyhow::Context;
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::JointSet;
-use articula_core::loa::selection::with_ancestors;
-use articula_core::rig::Rig;
+use articula_core::loa::with_ancestors;
+use articula_core::{JointSet, Rig};
 use articula_formats::{Limits, loa_profile};
 use serde::Serialize;
 

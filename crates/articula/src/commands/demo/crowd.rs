@@ -9,10 +9,8 @@ use crate::crowd::{picture, tiers::Tier};
 use anyhow::Context;
 use articula_build::Asset;
 use articula_build::scene::{Scene, plaza};
-use articula_core::Backend;
-use articula_core::clip_set::Storage;
 use articula_core::crowd::CacheUse;
-use articula_core::palette::PaletteForm;
+use articula_core::{Backend, PaletteForm, Storage};
 use articula_flat::codec;
 use serde::Serialize;
 

@@ -155,7 +155,7 @@ fn over_clips(
 fn levels_of(prepared: &Prepared) -> Vec<Level> {
     let rig = &prepared.asset.rig;
     let clips = &prepared.loaded.character.clips;
-    articula_core::articulation::Complexity::ALL
+    articula_core::Complexity::ALL
         .into_iter()
         .rev()
         .map(|level| Level::new(level, rig, clips))

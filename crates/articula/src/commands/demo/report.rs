@@ -9,11 +9,10 @@ use crate::play::costs::Costs;
 use crate::play::rows::{Row, Table};
 use crate::play::saved::{Amount, Saving};
 use crate::prepared::Prepared;
-use articula_core::articulation::Complexity;
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::selection;
-use articula_core::rig::Rig;
+use articula_core::loa;
 use articula_core::source;
+use articula_core::{Complexity, Rig};
 use serde::Serialize;
 
 /// Everything that one run of the demo found.
@@ -86,7 +85,7 @@ pub(super) struct Level {
 impl Level {
     /// What the level leaves of some clips.
     pub(super) fn new(level: Complexity, rig: &Rig, clips: &[source::Clip]) -> Self {
-        let active = selection::complexity(rig, level);
+        let active = loa::complexity(rig, level);
         let saving = Saving::new(rig, clips, &active, PassivePolicy::KeyPose);
         Self {
             name: level.name(),
@@ -120,7 +119,7 @@ impl Report {
             clip: super::CLIP.to_owned(),
             target_px: TARGET_PX,
             joints_moving: moving.map_or(0, |m| m.len()),
-            frames: clip.map_or(0, articula_core::clip::Clip::frames),
+            frames: clip.map_or(0, articula_core::Clip::frames),
             methods: tables
                 .iter()
                 .map(|t| MethodRows {

@@ -8,7 +8,7 @@ use crate::flat::HeadShot;
 use crate::prepared::Prepared;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_core::view::Viewport;
+use articula_core::Viewport;
 use articula_flat::flatten::{Entry, Sizes};
 use articula_flat::portrait::document::PictureFormat;
 use articula_flat::portrait::page::{Enclosed, PageOptions, page};

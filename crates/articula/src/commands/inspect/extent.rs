@@ -4,10 +4,9 @@
 //! after skinning; without a mesh they are taken around the joints.
 
 use articula_build::Asset;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::{
+    LocalPose, ModelPose, SkinnedMesh, Wrap, local_to_model, palette, sample, sample_morphs, skin,
+};
 use glam::{Affine3A, Vec3};
 use serde::Serialize;
 

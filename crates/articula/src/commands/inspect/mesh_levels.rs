@@ -1,9 +1,8 @@
 //! The mesh levels that a file brings: how many triangles, how far off, which ranges.
 
 use crate::table::Table;
-use articula_core::clustered::ClusteredTriangles;
-use articula_core::level_table::LevelTable;
 use articula_core::source;
+use articula_core::{ClusteredTriangles, LevelTable};
 use serde::Serialize;
 
 /// A coarser form of one mesh.
@@ -69,9 +68,7 @@ pub(super) fn of_mesh(mesh: &source::Mesh) -> Vec<MeshLevel> {
 
 fn clustered(parts: &[ClusteredTriangles], level: usize) -> MeshLevel {
     let all = || parts.iter().map(|p| &p.clusters);
-    let ranges = |c: &articula_core::clustered::Clusters| {
-        c.ranges(level).map(|r| [r.start, r.end]).collect()
-    };
+    let ranges = |c: &articula_core::Clusters| c.ranges(level).map(|r| [r.start, r.end]).collect();
     MeshLevel {
         triangles: all().map(|c| c.triangles(level) as usize).sum(),
         vertices: all().map(|c| c.vertices(level) as usize).sum(),
@@ -85,7 +82,7 @@ pub(super) fn of(table: &LevelTable, meshes: &[source::Mesh]) -> Levels {
     let finite = |metres: f32| metres.is_finite().then_some(metres);
     let parts = || meshes.iter().flat_map(|m| &m.clustered);
     let rows = table.levels.iter().enumerate().rev();
-    let level = |(l, row): (usize, &articula_core::level_table::LevelRow)| Level {
+    let level = |(l, row): (usize, &articula_core::LevelRow)| Level {
         level: l,
         triangles: row.triangles,
         vertices: row.vertices,
@@ -132,7 +129,7 @@ pub(super) fn millimetres(metres: Option<f32>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::clustered::{Cluster, Clusters};
+    use articula_core::{Cluster, Clusters};
 
     #[test]
     fn ranges_are_those_of_each_part() {

@@ -1,8 +1,7 @@
 //! Which joints belong together: one skeleton for each group that a skin or a parent joins.
 
-use articula_core::loa::JointSet;
-use articula_core::rig::Rig;
 use articula_core::source::Character;
+use articula_core::{JointSet, Rig};
 
 /// The skin joints of a character in groups, by their first joint.
 ///

@@ -79,7 +79,7 @@ fn levels(stream: &MeshStream, received: &Receiver) -> Vec<Level> {
     let objects = || 0..stream.objects.len();
     let there = objects().map(|o| received.levels(o)).min().unwrap_or(0);
     let rows = stream.levels.levels.iter().enumerate().rev();
-    let level = |(l, row): (usize, &articula_core::level_table::LevelRow)| Level {
+    let level = |(l, row): (usize, &articula_core::LevelRow)| Level {
         level: stream.first_level + l,
         triangles: row.triangles,
         vertices: row.vertices,
