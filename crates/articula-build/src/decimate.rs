@@ -81,7 +81,7 @@ mod tests {
     use super::*;
     use crate::character::character;
     use crate::clip::ClipOptions;
-    use crate::human::{HumanOptions, human};
+    use articula_human::{HumanOptions, human};
 
     fn asset() -> Asset {
         let source = human(&HumanOptions { triangles: 2000 }).unwrap();

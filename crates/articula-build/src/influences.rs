@@ -10,7 +10,7 @@ const WEIGHT_STEPS: f32 = 4096.0;
 ///
 /// Of equal weights the smaller index stays. What is left is in the order of falling weight if
 /// anything was cut, and untouched otherwise. At least one stays.
-pub fn keep_largest(influences: &mut Vec<(u16, f32)>, count: usize) {
+pub(crate) fn keep_largest(influences: &mut Vec<(u16, f32)>, count: usize) {
     let count = count.max(1);
     if influences.len() <= count {
         return;
@@ -37,7 +37,7 @@ pub fn keep_largest(influences: &mut Vec<(u16, f32)>, count: usize) {
 /// Gives the largest share of a vertex's weight that was cut. In any pose a vertex moves by at
 /// most that share of the distance between the places where its joints, each alone, would take
 /// it. O(vertices).
-pub fn limit(mesh: &mut Mesh, most: usize) -> f32 {
+pub(crate) fn limit(mesh: &mut Mesh, most: usize) -> f32 {
     let (before, most) = (mesh.influences, most.max(1));
     if before <= most {
         return 0.0;

@@ -1,50 +1,80 @@
 //! What is prepared before the frame: everything slow happens here, once per character.
 //!
 //! - [`character`]: the recipe, from a source character to rig, mesh and clips
-//! - [`clip`]: keyed channels to a uniform rate
 //! - [`clip_edit`]: source clips trimmed, looped, thinned out before anything else
-//! - [`clusters`]: the levels of a mesh put together as ranges of one object
-//! - [`decimate`]: one coarser list of triangles, for one clip and what is seen of it
-//! - [`expression`]: expressions written out as morph weights and joint transforms
-//! - [`figure_levels`]: levels of joints and mesh that are shown together
-//! - [`human`]: the procedural reference human
-//! - [`influences`]: fewer joints for each vertex
-//! - [`ladder`]: merged levels of a crowd: joint order, skins and errors of every level
-//! - [`motion_bounds`]: what holds a character in each second of each clip
-//! - [`motion_error`]: levers, error matrices, key tables for every metric
-//! - [`occluders`]: what of a body hides others through a clip
-//! - [`pose_cache`]: pose keys of all clips and levels, baked into one cache
-//! - [`poses`]: poses to simplify a mesh by, and others to measure it on
-//! - [`reduce`]: a motion saved at a level of articulation
+//! - [`joint_names`]: what the joints of a skeleton are, told by their names
 //! - [`retarget`]: a motion of one skeleton put onto another
+//! - [`expression`]: expressions written out as morph weights and joint transforms
+//! - [`motion_error`]: levers, contacts and nested keys for the error of a motion
+//! - [`merged_levels`]: merged levels of a crowd: joint order, skins and errors of every level
+//! - [`simplify`], [`decimate`], [`cluster`], [`mesh_levels`]: fewer triangles for a character that
+//!   moves, in levels that are ranges of one object
+//! - [`surface_distance`]: how far a mesh level lies from the original, at rest and in motion
+//! - [`figure_levels`]: levels of joints and mesh that are shown together
+//! - [`cached_poses`], [`motion_bounds`], [`occluders`]: what a crowd reads instead of working it out
+//! - [`reduce`]: a motion saved at a level of articulation
 //! - [`evaluate`]: a clip played under a method, its gain and its error in pixels
-//! - [`simplify`]: fewer triangles for a character that moves, in chained levels
 //! - [`scene`]: who stands where in a crowd, and where its camera goes
-//! - [`surface_distance`]: how far a mesh level lies from the original surface, at rest and in motion
 //!
-//! What is deliberately absent: files, clocks, and any call from a frame.
+//! ```
+//! use articula_build::{ClipOptions, SimplifyOptions, character, simplify};
+//! use articula_human::{HumanOptions, human};
+//!
+//! let source = human(&HumanOptions { triangles: 2_000 })?;
+//! let asset = character(&source, None, &ClipOptions::default())?;
+//! let options = SimplifyOptions {
+//!     targets: vec![1.0, 0.5],
+//!     ..SimplifyOptions::default()
+//! };
+//! let rest = [asset.mesh.positions.clone()];
+//! let levels = simplify(&asset.mesh, &rest, &options)?.levels;
+//! assert_eq!(levels[0].triangles.len(), asset.mesh.triangles.len() / 2);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! What is deliberately absent: files, clocks, threads, and any call from a frame.
 
-pub mod character;
-pub mod clip;
 pub mod clip_edit;
-pub mod clusters;
-pub mod decimate;
 pub mod evaluate;
 pub mod expression;
-pub mod figure_levels;
-pub mod human;
-pub mod influences;
-pub mod ladder;
-pub mod mesh_levels;
-pub mod motion_bounds;
+pub mod joint_names;
 pub mod motion_error;
-pub mod occluders;
-pub mod pose_cache;
-pub mod poses;
-pub mod reduce;
 pub mod retarget;
 pub mod scene;
-pub mod simplify;
 pub mod surface_distance;
 
+mod character;
+mod clip;
+mod clusters;
+mod decimate;
+mod figure_levels;
+mod influences;
+mod ladder;
+mod mesh_levels;
+mod motion_bounds;
+mod occluders;
+mod pose_cache;
+mod poses;
+mod reduce;
+mod simplify;
 mod split_mix;
+
+pub use character::{Asset, character};
+pub use clip::{ClipOptions, resample, source_rate_hz};
+pub use clusters::{Clustered, Order, cluster};
+pub use decimate::decimate;
+pub use figure_levels::{FigureLevel, FigureLevels, figure_levels};
+pub use ladder::{
+    FarLevels, LevelOptions, LevelSkin, LevelSkins, MergedLevels, far_levels, far_order,
+    joint_ladder, level_errors, level_skins, levels_of, mean_pose, merged_levels, named_ladder,
+    skin_of,
+};
+pub use mesh_levels::{MeasuredOn, MeshLevelOptions, MeshLevels, mesh_levels};
+pub use motion_bounds::motion_bounds;
+pub use occluders::occluders;
+pub use pose_cache::{CacheOptions, CacheReport, CachedPoses, Fate, cached_poses};
+pub use poses::{Origin, PoseOptions, PoseSource, Poses, SkinPose, poses, positions};
+pub use reduce::{MotionSize, motion_size, reduce};
+pub use simplify::{
+    LevelTriangles, Simplified, SimplifyOptions, Weighting, region_weights, simplify,
+};

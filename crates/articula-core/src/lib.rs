@@ -42,6 +42,7 @@
 //! - [`visibility`]: which bodies are seen, soon may be, and how large
 //! - [`batch`]: eight characters at once, from cursors to palettes
 //! - [`loa`]: levels of articulation: selectors, their combination and the expression language
+//! - [`joint_names`]: what the joint names of a kind of rig mean, as values
 //! - [`joint_state`]: active and passive joints, and the transitions between them
 //! - [`hanim_table`], [`fap_table`]: the joints of the standard humanoid, and the parameters of its
 //!   face
@@ -60,6 +61,7 @@ pub mod budget;
 pub mod crowd;
 pub mod fap_table;
 pub mod hanim_table;
+pub mod joint_names;
 pub mod joint_state;
 pub mod loa;
 pub mod source;

@@ -1,3 +1,5 @@
+//! One figure: its skin, posed by its first clip.
+
 use articula::{Figure, PosedMesh, SkinnedMesh, Wrap, sample_morphs};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

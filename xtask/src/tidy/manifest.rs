@@ -171,6 +171,11 @@ mod tests {
         assert_eq!(faults("articula-build", renamed), 1);
         let renamed = "[dependencies.flat]\npackage = \"articula-flat\"\n";
         assert_eq!(faults("articula-build", renamed), 1);
+        let to_build = "[dependencies]\narticula-build.workspace = true\n";
+        assert_eq!(faults("articula-human", to_build), 0);
+        assert_eq!(faults("articula-human", sibling), 1);
+        let to_human = "[dependencies]\narticula-human.workspace = true\n";
+        assert_eq!(faults("articula-build", to_human), 1);
     }
 
     #[test]

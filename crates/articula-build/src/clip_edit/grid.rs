@@ -4,7 +4,7 @@ use super::channel::SAME_SECS;
 use articula_core::source::Clip;
 
 /// Least rate of the grid that an edit is verified on.
-pub const VERIFIED_HZ: f32 = 120.0;
+pub(super) const VERIFIED_HZ: f32 = 120.0;
 
 /// All key times of some clips, the ticks of [`VERIFIED_HZ`] up to `end_secs`, and the middle
 /// between two keys that are nearer than these.

@@ -1,10 +1,10 @@
 //! Clips made clean before anything else is done with them.
 //!
 //! - [`trim`]: a part of a clip, its keys at both cuts exact
-//! - [`rate`]: every channel keyed at one rate
-//! - [`cycle`]: the part that loops, and its ends made to meet
-//! - [`root_motion`]: the way over the ground apart from the rest
-//! - [`key_reduction`]: fewer keys, with a bound in metres of the character
+//! - [`resample`]: every channel keyed at one rate
+//! - [`find`], [`close`]: the part that loops, and its ends made to meet
+//! - [`split`]: the way over the ground apart from the rest
+//! - [`reduce_keys`]: fewer keys, with a bound in metres of the character
 //!
 //! All of them take a source clip and give a source clip. What is done is stated in numbers.
 
@@ -16,11 +16,15 @@ mod subject;
 #[cfg(test)]
 mod test_clips;
 
-pub mod cycle;
-pub mod key_reduction;
-pub mod rate;
-pub mod root_motion;
-pub mod trim;
+mod cycle;
+mod key_reduction;
+mod rate;
+mod root_motion;
+mod trim;
 
-pub use grid::VERIFIED_HZ;
+pub use cycle::{CloseOptions, Closed, Cycle, FindOptions, Found, LEAST_SCORE, close, find};
+pub use key_reduction::{ReduceOptions, Reduced, reduce_keys};
+pub use rate::resample;
+pub use root_motion::{RootMotion, RootMotionMode, RootMotionOptions, TrajectoryKey, split};
 pub use subject::Subject;
+pub use trim::trim;

@@ -1,7 +1,8 @@
 //! The best parameter of a method under an error limit: calibrate, then compare.
 
 use super::method::Method;
-use super::stage::{Stage, Trial, play};
+use super::playbacks::play;
+use super::stage::{Stage, Trial};
 
 /// Parameters that a sweep tries, from gentle to harsh: 24 or 26 geometric steps, as in the
 /// published numbers; every whole number of frames up to 26; every level.

@@ -8,17 +8,22 @@
 //! The gate is on rotations ("orientation updates", thesis 5.2); local translations, scales,
 //! the root and morph weights always follow the clip.
 
+mod baselines;
 mod calibrate;
 mod camera_path;
 mod method;
+mod playbacks;
 mod points;
 mod pose_keys;
 mod stage;
 
+pub use baselines::thesis::{Direction, Radius, ThesisOptions};
+pub use baselines::thesis_metric::{Threshold, ThresholdCurve};
 pub use calibrate::{calibrate, parameters, sweep};
 pub use camera_path::{CameraKey, PathFrame, PathRun, camera_at, play_camera_path};
 pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
+pub use playbacks::play;
 pub use points::Points;
 pub(crate) use points::draw_vertices;
 pub use pose_keys::{pose_key_frames, uniform_key_frames};
-pub use stage::{ErrorMetres, ErrorPx, Row, Setup, Stage, Trial, play};
+pub use stage::{ErrorMetres, ErrorPx, Row, Setup, Stage, Trial};

@@ -1,13 +1,13 @@
 //! The set-up of an evaluation, the truth of a clip, and the statistics of one run.
 
-use super::method::{Method, MethodOptions, Playback, playbacks};
+use super::baselines::thesis::error_matrix;
+use super::baselines::thesis_metric::ErrorMatrix;
+use super::method::{Method, MethodOptions, Playback};
 use super::points::Points;
 use crate::character::Asset;
 use crate::motion_error::bounds::moving_joints;
 use crate::motion_error::contacts::{Contact, contacts};
 use crate::motion_error::levers::levers;
-use crate::motion_error::thesis::error_matrix;
-use crate::motion_error::thesis_metric::ErrorMatrix;
 use articula_core::{
     Clip, JointLever, JointSet, LocalPose, ModelPose, Viewport, Wrap, local_to_model, percentile,
     sample,
@@ -150,7 +150,7 @@ impl<'a> Stage<'a> {
     }
 
     /// Unit directions from the figure to each camera.
-    pub fn view_directions(&self) -> impl Iterator<Item = Vec3> + '_ {
+    pub(crate) fn view_directions(&self) -> impl Iterator<Item = Vec3> + '_ {
         self.setup.azimuths_deg.iter().map(|a| {
             let (sin, cos) = a.to_radians().sin_cos();
             Vec3::new(sin, 0.0, cos)
@@ -217,7 +217,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    fn trial(&self, parameter: f32, playbacks: &[Playback]) -> Trial {
+    pub(super) fn trial(&self, parameter: f32, playbacks: &[Playback]) -> Trial {
         let count = playbacks.len().max(1) as f32;
         let frames = (self.truth.len() - 1).max(1) as f32;
         let mean = |of: &dyn Fn(&Playback) -> usize| {
@@ -317,12 +317,6 @@ impl<'a> Stage<'a> {
         }
         out
     }
-}
-
-/// Plays a method at one parameter.
-pub fn play(stage: &Stage<'_>, method: &Method, parameter: f32) -> (Trial, Vec<Playback>) {
-    let playbacks = playbacks(stage, method, parameter);
-    (stage.trial(parameter, &playbacks), playbacks)
 }
 
 fn models(asset: &Asset, locals: &[Quat]) -> Vec<Quat> {

@@ -2,10 +2,10 @@
 //!
 //! Source: `spec/motion-lod.md` 4.3 and 8; definitions in `docs/metrics.md`.
 
-use super::measure::{Poser, measure, skin_part};
+use super::measure::{Poser, measure};
 use super::moments::{model_of, pose_of, share_frames, spread_frames};
 use super::prefixes::Prefixes;
-use super::skins::{LevelSkin, LevelSkins, placed_skins};
+use super::skins::{LevelSkin, LevelSkins, placed_skins, skin_part};
 use super::watch::{Watched, skin_of};
 use super::{LevelOptions, check, check_ladder};
 use crate::character::Asset;

@@ -1,11 +1,10 @@
 //! How far skins of coarser levels lie from the full character, in motion.
 
 use super::moments::{model_of, pose_of, share_frames, spread_frames};
-use super::skins::LevelSkin;
 use super::watch::Watched;
 use crate::character::Asset;
 use articula_core::percentile;
-use articula_core::{Binding, Mesh, ModelPose, palette, skin_points};
+use articula_core::{Mesh, ModelPose, palette, skin_points};
 use glam::{Affine3A, Vec3};
 
 /// Error of one skin: the greatest over frames.
@@ -23,31 +22,6 @@ impl Tally {
             percentile_metres: self.percentile_metres.max(other.percentile_metres),
             worst_metres: self.worst_metres.max(other.worst_metres),
         }
-    }
-}
-
-/// Some vertices of a level's skin alone.
-pub(crate) fn skin_part(skin: &LevelSkin, bindings: &[Binding], vertices: &[u32]) -> Mesh {
-    let of = |v: &u32| {
-        let first = *v as usize * skin.influences;
-        first..first + skin.influences
-    };
-    Mesh {
-        positions: vertices
-            .iter()
-            .map(|v| skin.positions[*v as usize])
-            .collect(),
-        influences: skin.influences,
-        binding_indices: vertices
-            .iter()
-            .flat_map(|v| skin.binding_indices[of(v)].iter().copied())
-            .collect(),
-        weights: vertices
-            .iter()
-            .flat_map(|v| skin.weights[of(v)].iter().copied())
-            .collect(),
-        bindings: bindings.to_vec(),
-        ..Mesh::default()
     }
 }
 

@@ -1,7 +1,7 @@
 //! The skin of every level, all on one palette.
 
 use super::fold::{Correction, fold};
-use super::measure::{Tally, measure, skin_part};
+use super::measure::{Tally, measure};
 use super::plan::Plan;
 use super::prefixes::Prefixes;
 use super::watch::Watched;
@@ -84,6 +84,31 @@ impl LevelSkins {
             morph_weights: full.morph_weights.clone(),
             morph_slots: full.morph_slots.clone(),
         }
+    }
+}
+
+/// Some vertices of a level's skin alone.
+pub(crate) fn skin_part(skin: &LevelSkin, bindings: &[Binding], vertices: &[u32]) -> Mesh {
+    let of = |v: &u32| {
+        let first = *v as usize * skin.influences;
+        first..first + skin.influences
+    };
+    Mesh {
+        positions: vertices
+            .iter()
+            .map(|v| skin.positions[*v as usize])
+            .collect(),
+        influences: skin.influences,
+        binding_indices: vertices
+            .iter()
+            .flat_map(|v| skin.binding_indices[of(v)].iter().copied())
+            .collect(),
+        weights: vertices
+            .iter()
+            .flat_map(|v| skin.weights[of(v)].iter().copied())
+            .collect(),
+        bindings: bindings.to_vec(),
+        ..Mesh::default()
     }
 }
 

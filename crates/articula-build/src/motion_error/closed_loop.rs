@@ -9,7 +9,7 @@ use glam::Quat;
 
 /// Local rotations shown at each frame, and which joints were renewed.
 #[derive(Debug, Clone, Default)]
-pub struct ClosedLoop {
+pub(crate) struct ClosedLoop {
     /// `shown[frame][joint]`.
     pub shown: Vec<Vec<Quat>>,
     /// Joints renewed at each frame; none at the first.
@@ -18,7 +18,12 @@ pub struct ClosedLoop {
 
 /// Plays true local rotations (`truth[frame][joint]`) holding each of `moving` while its
 /// model-space error stays within its `radians`.
-pub fn closed_loop(rig: &Rig, truth: &[&[Quat]], moving: &JointSet, radians: &[f32]) -> ClosedLoop {
+pub(crate) fn closed_loop(
+    rig: &Rig,
+    truth: &[&[Quat]],
+    moving: &JointSet,
+    radians: &[f32],
+) -> ClosedLoop {
     let mut out = ClosedLoop::default();
     let mut held: Vec<Quat> = truth.first().map_or_else(Vec::new, |first| first.to_vec());
     let mut true_model = held.clone();

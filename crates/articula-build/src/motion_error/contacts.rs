@@ -9,7 +9,7 @@ use glam::Vec3;
 use std::ops::Range;
 
 /// Attention multiplier of the tolerance on the chain from the root to a joint in contact.
-pub const CONTACT_ATTENTION: f32 = 0.25;
+pub(crate) const CONTACT_ATTENTION: f32 = 0.25;
 
 const SLOWER_THAN_METRES_PER_SEC: f32 = 0.15;
 const FOOT_WITHIN_METRES: f32 = 0.05;
@@ -71,7 +71,7 @@ pub fn contacts(asset: &Asset, clip: &Clip, hands: bool) -> Vec<Contact> {
 
 /// Attention of every joint at a frame: [`CONTACT_ATTENTION`] on the way from the root to a
 /// joint in contact, 1 elsewhere.
-pub fn attention(asset: &Asset, contacts: &[Contact], frame: usize, out: &mut [f32]) {
+pub(crate) fn attention(asset: &Asset, contacts: &[Contact], frame: usize, out: &mut [f32]) {
     out.fill(1.0);
     for contact in contacts.iter().filter(|c| c.frames.contains(&frame)) {
         let mut at = Some(contact.joint);

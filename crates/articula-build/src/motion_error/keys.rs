@@ -9,17 +9,17 @@ use glam::Quat;
 use std::f32::consts::PI;
 
 /// Most frames of a run that is found by trial. The clips of the published numbers have fewer.
-pub const LONGEST_RUN: usize = 512;
+pub(crate) const LONGEST_RUN: usize = 512;
 
 /// A greatest angle between rotations, tested on the chord between their quaternions: many
 /// times cheaper than the angle itself, and as exact where it is small.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Reach {
+pub(crate) struct Reach {
     chord_squared: f32,
 }
 
 impl Reach {
-    pub(super) fn new(radians: f32) -> Self {
+    pub(crate) fn new(radians: f32) -> Self {
         let half_chord = (0.25 * radians).sin();
         Self {
             chord_squared: if radians < PI {
@@ -31,12 +31,12 @@ impl Reach {
     }
 
     /// Whether the angle between two unit quaternions is less, or exactly this.
-    pub(super) fn covers(self, a: Quat, b: Quat) -> bool {
+    pub(crate) fn covers(self, a: Quat, b: Quat) -> bool {
         chord_squared(a, b) <= self.chord_squared
     }
 
     /// Whether the angle between two unit quaternions is less.
-    pub(super) fn exceeds(self, a: Quat, b: Quat) -> bool {
+    pub(crate) fn exceeds(self, a: Quat, b: Quat) -> bool {
         chord_squared(a, b) < self.chord_squared
     }
 }
@@ -48,7 +48,7 @@ fn chord_squared(a: Quat, b: Quat) -> f32 {
 
 /// A run of frames and the one rotation that it shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Segment {
+pub(crate) struct Segment {
     /// First frame of the run.
     pub start: usize,
     /// What is shown during the run.
@@ -58,7 +58,7 @@ pub struct Segment {
 /// Frames at which a held rotation is renewed: as soon as it is farther than `radians` from
 /// the frame's own. Frame 0 is always a key. `candidates` are frames that may be keys, rising;
 /// a coarser level passes the finer one's keys, and then its own are among them.
-pub fn hold_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32> {
+pub(crate) fn hold_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32> {
     let mut keys: Vec<u32> = candidates.first().copied().into_iter().collect();
     let mut next = 1;
     for frame in 0..values.len() {
@@ -80,7 +80,7 @@ pub fn hold_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32> 
 
 /// Frames between which a normalised linear blend stays within `radians` of every frame. Both
 /// ends are keys. `candidates` as for [`hold_keys`].
-pub fn linear_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32> {
+pub(crate) fn linear_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32> {
     let mut keys: Vec<u32> = candidates.first().copied().into_iter().collect();
     let reach = Reach::new(radians);
     // Twice that is the whole: what stays this close to the first key fits every blend.
@@ -110,7 +110,7 @@ pub fn linear_keys(values: &[Quat], radians: f32, candidates: &[u32]) -> Vec<u32
 
 /// Runs of frames that one rotation stands for within `radians`: half-way between the two
 /// frames of the run that differ most.
-pub fn pose_segments(values: &[Quat], radians: f32) -> Vec<Segment> {
+pub(crate) fn pose_segments(values: &[Quat], radians: f32) -> Vec<Segment> {
     let (reach, twice) = (Reach::new(radians), Reach::new(2.0 * radians));
     let mut segments = Vec::new();
     let mut start = 0;
@@ -142,7 +142,7 @@ pub fn pose_segments(values: &[Quat], radians: f32) -> Vec<Segment> {
 /// The rotation whose greatest angle to all values is least, nearly: half-way between the two
 /// values that differ most, or the best value where that fails (of many values, the best of some
 /// [`LONGEST_RUN`] of them).
-pub fn central_rotation(values: &[Quat]) -> Option<Quat> {
+pub(crate) fn central_rotation(values: &[Quat]) -> Option<Quat> {
     let first = *values.first()?;
     let farthest = |from: Quat| {
         values

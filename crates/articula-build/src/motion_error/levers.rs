@@ -50,7 +50,7 @@ pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
 /// For each joint, the most moving joints on the ways from the root to any vertex below it:
 /// what a tolerance must be divided by so that errors along a chain stay within it. Without a
 /// mesh, the ways to the joints themselves.
-pub fn chain_counts(rig: &Rig, mesh: &Mesh, moving: &articula_core::JointSet) -> Vec<usize> {
+pub(crate) fn chain_counts(rig: &Rig, mesh: &Mesh, moving: &articula_core::JointSet) -> Vec<usize> {
     let mut counts = vec![1; rig.len()];
     let mut count = |ends: &mut dyn Iterator<Item = usize>| {
         let mut chain = articula_core::JointSet::EMPTY;

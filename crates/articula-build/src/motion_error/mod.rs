@@ -1,23 +1,22 @@
 //! The first step of every motion error metric: what is worked out before a clip plays.
 //!
 //! - [`levers`]: how the skin hangs on each joint
-//! - [`bounds`]: speed bounds and shares for the drift controller
-//! - [`keys`]: keys of one joint at one tolerance, held, posed or blended
-//! - [`closed_loop`]: held keys in which children cancel their ancestors' error
-//! - [`tables`]: nested keys for a ladder of tolerances, and fingerprints
+//! - [`moving_joints`], [`joint_bounds`]: speed bounds and shares for the drift controller
+//! - [`key_table`]: nested keys for a ladder of tolerances, held, posed or blended, with [`hashes`]
 //! - [`pose_keys`]: whole-pose keys between which palettes blend
-//! - [`contacts`]: when feet and hands stand still
-//! - [`thesis`], [`ahn`]: the two metrics of the literature, as baselines
-//! - [`thesis_metric`]: the second step of the thesis' metric: threshold and switching
+//! - [`contacts`], [`intervals`]: when feet and hands stand still
 
-pub mod ahn;
-pub mod bounds;
-pub mod closed_loop;
-pub mod contacts;
-pub mod keys;
-pub mod levers;
-pub mod pose_keys;
+pub(crate) mod bounds;
+pub(crate) mod closed_loop;
+pub(crate) mod contacts;
+pub(crate) mod keys;
+pub(crate) mod levers;
+pub(crate) mod pose_keys;
 pub(crate) mod runs;
-pub mod tables;
-pub mod thesis;
-pub mod thesis_metric;
+pub(crate) mod tables;
+
+pub use bounds::{ChainShare, LeverKind, joint_bounds, moving_joints};
+pub use contacts::{Contact, contacts, intervals};
+pub use levers::levers;
+pub use pose_keys::pose_keys;
+pub use tables::{hashes, key_table};

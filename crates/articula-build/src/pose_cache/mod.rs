@@ -63,7 +63,7 @@ impl CacheOptions {
     /// What blending may cost at a level, by the errors of all levels of the clip: the share or
     /// the least, and where keys would stand too close for that, twice as much and again, as long
     /// as the two errors together stay below the next level's own.
-    pub fn tolerances_metres(&self, level: usize, levels_metres: &[f32]) -> Vec<f32> {
+    pub(crate) fn tolerances_metres(&self, level: usize, levels_metres: &[f32]) -> Vec<f32> {
         let own = levels_metres.get(level).copied().unwrap_or(0.0);
         let next = levels_metres.get(level + 1).copied().unwrap_or(0.0);
         let first = (self.share * own).max(self.least_metres * (1u32 << level) as f32);

@@ -140,8 +140,8 @@ fn hinge(asset: &Asset, model: &ModelPose, joint: usize, front: Vec3) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::human::{HumanOptions, human};
     use articula_core::angle_between;
+    use articula_human::{HumanOptions, human};
 
     fn someone() -> Asset {
         let source = human(&HumanOptions { triangles: 2000 }).unwrap();

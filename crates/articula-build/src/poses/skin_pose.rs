@@ -99,7 +99,7 @@ impl SkinPose {
     ///
     /// # Panics
     /// If the pose or the mesh is of another character.
-    pub fn positions_of(&self, asset: &Asset, mesh: &Mesh) -> Vec<Vec3> {
+    pub(crate) fn positions_of(&self, asset: &Asset, mesh: &Mesh) -> Vec<Vec3> {
         self.skinned(asset, mesh).positions
     }
 

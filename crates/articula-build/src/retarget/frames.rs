@@ -7,9 +7,12 @@
 //! Trunk, collars and face have the frame of the body: their rest poses stand upright.
 
 use super::body::Body;
-use super::hinge::Fronts;
 use super::rest::Rest;
 use glam::{Mat3, Quat, Vec3};
+use std::collections::BTreeMap;
+
+/// Fronts of the upper segments of limbs, at rest in model space, by their upper joint.
+pub(super) type Fronts = BTreeMap<usize, Vec3>;
 
 /// Sines of the bend of an elbow or knee at rest below which it tells nothing about its hinge,
 /// and above which it tells all: 5 and 15 degrees.

@@ -4,10 +4,10 @@
 //! elbows of the CMU figures bend 30 degrees above forward. Where the rest pose leaves it open,
 //! the bends of a clip decide.
 
+use super::frames::Fronts;
 use super::motion::Motion;
-use super::plan::Side;
+use super::side::Side;
 use glam::Vec3;
-use std::collections::BTreeMap;
 
 /// Mean sine of the bend that a clip must show at least: 12 degrees.
 const ENOUGH: f32 = 0.2;
@@ -15,9 +15,6 @@ const ENOUGH: f32 = 0.2;
 const STEADY: f32 = 0.9;
 /// Cosine between what is seen and what the rest pose suggests, at least: 75 degrees.
 const PLAUSIBLE: f32 = 0.26;
-
-/// Fronts of the upper segments of limbs, at rest in model space, by their upper joint.
-pub(super) type Fronts = BTreeMap<usize, Vec3>;
 
 /// What a motion shows of the hinges of its figure.
 pub(super) fn seen(source: &Side, motion: &Motion) -> Fronts {

@@ -3,8 +3,8 @@
 //! Source: the law of cosines; the way that every two-bone solver goes. The side to which the
 //! middle joint bends is kept.
 
-use super::plan::Side;
 use super::pose::Pose;
+use super::side::Side;
 use glam::{Quat, Vec3};
 
 /// Share of a limb's length that its end may be away from its start: just less than straight,

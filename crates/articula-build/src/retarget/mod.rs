@@ -29,6 +29,7 @@ mod pose;
 mod quality;
 mod report;
 mod rest;
+mod side;
 mod steps;
 mod tracks;
 mod transfer;

@@ -1,13 +1,15 @@
 //! Two figures compared once, and clips carried from one to the other.
 
-use super::hinge::{self, Fronts};
+use super::frames::Fronts;
+use super::hinge;
 use super::limb::Limb;
 use super::motion::Motion;
-use super::plan::{Plan, Side};
+use super::plan::Plan;
 use super::planted::{Goals, limbs};
 use super::pose::Pose;
 use super::quality::Gauge;
 use super::report::report;
+use super::side::Side;
 use super::steps::Steps;
 use super::tracks::Tracks;
 use super::transfer::Transfer;

@@ -1,6 +1,7 @@
 //! A pose of the target in model space: rotations from rest, and the places that follow.
 
-use super::plan::{Plan, Side};
+use super::plan::Plan;
+use super::side::Side;
 use glam::{Quat, Vec3, Vec3A};
 
 /// One frame of the target.

@@ -1,7 +1,8 @@
 //! What became of each joint, and how good a retargeted motion is.
 
-use super::plan::{Drive, Plan, Side};
+use super::plan::{Drive, Plan};
 use super::quality::Quality;
+use super::side::Side;
 use super::twist::Twists;
 
 /// Where a target joint's rotation comes from.

@@ -3,7 +3,7 @@
 use super::body::Leg;
 use super::contacts::{self, Contact};
 use super::motion::Motion;
-use super::plan::Side;
+use super::side::Side;
 use articula_core::rotation_vector;
 use glam::{Quat, Vec3};
 

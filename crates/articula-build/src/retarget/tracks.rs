@@ -1,7 +1,8 @@
 //! Frames of the target as a clip of keyed channels.
 
-use super::plan::{Drive, Plan, Side};
+use super::plan::{Drive, Plan};
 use super::pose::Pose;
+use super::side::Side;
 use articula_core::source::{Channel, Clip, Interpolation, Property};
 use articula_core::{angle_between, same_hemisphere};
 use glam::{Quat, Vec3};

@@ -3,8 +3,9 @@
 
 use super::limb::Limb;
 use super::motion::Motion;
-use super::plan::{Drive, Plan, Side, Source, swing};
+use super::plan::{Drive, Plan, Source, swing};
 use super::pose::Pose;
+use super::side::Side;
 use super::steps::{Steps, rest_floor};
 use articula_core::same_hemisphere;
 use glam::{Quat, Vec3};

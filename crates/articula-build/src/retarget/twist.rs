@@ -8,8 +8,9 @@
 //!
 //! Source: swing-twist decomposition of a rotation; the shares are by place along the limb.
 
-use super::plan::{Drive, Plan, Side, swing};
+use super::plan::{Drive, Plan, swing};
 use super::pose::Pose;
+use super::side::Side;
 use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
 

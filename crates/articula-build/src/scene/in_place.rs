@@ -5,7 +5,7 @@
 //! sway and the steps of a dance belong to it.
 
 use crate::clip_edit::Subject;
-use crate::clip_edit::root_motion::{RootMotionMode, RootMotionOptions, TrajectoryKey, split};
+use crate::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey, split};
 use articula_core::crowd::{RootPath, RootStep};
 use articula_core::source::Character;
 use articula_core::{Articulation, Clip, Mismatch};

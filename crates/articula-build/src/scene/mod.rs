@@ -7,7 +7,7 @@ mod in_place;
 mod plaza;
 
 pub use in_place::{Way, put_in_place, root_path};
-pub use plaza::{EYE_METRES, PLAZA_COUNT, Phases, SPACING_METRES, plaza, plaza_2};
+pub use plaza::{PLAZA_COUNT, Phases, plaza, plaza_2};
 
 use crate::evaluate::{CameraKey, camera_at};
 use articula_core::{Camera, Viewport};

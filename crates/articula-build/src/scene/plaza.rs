@@ -16,10 +16,10 @@ use std::f32::consts::TAU;
 pub const PLAZA_COUNT: usize = 10_000;
 
 /// From one character to its neighbours.
-pub const SPACING_METRES: f32 = 2.0;
+pub(crate) const SPACING_METRES: f32 = 2.0;
 
 /// Height of the camera.
-pub const EYE_METRES: f32 = 1.7;
+pub(crate) const EYE_METRES: f32 = 1.7;
 
 /// From the first row out to the camera.
 const OUTSIDE_METRES: f32 = 1.0;

@@ -50,13 +50,19 @@ pub(super) struct Simplifier<'a> {
     /// Region of each class; empty if there is but one.
     regions: Vec<u16>,
     seams_open: bool,
+    /// Whether each class lies on the border that the surface is mirrored at; empty if there is
+    /// none. Collapses go along a border or inside of it, so none changes sides.
+    rim: Vec<bool>,
     versions: Vec<u32>,
     queue: BinaryHeap<Entry>,
+    /// Length of the queue at which it is looked through for entries gone by.
+    crowded: usize,
     /// Squared length that a change of normals is multiplied with.
     normal_weight: f64,
     ring: Ring,
     images: Images,
-    strays: Strays,
+    /// Removed vertices; none if their distances do not count.
+    strays: Option<Strays>,
     /// Stamps of neighbours of the target that is looked at.
     stamps: Vec<u32>,
     stamp: u32,
@@ -82,12 +88,20 @@ impl<'a> Simplifier<'a> {
             wedges: Wedges { mesh, classes },
             regions: regions(options, classes),
             seams_open: false,
+            rim: if options.mirrored {
+                rim(&surface, classes.len())
+            } else {
+                Vec::new()
+            },
             versions: vec![0; classes.len()],
             queue: BinaryHeap::with_capacity(classes.len()),
+            crowded: 2 * classes.len(),
             normal_weight: length * length * poses.len() as f64,
             ring: Ring::default(),
             images: Images::default(),
-            strays: Strays::new(sources.triangles.len(), classes.len()),
+            strays: options
+                .measured
+                .then(|| Strays::new(sources.triangles.len(), classes.len())),
             stamps: vec![0; classes.len()],
             stamp: 0,
             components: Components::new(&surface, &costs, &kept, extent),
@@ -116,6 +130,7 @@ impl<'a> Simplifier<'a> {
     pub(super) fn run(&mut self, target: usize) {
         let mut filled = self.surface.live;
         while self.surface.live > target {
+            self.forget_stale();
             let Some(Reverse((bits, from, to, version, priced))) = self.queue.pop() else {
                 // What was refused may be allowed by now; another look must be worth its while.
                 if filled - self.surface.live <= filled / LOOK_AGAIN {
@@ -138,9 +153,7 @@ impl<'a> Simplifier<'a> {
                 }
                 continue;
             }
-            let ends = (from, to);
-            let stray = self.strays.distance_squared(&self.costs, &self.ring, ends);
-            let further = self.change_cost(from, to) + STRAY * f64::from(stray);
+            let further = self.change_cost(from, to) + STRAY * self.stray(from, to);
             if !priced && further > 0.0 {
                 let bits_now = (f64::from_bits(bits) + further).to_bits();
                 self.queue
@@ -150,6 +163,28 @@ impl<'a> Simplifier<'a> {
             }
             self.apply(from, to);
         }
+    }
+
+    /// Squared distance that a move just looked at would leave removed vertices at.
+    fn stray(&mut self, from: u32, to: u32) -> f64 {
+        let (costs, ring) = (&self.costs, &self.ring);
+        let strays = self.strays.as_mut();
+        strays.map_or(0.0, |s| {
+            f64::from(s.distance_squared(costs, ring, (from, to)))
+        })
+    }
+
+    /// Takes entries of versions gone by out of a queue that is mostly made of them: they would be
+    /// passed over anyway, but a large queue is a slow one.
+    fn forget_stale(&mut self) {
+        if self.queue.len() < self.crowded {
+            return;
+        }
+        let versions = &self.versions;
+        self.queue.retain(|Reverse((_, from, to, version, _))| {
+            *to == WHOLE || versions[*from as usize] == *version
+        });
+        self.crowded = 2 * self.queue.len() + versions.len();
     }
 
     /// Puts the cheapest move of each vertex into the queue.
@@ -209,6 +244,7 @@ impl<'a> Simplifier<'a> {
             || !self.ring.keeps_border(place)
             || !self.ring.is_one_fan()
             || !self.keeps_links(to)
+            || !self.keeps_rim(from, to)
         {
             return false;
         }
@@ -258,6 +294,18 @@ impl<'a> Simplifier<'a> {
         };
         let mut stay = self.ring.faces.iter().filter(|f| !has(f, to));
         !stay.any(|f| near(f.2) && near(f.3) && exists(f.2, f.3))
+    }
+
+    /// Whether no edge comes to lie across the inside between two vertices of the mirrored border.
+    /// Called after [`Self::keeps_links`], whose stamps tell the neighbours of `to`.
+    fn keeps_rim(&self, from: u32, to: u32) -> bool {
+        let on_rim = |v: u32| self.rim.get(v as usize).copied().unwrap_or(false);
+        if !on_rim(to) || on_rim(from) {
+            return true;
+        }
+        let near = |v: u32| self.stamps[v as usize] == self.stamp;
+        let mut others = self.ring.neighbours.iter().filter(|n| **n != to);
+        others.all(|n| !on_rim(*n) || near(*n))
     }
 
     /// Whether a face that stays would turn by too much or vanish in some pose.
@@ -316,7 +364,9 @@ impl<'a> Simplifier<'a> {
     }
 
     fn apply(&mut self, from: u32, to: u32) {
-        self.strays.apply(&self.ring);
+        if let Some(strays) = &mut self.strays {
+            strays.apply(&self.ring);
+        }
         self.surface.collapse(from, to, &self.images.of_corners);
         self.costs.merge(from, to);
         self.versions[from as usize] += 1;
@@ -327,6 +377,17 @@ impl<'a> Simplifier<'a> {
         }
         self.ring.neighbours = neighbours;
     }
+}
+
+/// Whether each class lies on an open border.
+fn rim(surface: &Surface, classes: usize) -> Vec<bool> {
+    let mut ring = Ring::default();
+    (0..classes as u32)
+        .map(|class| {
+            ring.look(surface, class);
+            ring.degrees.contains(&1)
+        })
+        .collect()
 }
 
 fn regions(options: &SimplifyOptions, classes: &Classes) -> Vec<u16> {

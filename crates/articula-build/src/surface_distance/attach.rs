@@ -5,62 +5,10 @@
 //! several poses are tried, and the one whose distance, over all of these poses, stays smallest
 //! is taken.
 
+use super::skin_point::SkinPoint;
 use super::tree::SurfaceTree;
 use articula_core::Part;
 use glam::Vec3;
-
-/// A point of the skin: a mean of three vertices.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SkinPoint {
-    /// The vertices.
-    pub corners: [u32; 3],
-    /// How much each counts; they sum to 1.
-    pub weights: [f32; 3],
-}
-
-impl SkinPoint {
-    /// A vertex itself.
-    pub fn at(vertex: u32) -> Self {
-        Self {
-            corners: [vertex; 3],
-            weights: [1.0, 0.0, 0.0],
-        }
-    }
-
-    /// The same point, its corners named by their places among some vertices, which rise and hold
-    /// them.
-    #[must_use]
-    pub fn among(&self, vertices: &[u32]) -> Self {
-        Self {
-            corners: self
-                .corners
-                .map(|v| vertices.partition_point(|u| *u < v) as u32),
-            weights: self.weights,
-        }
-    }
-
-    /// Where it is, given where all vertices are.
-    ///
-    /// # Panics
-    /// If there are too few vertices.
-    #[inline]
-    pub fn posed(&self, positions: &[Vec3]) -> Vec3 {
-        let [a, b, c] = self.corners.map(|v| positions[v as usize]);
-        let [u, v, w] = self.weights;
-        if v == 0.0 && w == 0.0 {
-            return a;
-        }
-        a * u + b * v + c * w
-    }
-}
-
-/// All corners of some points, rising.
-pub fn corners(points: &[SkinPoint]) -> Vec<u32> {
-    let mut vertices: Vec<u32> = points.iter().flat_map(|p| p.corners).collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    vertices
-}
 
 /// The point of a level's surface that stands for each of some vertices of the original, on the
 /// same part of the mesh as long as the level has any of it; a vertex without any finite distance
@@ -137,6 +85,7 @@ fn nearer(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface_distance::corners;
 
     #[test]
     fn the_other_lip_is_closer_at_rest_but_not_for_long() {

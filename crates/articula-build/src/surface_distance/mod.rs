@@ -10,10 +10,12 @@
 //! triangle that was closest in the pose before.
 
 mod attach;
+mod skin_point;
 mod tree;
 mod triangle;
 
-pub use attach::{SkinPoint, attach, corners};
+pub use attach::attach;
+pub use skin_point::{SkinPoint, corners};
 pub use tree::SurfaceTree;
 
 use crate::evaluate::draw_vertices;

@@ -4,7 +4,7 @@
 //! (Kay and Kajiya 1986); refitted from the leaves up (van den Bergh, Efficient Collision
 //! Detection of Complex Deformable Models using AABB Trees, 1997).
 
-use super::attach::SkinPoint;
+use super::skin_point::SkinPoint;
 use super::triangle::{squared_distance, weights};
 use glam::Vec3;
 

@@ -6,10 +6,10 @@
 
 use super::reader::{self, BvaFile};
 use crate::error::Warning;
-use crate::profile::{self, Profile, spine_vertebrae};
 use crate::sampled::still_metres;
 use articula_core::Transform;
 use articula_core::hanim_table::{self, JOINTS};
+use articula_core::joint_names::Segments;
 use articula_core::source::{Channel, Character, Clip, Joint, Property, Skeleton};
 use glam::{Quat, Vec3};
 
@@ -31,25 +31,21 @@ pub struct Tree {
     pub warnings: Vec<Warning>,
 }
 
-/// Puts the segments of a file together by their names; `None` if no profile knows them as a
-/// human.
+/// Puts the segments of a file together by what they are (`articula-build` tells it by their
+/// names); `None` if there is no motion, or none of them is the root of a human.
 ///
 /// At rest every segment has zero rotations, as in BVH; if the figure would not stand then,
 /// the first frame is its rest pose. Scale is left out, since it would reach the children.
-pub fn tree(file: &BvaFile, profiles: &[Profile]) -> Option<Tree> {
+pub fn tree(file: &BvaFile, segments: &Segments) -> Option<Tree> {
     let clip = file.character.clips.first()?;
     let skeleton = &file.character.skeleton;
-    let mapping = profile::map(skeleton, profiles, None);
-    let known = profiles
-        .iter()
-        .find(|p| p.name == mapping.articulation.profile);
-    let profile = known.filter(|_| mapping.humanoid)?;
+    if segments.joints.len() != skeleton.joints.len() {
+        return None;
+    }
     let world = World::new(clip, skeleton);
-    let hanim = mapping.articulation.joints.iter();
-    let hanim = hanim.map(|j| hanim_table::find(j.hanim.as_deref()?));
-    let mut meanings: Vec<Option<usize>> = hanim.collect();
+    let mut meanings = segments.joints.clone();
     let root = meanings.iter().position(|m| *m == Some(0))?;
-    name_spine(&world, skeleton, profile, root, &mut meanings);
+    name_spine(&world, segments, root, &mut meanings);
     let order = ordered(&world, &meanings, root);
     let mut warnings = vec![Warning::new(
         "file",
@@ -57,7 +53,7 @@ pub fn tree(file: &BvaFile, profiles: &[Profile]) -> Option<Tree> {
             "the format has no hierarchy; {} of {} segments were put together by their names (profile {})",
             meanings.iter().flatten().count(),
             meanings.len(),
-            profile.name
+            segments.profile
         ),
     )];
     let character = world.figure(file, &order, &meanings, &mut warnings);
@@ -226,13 +222,7 @@ fn keys(channel: &Channel) -> impl Iterator<Item = &[f32]> {
 
 /// Gives the segments of the spine their vertebrae, by how far along the way from the hips to
 /// the neck they are.
-fn name_spine(
-    world: &World,
-    skeleton: &Skeleton,
-    profile: &Profile,
-    root: usize,
-    meanings: &mut [Option<usize>],
-) {
+fn name_spine(world: &World, segments: &Segments, root: usize, meanings: &mut [Option<usize>]) {
     let place = |segment: usize| world.at(segment, 0).translation;
     let named = |name: &&str| {
         let joint = hanim_table::find(name);
@@ -242,12 +232,10 @@ fn name_spine(
     let top = top.iter().find_map(named).unwrap_or(root);
     let up = place(top) - place(root);
     let far = |segment: &usize| (place(*segment) - place(root)).dot(up);
-    let unnamed = (0..meanings.len()).filter(|&s| meanings[s].is_none());
-    let spine = unnamed.filter(|&s| profile.is_spine(&skeleton.joints[s].name));
-    let mut spine: Vec<usize> = spine.collect();
+    let mut spine = segments.spine.clone();
     spine.sort_by(|a, b| far(a).total_cmp(&far(b)));
-    for (segment, vertebra) in spine.iter().zip(spine_vertebrae(spine.len())) {
-        meanings[*segment] = Some(vertebra);
+    for (segment, vertebra) in spine.iter().zip(&segments.vertebrae) {
+        meanings[*segment] = Some(*vertebra);
     }
 }
 

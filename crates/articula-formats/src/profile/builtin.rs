@@ -1,7 +1,8 @@
 //! The profiles that come with the library.
 
-use super::file::{self, Profile};
+use super::file;
 use crate::limits::Limits;
+use articula_core::joint_names::Profile;
 use std::sync::LazyLock;
 
 macro_rules! profile {
@@ -38,7 +39,7 @@ static PROFILES: LazyLock<Vec<Profile>> = LazyLock::new(|| {
     let parsed = FILES.iter().map(|json| {
         file::parse(json.as_bytes(), &Limits::default()).expect("a test reads every own profile")
     });
-    std::iter::once(Profile::of_the_standard())
+    std::iter::once(file::of_the_standard())
         .chain(parsed)
         .collect()
 });

@@ -3,56 +3,23 @@
 //! Source: our own format, described in `docs/formats/profile.md`.
 
 use super::names::{self, HAND, SIDE};
-use super::standard::{self, StandardJoint};
+use super::standard;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::Region;
+use articula_core::joint_names::{Profile, Scope, Target, folded};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// What a file looks like, for errors.
 const FORM: &str = "{\"name\": \"…\", \"title\": \"…\", \"source\": \"…\", \"joints\": {\"joint of the rig\": \"l_hip\", …}}";
 
-/// What part of a human the rigs of a profile have.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Clone, Copy, Default, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Scope {
-    /// A whole human: hips, legs and arms are required.
+enum FileScope {
     #[default]
     Body,
-    /// One hand: a wrist and fingers are required.
     Hand,
-}
-
-/// What a profile says of one joint name.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) enum Target {
-    /// A joint of the standard.
-    Joint(StandardJoint),
-    /// A joint of a lone hand, named from the `_` on.
-    HandJoint(String),
-    /// A spine joint; which one depends on how many there are.
-    Spine,
-    /// No joint of the standard, but known to belong to a region's finest detail.
-    Helper(Region),
-    /// Known and left out: takes level and region from its parent.
-    Ignored,
-}
-
-/// The joint names of one kind of rig.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Profile {
-    /// Short name, unique among profiles.
-    pub name: String,
-    /// What the rig is called by people.
-    pub title: String,
-    /// Where the names come from.
-    pub source: String,
-    /// What part of a human it covers.
-    pub scope: Scope,
-    pub(super) prefixes: Vec<String>,
-    pub(super) suffixes: Vec<String>,
-    pub(super) targets: BTreeMap<String, Target>,
 }
 
 #[derive(Deserialize)]
@@ -64,7 +31,7 @@ struct File {
     #[serde(default)]
     source: String,
     #[serde(default)]
-    scope: Scope,
+    scope: FileScope,
     #[serde(default)]
     prefixes: Vec<String>,
     #[serde(default)]
@@ -88,7 +55,7 @@ pub fn parse(json: &[u8], limits: &Limits) -> Result<Profile, ReadError> {
     let lists = file.helpers.values().map(Vec::len).sum::<usize>() + file.ignored.len();
     let patterns = (file.joints.len() + lists) as u64;
     Limits::check("profile", "joint name patterns", patterns, limits.nodes)?;
-    let fold = |list: &[String]| list.iter().map(|s| names::folded(s)).collect();
+    let fold = |list: &[String]| list.iter().map(|s| folded(s)).collect();
     Ok(Profile {
         prefixes: fold(&file.prefixes),
         suffixes: fold(&file.suffixes),
@@ -96,41 +63,28 @@ pub fn parse(json: &[u8], limits: &Limits) -> Result<Profile, ReadError> {
         name: file.name,
         title: file.title,
         source: file.source,
-        scope: file.scope,
+        scope: match file.scope {
+            FileScope::Body => Scope::Body,
+            FileScope::Hand => Scope::Hand,
+        },
     })
 }
 
-impl Profile {
-    /// What the profile says of a joint name, if anything.
-    pub(super) fn target(&self, name: &str) -> Option<&Target> {
-        let folded = names::folded(name);
-        self.targets.get(&folded).or_else(|| {
-            let core = names::stripped(&folded, &self.prefixes, &self.suffixes);
-            self.targets.get(&core)
-        })
-    }
-
-    /// Whether the name is that of a joint of the spine, whichever.
-    pub(crate) fn is_spine(&self, name: &str) -> bool {
-        self.target(name) == Some(&Target::Spine)
-    }
-
-    /// The profile in which each name of the standard means itself.
-    pub(super) fn of_the_standard() -> Self {
-        let named = |name: &str| {
-            let joint = standard::joint(name)?;
-            Some((names::folded(name), Target::Joint(joint)))
-        };
-        let names = standard::all_names().chain(["HumanoidRoot"]);
-        Self {
-            name: "hanim".to_owned(),
-            title: "H-Anim 1.1 and 2".to_owned(),
-            source: "ISO/IEC 19774".to_owned(),
-            scope: Scope::Body,
-            prefixes: vec!["hanim".to_owned()],
-            suffixes: Vec::new(),
-            targets: names.filter_map(named).collect(),
-        }
+/// The profile in which each name of the standard means itself.
+pub(super) fn of_the_standard() -> Profile {
+    let named = |name: &str| {
+        let joint = standard::joint(name)?;
+        Some((folded(name), Target::Joint(joint)))
+    };
+    let names = standard::all_names().chain(["HumanoidRoot"]);
+    Profile {
+        name: "hanim".to_owned(),
+        title: "H-Anim 1.1 and 2".to_owned(),
+        source: "ISO/IEC 19774".to_owned(),
+        scope: Scope::Body,
+        prefixes: vec!["hanim".to_owned()],
+        suffixes: Vec::new(),
+        targets: names.filter_map(named).collect(),
     }
 }
 
@@ -173,8 +127,8 @@ fn joint_target(at: &str, meaning: &str) -> Result<Target, ReadError> {
         )
     };
     if let Some(rest) = meaning.strip_prefix(HAND) {
-        standard::joint(&format!("l{rest}")).ok_or_else(unknown)?;
-        return Ok(Target::HandJoint(rest.to_owned()));
+        let left = standard::joint(&format!("l{rest}"));
+        return left.map(Target::HandJoint).ok_or_else(unknown);
     }
     standard::joint(meaning)
         .map(Target::Joint)

@@ -2,18 +2,9 @@
 //!
 //! Source: VRM 1.0 `humanoid`; VRM 0.x differs in the thumb.
 
-use super::file::Target;
 use articula_core::Articulation;
+use articula_core::joint_names::Target;
 use std::collections::HashMap;
-
-/// Name of the built-in profile that explains the bones of a humanoid map: the two versions
-/// differ in what they call the joints of the thumb.
-pub(super) fn profile_of(bones: &[(usize, String)]) -> &'static str {
-    let old = bones
-        .iter()
-        .any(|(_, bone)| bone.ends_with("ThumbIntermediate"));
-    if old { "vrm-0" } else { "vrm-1" }
-}
 
 /// Bones of the trunk and head; the limbs have a side.
 const MIDDLE: [&str; 7] = [
@@ -47,7 +38,7 @@ pub fn is_vrm_bone(name: &str) -> bool {
 }
 
 /// The joints that stand for human bones of VRM 1.0, of a skeleton whose joints are known by
-/// H-Anim names: the way back from [`map`](super::map). Of a spine with several joints the first
+/// H-Anim names: the way back from matching. Of a spine with several joints the first
 /// is `spine`, the last `upperChest` (`chest` if there are two) and one between them `chest`.
 pub fn vrm_bones(articulation: &Articulation) -> Vec<(usize, String)> {
     let profile = super::builtin().iter().find(|p| p.name == "vrm-1");
@@ -114,7 +105,7 @@ mod tests {
 
     #[test]
     fn the_standard_has_every_bone() {
-        let standard = super::super::hanim_table().iter();
+        let standard = articula_core::hanim_table::JOINTS.iter();
         let joints = standard.map(|j| articula_core::JointArticulation {
             hanim: Some(j.name.to_owned()),
             level: j.level,

@@ -4,21 +4,14 @@
 //! H-Anim 2 adds (data file `hanim-2.json`); those have no twin in the older standard, so they
 //! belong to the last level.
 
-use super::names::{SIDE, Side};
+use super::names::SIDE;
 use articula_core::Region;
 use articula_core::hanim_table;
+use articula_core::joint_names::{Side, StandardJoint};
 use articula_core::loa::MAX_LEVEL;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
-
-/// A joint of the standard with its place in the levels of articulation.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct StandardJoint {
-    pub(super) name: String,
-    pub(super) level: u8,
-    pub(super) region: Region,
-}
 
 #[derive(Deserialize)]
 struct Added {
@@ -44,12 +37,7 @@ static ADDED: LazyLock<BTreeMap<String, Region>> = LazyLock::new(|| {
 /// The joint of an H-Anim 1.1 or 2 name; the older name is given where there are two.
 pub(super) fn joint(name: &str) -> Option<StandardJoint> {
     if let Some(index) = hanim_table::find(name) {
-        let joint = &hanim_table::JOINTS[index];
-        return Some(StandardJoint {
-            name: joint.name.to_owned(),
-            level: joint.level,
-            region: joint.region,
-        });
+        return Some(StandardJoint::from(&hanim_table::JOINTS[index]));
     }
     let folded = name.to_ascii_lowercase();
     let region = *ADDED.get(&folded)?;
@@ -76,7 +64,9 @@ mod tests {
     fn both_standards_are_complete() {
         assert_eq!(hanim_table::JOINTS.len() + ADDED.len(), 146);
         for name in all_names() {
-            assert!(joint(name).is_some(), "{name}");
+            let found = joint(name).unwrap();
+            let twin = found.mirrored();
+            assert_eq!(joint(&twin.name), Some(twin), "{name} on the other side");
         }
     }
 

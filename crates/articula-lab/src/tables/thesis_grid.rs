@@ -9,7 +9,7 @@ use anyhow::{Context, Result};
 use articula_build::Asset;
 use articula_build::evaluate::ThesisOptions;
 use articula_build::evaluate::{Method, MethodOptions, Row, Setup, Stage, play};
-use articula_build::motion_error::thesis_metric::{Threshold, ThresholdCurve};
+use articula_build::evaluate::{Threshold, ThresholdCurve};
 use std::fmt::Write as _;
 
 /// The rows of the grid: name, initial threshold, beta.

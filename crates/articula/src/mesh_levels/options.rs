@@ -55,6 +55,7 @@ impl MeshLevelOptions {
             locked: self.locked(mesh).context("locked vertices")?,
             regions: self.regions(mesh, rig),
             wedges: classes,
+            ..SimplifyOptions::default()
         };
         Ok(BuildOptions {
             simplify,

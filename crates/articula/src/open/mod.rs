@@ -21,7 +21,6 @@ use articula_core::Articulation;
 use articula_core::joint_names::Profile;
 use articula_core::source::{Character, Property};
 use articula_formats::mpeg4::bap::BapClip;
-use articula_formats::profile;
 use articula_formats::{Resolver, Warning};
 
 /// A file that was opened: its character, and what is needed to write it back.

@@ -20,7 +20,7 @@ use articula_core::{Mismatch, angle_between, same_hemisphere};
 use glam::{Quat, Vec3};
 
 /// A clip that turns by more than this goes in a curve, and is to go on in it.
-pub const TURN_RADIANS: f32 = 0.26;
+pub(super) const TURN_RADIANS: f32 = 0.26;
 
 /// Least rate of keys where a channel is bent towards its other end.
 const BENT_HZ: f32 = 30.0;
@@ -57,7 +57,7 @@ pub struct Closed {
 pub fn close(subject: &Subject<'_>, clip: &Clip, opts: &CloseOptions) -> Result<Closed, Mismatch> {
     subject.check(clip)?;
     let end = clip.duration_secs;
-    steps_at(clip, end, super::super::VERIFIED_HZ, 1)?;
+    steps_at(clip, end, crate::clip_edit::grid::VERIFIED_HZ, 1)?;
     let window_secs = opts.window_secs.unwrap_or(end).min(0.5 * end).max(0.0);
     let round = Round::of(subject, clip);
     let bend = Bend {

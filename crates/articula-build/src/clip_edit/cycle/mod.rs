@@ -6,7 +6,7 @@
 mod close;
 mod find;
 
-pub use close::{CloseOptions, Closed, TURN_RADIANS, close};
+pub use close::{CloseOptions, Closed, close};
 pub use find::{Cycle, FindOptions, Found, LEAST_SCORE, find};
 
 #[cfg(test)]

@@ -1,29 +1,29 @@
 //! The surfaces of the human at a triangle budget: skin, lips, brows and eyes.
 
-use super::body::Body;
-use super::collapse::{Options, collapse};
-use super::field::Group;
-use super::head::{self, EYE_RADIUS};
-use super::polygonise::{Grid, Surface, onto, polygonise};
-use super::skeleton::EYE;
-use super::suit;
+use crate::body::Body;
+use crate::field::Group;
+use crate::head::{self, EYE_RADIUS};
+use crate::polygonise::{Grid, Surface, polygonise};
+use crate::skeleton::EYE;
+use crate::suit;
+use crate::thin::{Options, thinned};
 use glam::Vec3;
 
 /// Spacing of the samples of the skin, in metres: finer than half a finger's radius.
 const SKIN_STEP: f32 = 0.0026;
 
 /// Everything that is drawn, in both halves.
-pub(super) struct Pieces {
-    pub(super) skin: Surface,
-    pub(super) lips: Surface,
-    pub(super) brows: Surface,
+pub(crate) struct Pieces {
+    pub(crate) skin: Surface,
+    pub(crate) lips: Surface,
+    pub(crate) brows: Surface,
     /// Sclera, iris and pupil of both eyes, the left first.
-    pub(super) eyes: [Surface; 3],
+    pub(crate) eyes: [Surface; 3],
 }
 
 impl Pieces {
     /// Cuts the budget and makes each piece from its field.
-    pub(super) fn new(body: &Body, triangles: usize) -> Self {
+    pub(crate) fn new(body: &Body, triangles: usize) -> Self {
         let lips = mirrored(&piece(&head::lips(&body.head), triangles / 50));
         let brow = piece(&head::brow(&body.head), triangles / 120);
         let brows = both_sides(&brow);
@@ -49,18 +49,13 @@ fn skin_half(body: &Body, target: usize) -> Surface {
         Vec3::new(0.3, 1.765, 0.185),
         skin_step,
     );
-    let (fine, on_border) = suit::cut(&polygonise(&grid, &field), body);
+    let fine = suit::cut(&polygonise(&grid, &field), body);
     let options = Options {
         target,
         mirrored: true,
         importance: &importance,
-        on_border: &on_border,
-        onto: &|p, hold| match hold.border {
-            true => suit::onto_border(body, p, hold.rim),
-            false => onto(&field, p, hold.rim, 1),
-        },
     };
-    collapse(&fine, &options)
+    thinned(&fine, &options)
 }
 
 /// Spacing of the samples along an axis (0 to 2) at a place on it.
@@ -82,15 +77,15 @@ fn importance(p: Vec3) -> f32 {
     let face = p.y > 1.51 && p.z > 0.01;
     let ear = p.y > 1.59 && p.y < 1.665 && p.x > 0.062;
     if near_eye {
-        80.0
-    } else if hand {
-        30.0
-    } else if face || ear {
         45.0
+    } else if hand {
+        15.0
+    } else if face || ear {
+        22.0
     } else if p.y > 1.58 || p.y < 0.05 {
-        10.0
+        7.0
     } else if p.y > 1.46 && p.x < 0.08 {
-        5.0
+        4.0
     } else {
         1.0
     }
@@ -107,10 +102,8 @@ fn piece(group: &Group, target: usize) -> Surface {
         target: target.max(16),
         mirrored: grid.axes[0][0] < 0.0,
         importance: &|_| 1.0,
-        on_border: &[],
-        onto: &|p, hold| onto(&field, p, hold.rim, 1),
     };
-    collapse(&fine, &options)
+    thinned(&fine, &options)
 }
 
 const FLIP: Vec3 = Vec3::new(-1.0, 1.0, 1.0);

@@ -8,7 +8,7 @@ use glam::{Mat3, Vec3, Vec4};
 
 /// A solid with a distance.
 #[derive(Debug, Clone)]
-pub(super) enum Shape {
+pub(crate) enum Shape {
     /// Ellipses stacked along the vertical.
     Loft(Loft),
     /// A round cone or an ellipsoid, scaled along its own axes.
@@ -16,11 +16,11 @@ pub(super) enum Shape {
 }
 
 /// One ellipse of a [`Loft`]: height, inner and outer x, front and back z.
-pub(super) type Section = [f32; 5];
+pub(crate) type Section = [f32; 5];
 
 /// Ellipses stacked along y and joined by cubic curves; both ends are rounded.
 #[derive(Debug, Clone)]
-pub(super) struct Loft {
+pub(crate) struct Loft {
     heights: Vec<f32>,
     /// Centre x, half width, centre z, half depth at each height, and their slopes.
     rows: Vec<(Vec4, Vec4)>,
@@ -28,7 +28,7 @@ pub(super) struct Loft {
 
 /// A capsule with two radii along the local y axis, in a scaled frame.
 #[derive(Debug, Clone)]
-pub(super) struct Cone {
+pub(crate) struct Cone {
     origin: Vec3,
     /// Model space to the local axes.
     turn: Mat3,
@@ -39,7 +39,7 @@ pub(super) struct Cone {
 
 /// How a shape joins what stands before it in its [`Group`].
 #[derive(Debug, Clone, Copy)]
-pub(super) enum Join {
+pub(crate) enum Join {
     /// Union, blended over this distance.
     Add(f32),
     /// Taken away, blended over this distance.
@@ -56,7 +56,7 @@ struct Part {
 
 /// Shapes that are evaluated in order and skipped together.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Group {
+pub(crate) struct Group {
     parts: Vec<Part>,
     bounds: Option<(Vec3, Vec3)>,
 }
@@ -66,7 +66,7 @@ const REACH: f32 = 0.07;
 
 impl Shape {
     /// A solid through these sections, lowest first.
-    pub(super) fn loft(sections: &[Section]) -> Self {
+    pub(crate) fn loft(sections: &[Section]) -> Self {
         let heights: Vec<f32> = sections.iter().map(|s| s[0]).collect();
         let values: Vec<Vec4> = sections
             .iter()
@@ -90,12 +90,12 @@ impl Shape {
     }
 
     /// A capsule from `a` to `b` with a radius at each end.
-    pub(super) fn cone(a: [f32; 3], b: [f32; 3], radii: [f32; 2]) -> Self {
+    pub(crate) fn cone(a: [f32; 3], b: [f32; 3], radii: [f32; 2]) -> Self {
         Self::flat_cone(a, b, radii, Vec3::X, 1.0)
     }
 
     /// A capsule whose section is wider along `wide` (made normal to the axis) by `factor`.
-    pub(super) fn flat_cone(
+    pub(crate) fn flat_cone(
         a: [f32; 3],
         b: [f32; 3],
         radii: [f32; 2],
@@ -116,7 +116,7 @@ impl Shape {
     }
 
     /// An ellipsoid with its axes along the model's, turned by `turn`.
-    pub(super) fn ellipsoid(center: [f32; 3], radii: [f32; 3], turn: Mat3) -> Self {
+    pub(crate) fn ellipsoid(center: [f32; 3], radii: [f32; 3], turn: Mat3) -> Self {
         Self::Cone(Cone {
             origin: Vec3::from(center),
             turn: turn.transpose(),
@@ -221,7 +221,7 @@ fn scaled_sphere(p: Vec3, radii: Vec3) -> f32 {
 
 impl Group {
     /// Adds a shape.
-    pub(super) fn with(mut self, shape: Shape, join: Join) -> Self {
+    pub(crate) fn with(mut self, shape: Shape, join: Join) -> Self {
         let (low, high) = shape.bounds();
         if let Join::Add(_) = join {
             let (l, h) = self.bounds.unwrap_or((low, high));
@@ -236,7 +236,7 @@ impl Group {
     }
 
     /// Signed distance; a lower bound where the group is farther than [`REACH`].
-    pub(super) fn distance(&self, p: Vec3) -> f32 {
+    pub(crate) fn distance(&self, p: Vec3) -> f32 {
         let far = self.bounds.map_or(f32::MAX, |b| outside(b, p));
         if far > REACH {
             return far;
@@ -256,13 +256,13 @@ impl Group {
     }
 
     /// Unit vector away from the surface, symmetric about x = 0.
-    pub(super) fn normal(&self, p: Vec3) -> Vec3 {
+    pub(crate) fn normal(&self, p: Vec3) -> Vec3 {
         let half = |q: Vec3| self.distance(Vec3::new(q.x.abs(), q.y, q.z));
         gradient(half, p).try_normalize().unwrap_or(Vec3::Y)
     }
 
     /// Corners of a box around it.
-    pub(super) fn bounds(&self) -> (Vec3, Vec3) {
+    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         self.bounds.unwrap_or((Vec3::ZERO, Vec3::ZERO))
     }
 }
@@ -274,7 +274,7 @@ fn outside((low, high): (Vec3, Vec3), p: Vec3) -> f32 {
 
 /// Minimum whose crease is rounded where both sides differ by less than `blend` (cubic, so that
 /// shading stays smooth); the plain minimum elsewhere.
-pub(super) fn smooth_min(a: f32, b: f32, blend: f32) -> f32 {
+pub(crate) fn smooth_min(a: f32, b: f32, blend: f32) -> f32 {
     let near = (blend - (a - b).abs()).max(0.0);
     if near == 0.0 {
         return a.min(b);
@@ -284,7 +284,7 @@ pub(super) fn smooth_min(a: f32, b: f32, blend: f32) -> f32 {
 }
 
 /// Slope of a field by central differences.
-pub(super) fn gradient(field: impl Fn(Vec3) -> f32, p: Vec3) -> Vec3 {
+pub(crate) fn gradient(field: impl Fn(Vec3) -> f32, p: Vec3) -> Vec3 {
     const STEP: f32 = 4e-4;
     let along = |axis: Vec3| field(p + axis * STEP) - field(p - axis * STEP);
     Vec3::new(along(Vec3::X), along(Vec3::Y), along(Vec3::Z)) / (2.0 * STEP)

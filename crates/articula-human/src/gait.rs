@@ -3,10 +3,10 @@
 //! Source: the common gait description (stance for 62 % of the cycle, heel strike, foot flat,
 //! heel off, toe off); angles and distances are ours, within the range of published curves.
 
-use super::leg::{Foothold, stand};
-use super::motion::{Pose, Side, cycle};
-use super::skeleton::{centers, joint};
-use super::weights::smooth_step;
+use crate::leg::{Foothold, stand};
+use crate::motion::{Pose, Side, cycle};
+use crate::skeleton::{centers, joint};
+use crate::weights::smooth_step;
 use articula_core::source::Clip;
 use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
@@ -32,7 +32,7 @@ const HEEL: f32 = -0.068;
 const BALL: f32 = 0.094;
 
 /// The walk; one cycle.
-pub(super) fn walk() -> Clip {
+pub(crate) fn walk() -> Clip {
     cycle("walk", FRAMES, pose)
 }
 

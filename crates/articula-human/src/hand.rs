@@ -1,7 +1,7 @@
 //! The left hand: palm over the metacarpals, four fingers and a thumb of three bones each.
 
-use super::field::{Group, Join, Shape};
-use super::skeleton::{FINGER_POINTS, hand_axes, hand_point};
+use crate::field::{Group, Join, Shape};
+use crate::skeleton::{FINGER_POINTS, hand_axes, hand_point};
 use glam::{Mat3, Vec3};
 
 /// Radii at knuckle, middle joint, end joint and tip, thumb first.
@@ -25,7 +25,7 @@ fn ellipsoid(center: [f32; 3], radii: [f32; 3]) -> Shape {
 }
 
 /// Wrist to knuckles.
-pub(super) fn palm() -> Group {
+pub(crate) fn palm() -> Group {
     let wide = hand_axes().z_axis;
     let wrist = Shape::flat_cone(
         hand_point([0.0, -0.012, 0.0]).into(),
@@ -59,7 +59,7 @@ pub(super) fn palm() -> Group {
 }
 
 /// Thumb, index, middle, ring, pinky; each a chain of tapered bones with a hint of a nail.
-pub(super) fn fingers() -> [Group; 5] {
+pub(crate) fn fingers() -> [Group; 5] {
     std::array::from_fn(|f| {
         let (points, radii) = (&FINGER_POINTS[f], &RADII[f]);
         let bone = |i: usize| cone(points[i], points[i + 1], [radii[i - 1], radii[i]]);

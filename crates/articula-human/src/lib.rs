@@ -6,7 +6,6 @@
 //! same bytes.
 
 mod body;
-mod collapse;
 mod field;
 mod foot;
 mod gait;
@@ -19,6 +18,7 @@ mod pieces;
 mod polygonise;
 mod skeleton;
 mod suit;
+mod thin;
 mod weights;
 
 use articula_core::source::{Character, Material, Mesh, Primitive, Skin};

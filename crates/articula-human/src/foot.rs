@@ -1,6 +1,6 @@
 //! The left foot: heel, arch, ball and five toes on a flat sole.
 
-use super::field::{Group, Join, Shape};
+use crate::field::{Group, Join, Shape};
 use glam::{Mat3, Vec3};
 
 /// Root and tip of each toe with their radii, great toe first.
@@ -33,7 +33,7 @@ const TOES: [([f32; 3], [f32; 3], [f32; 2]); 5] = [
 ];
 
 /// Ankle to toe tips.
-pub(super) fn foot() -> Group {
+pub(crate) fn foot() -> Group {
     let add = Join::Add;
     let flat = |a, b, radii, factor| Shape::flat_cone(a, b, radii, Vec3::X, factor);
     let mut foot = Group::default()

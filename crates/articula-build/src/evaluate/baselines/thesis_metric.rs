@@ -8,7 +8,7 @@ use articula_core::{LocalPose, Mismatch};
 
 /// Normalised error of every joint at every frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct ErrorMatrix {
+pub(crate) struct ErrorMatrix {
     joints: usize,
     values: Vec<f32>,
 }
@@ -18,7 +18,7 @@ impl ErrorMatrix {
     ///
     /// # Errors
     /// A [`Mismatch`] if the values are not whole frames.
-    pub fn new(joints: usize, values: Vec<f32>) -> Result<Self, Mismatch> {
+    pub(crate) fn new(joints: usize, values: Vec<f32>) -> Result<Self, Mismatch> {
         if joints == 0 || !values.len().is_multiple_of(joints) {
             let what = format!(
                 "{} values are not whole frames of {joints} joints",
@@ -30,7 +30,7 @@ impl ErrorMatrix {
     }
 
     /// Errors of all joints at a frame.
-    pub fn frame(&self, frame: usize) -> &[f32] {
+    pub(crate) fn frame(&self, frame: usize) -> &[f32] {
         &self.values[frame * self.joints..(frame + 1) * self.joints]
     }
 }
@@ -97,7 +97,7 @@ impl Threshold {
 ///
 /// # Panics
 /// If the matrix has fewer joints than the pose, or no such frame.
-pub fn switch(
+pub(crate) fn switch(
     matrix: &ErrorMatrix,
     frame: usize,
     threshold: f32,

@@ -5,11 +5,10 @@
 //! has `vl5`, `vt10`, `vt6`; a rig with more joints than the list takes the joints nearest to
 //! the vertebrae by arc length between hips and neck.
 
-use super::GapReason;
-use super::file::Target;
+use super::gap::GapReason;
 use super::rest;
-use super::standard;
 use articula_core::hanim_table::{self, JOINTS};
+use articula_core::joint_names::{StandardJoint, Target};
 use articula_core::source::Skeleton;
 
 /// Most telling vertebra first.
@@ -35,9 +34,7 @@ pub(super) fn name_by_arc_length(skeleton: &Skeleton, meanings: &mut [Result<Tar
         &standard_fractions(&vertebrae),
     );
     for (slot, vertebra) in picked.into_iter().zip(vertebrae) {
-        if let Some(joint) = standard::joint(JOINTS[vertebra].name) {
-            meanings[spine[slot]] = Ok(Target::Joint(joint));
-        }
+        meanings[spine[slot]] = Ok(Target::Joint(StandardJoint::from(&JOINTS[vertebra])));
     }
     for meaning in meanings.iter_mut().filter(|m| **m == Ok(Target::Spine)) {
         *meaning = Err(GapReason::Duplicate);
@@ -45,7 +42,7 @@ pub(super) fn name_by_arc_length(skeleton: &Skeleton, meanings: &mut [Result<Tar
 }
 
 /// The vertebrae of so many spine joints, at most as many as are preferred, lowest first.
-pub(crate) fn vertebrae(count: usize) -> Vec<usize> {
+pub(super) fn vertebrae(count: usize) -> Vec<usize> {
     let preferred = PREFERENCE.iter().take(count);
     let mut vertebrae: Vec<usize> = preferred.filter_map(|n| hanim_table::find(n)).collect();
     vertebrae.sort_unstable();

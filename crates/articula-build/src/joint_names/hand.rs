@@ -3,8 +3,8 @@
 //! Source: WebXR Hand Input, where a joint's -Z points to the finger tip and +Y out of the
 //! back of the hand; seen from above, the thumb of a left hand is then at +X of its wrist.
 
-use super::names::{Side, folded};
 use super::rest;
+use articula_core::joint_names::{Side, folded};
 use articula_core::source::Skeleton;
 
 /// The side told by the rest pose; left if there is no wrist or no thumb.

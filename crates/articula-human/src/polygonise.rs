@@ -10,17 +10,17 @@ use std::collections::HashMap;
 
 /// A closed surface, or half of one whose open rim lies in the plane x = 0.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub(super) struct Surface {
-    pub(super) positions: Vec<Vec3>,
-    pub(super) triangles: Vec<[u32; 3]>,
+pub(crate) struct Surface {
+    pub(crate) positions: Vec<Vec3>,
+    pub(crate) triangles: Vec<[u32; 3]>,
     /// Tone of each triangle; empty if there is one alone.
-    pub(super) tones: Vec<bool>,
+    pub(crate) tones: Vec<bool>,
 }
 
 /// Sample heights along each axis; the first two of x are mirror images.
 #[derive(Debug, Clone)]
-pub(super) struct Grid {
-    pub(super) axes: [Vec<f32>; 3],
+pub(crate) struct Grid {
+    pub(crate) axes: [Vec<f32>; 3],
 }
 
 /// Samples along the edge of a block that is skipped as a whole where no surface can be.
@@ -28,12 +28,12 @@ const BLOCK: usize = 4;
 
 impl Grid {
     /// A grid over a box, `step` apart; where the box reaches x = 0 it is mirrored there.
-    pub(super) fn uniform(low: Vec3, high: Vec3, step: f32) -> Self {
+    pub(crate) fn uniform(low: Vec3, high: Vec3, step: f32) -> Self {
         Self::banded(low, high, |_, _| step)
     }
 
     /// The same with a spacing of its own at every place of every axis.
-    pub(super) fn banded(low: Vec3, high: Vec3, step: impl Fn(usize, f32) -> f32) -> Self {
+    pub(crate) fn banded(low: Vec3, high: Vec3, step: impl Fn(usize, f32) -> f32) -> Self {
         let first = step(0, 0.0);
         let start = if low.x <= first { -0.5 * first } else { low.x };
         let from = [start, low.y, low.z];
@@ -206,7 +206,7 @@ fn sheets(inside: [bool; 8]) -> [usize; EDGES] {
 
 /// The surface where `field` is zero, over the grid. The grid must enclose it, but for the
 /// mirror plane.
-pub(super) fn polygonise(grid: &Grid, field: &impl Fn(Vec3) -> f32) -> Surface {
+pub(crate) fn polygonise(grid: &Grid, field: &impl Fn(Vec3) -> f32) -> Surface {
     let samples = Samples::new(grid, field);
     let counts = grid.counts();
     let mut surface = Surface::default();
@@ -290,7 +290,7 @@ fn quad(
 
 /// Moves a point onto the surface in up to `steps` steps of 2 mm; `mirrored` keeps it in the
 /// plane x = 0.
-pub(super) fn onto(field: &impl Fn(Vec3) -> f32, from: Vec3, mirrored: bool, steps: usize) -> Vec3 {
+pub(crate) fn onto(field: &impl Fn(Vec3) -> f32, from: Vec3, mirrored: bool, steps: usize) -> Vec3 {
     let flat = if mirrored {
         Vec3::new(0.0, 1.0, 1.0)
     } else {
@@ -314,7 +314,7 @@ fn forward_gradient(field: &impl Fn(Vec3) -> f32, p: Vec3, here: f32) -> Vec3 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+pub(crate) mod tests {
     use super::*;
 
     /// How many triangles touch each edge.

@@ -4,7 +4,7 @@ use articula_core::source::Skeleton;
 use glam::{Affine3A, Vec3};
 
 /// Model-from-joint matrix of every joint at rest.
-pub(crate) fn matrices(skeleton: &Skeleton) -> Vec<Affine3A> {
+pub(super) fn matrices(skeleton: &Skeleton) -> Vec<Affine3A> {
     let mut world: Vec<Affine3A> = Vec::with_capacity(skeleton.joints.len());
     for joint in &skeleton.joints {
         let local = joint.rest.to_affine();
@@ -14,7 +14,7 @@ pub(crate) fn matrices(skeleton: &Skeleton) -> Vec<Affine3A> {
 }
 
 /// Position of every joint at rest, in model space.
-pub(crate) fn positions(skeleton: &Skeleton) -> Vec<Vec3> {
+pub(super) fn positions(skeleton: &Skeleton) -> Vec<Vec3> {
     matrices(skeleton)
         .iter()
         .map(|m| m.translation.into())

@@ -51,11 +51,11 @@ const FITTED: [(&str, [f32; 3]); 33] = [
 const WRIST: [f32; 3] = [0.247, 0.868, -0.02];
 
 /// Names of the five fingers, thumb first.
-pub(super) const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "pinky"];
+pub(crate) const FINGERS: [&str; 5] = ["thumb", "index", "middle", "ring", "pinky"];
 
 /// Joint centres and the tip of each finger in the hand's own frame: metres towards the back of
 /// the hand, towards the finger tips, towards the thumb's side.
-pub(super) const FINGER_POINTS: [[[f32; 3]; 5]; 5] = [
+pub(crate) const FINGER_POINTS: [[[f32; 3]; 5]; 5] = [
     [
         [-0.009, 0.026, 0.02],
         [-0.009, 0.026, 0.02],
@@ -94,7 +94,7 @@ pub(super) const FINGER_POINTS: [[[f32; 3]; 5]; 5] = [
 ];
 
 /// Axes of the left hand in model space: back of the hand, finger tips, thumb's side.
-pub(super) fn hand_axes() -> Mat3 {
+pub(crate) fn hand_axes() -> Mat3 {
     let down = Vec3::new(0.05, -1.0, 0.075).normalize();
     let back = Vec3::new(1.0, 0.05, -0.12);
     let back = (back - down * back.dot(down)).normalize();
@@ -102,12 +102,12 @@ pub(super) fn hand_axes() -> Mat3 {
 }
 
 /// A point of the left hand, given in the hand's frame, in model space.
-pub(super) fn hand_point(point: [f32; 3]) -> Vec3 {
+pub(crate) fn hand_point(point: [f32; 3]) -> Vec3 {
     Vec3::from(WRIST) + hand_axes() * Vec3::from(point)
 }
 
 /// Rest centres of the 89 joints in model space, in the order of the joint table.
-pub(super) fn centers() -> Vec<Vec3> {
+pub(crate) fn centers() -> Vec<Vec3> {
     let body = &JOINTS[..BODY_JOINTS];
     body.iter()
         .map(|joint| match joint.name.strip_prefix("r_") {
@@ -137,13 +137,13 @@ fn left_center(name: &str, standard: Vec3) -> Vec3 {
 }
 
 /// Centre of the left eyeball.
-pub(super) const EYE: Vec3 = Vec3::new(0.0315, 1.6332, 0.0655);
+pub(crate) const EYE: Vec3 = Vec3::new(0.0315, 1.6332, 0.0655);
 
 /// Index of a body joint by its H-Anim name.
 ///
 /// # Panics
 /// If there is no such joint; the names are constants of this module.
-pub(super) fn joint(name: &str) -> usize {
+pub(crate) fn joint(name: &str) -> usize {
     JOINTS[..BODY_JOINTS]
         .iter()
         .position(|j| j.name == name)
@@ -151,7 +151,7 @@ pub(super) fn joint(name: &str) -> usize {
 }
 
 /// The joint tree at rest: identity rotations, offsets between centres.
-pub(super) fn skeleton() -> source::Skeleton {
+pub(crate) fn skeleton() -> source::Skeleton {
     let centers = centers();
     let joints = JOINTS[..BODY_JOINTS]
         .iter()
@@ -169,7 +169,7 @@ pub(super) fn skeleton() -> source::Skeleton {
 }
 
 /// Level and region of each joint, straight from the joint table.
-pub(super) fn articulation() -> Articulation {
+pub(crate) fn articulation() -> Articulation {
     let joints = JOINTS[..BODY_JOINTS]
         .iter()
         .map(|j| JointArticulation {

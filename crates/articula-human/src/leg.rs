@@ -1,25 +1,25 @@
 //! Two-bone legs: hip and knee angles that put an ankle where a foot needs it.
 
-use super::motion::{Pose, Side};
-use super::skeleton::centers;
+use crate::motion::{Pose, Side};
+use crate::skeleton::centers;
 use articula_core::hanim_table::JOINTS;
 use glam::{Mat3, Quat, Vec3};
 
 /// Where one foot stands.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Foothold {
+pub(crate) struct Foothold {
     /// Ankle joint in model space, metres.
-    pub(super) ankle: Vec3,
+    pub(crate) ankle: Vec3,
     /// Foot pitch in radians; positive lifts the heel.
-    pub(super) pitch: f32,
+    pub(crate) pitch: f32,
     /// How much of the pitch the toes undo, in radians.
-    pub(super) toes: f32,
+    pub(crate) toes: f32,
 }
 
 /// Bends hip, knee, ankle and toes so that the foot stands there; the knee points forward.
 ///
 /// A foothold out of reach is approached along the line from the hip.
-pub(super) fn stand(pose: &mut Pose, side: Side, foot: Foothold) {
+pub(crate) fn stand(pose: &mut Pose, side: Side, foot: Foothold) {
     let [hip, knee, ankle] = ["hip", "knee", "ankle"].map(|n| side.joint(n));
     let rest = centers();
     let (thigh, shin) = (rest[knee] - rest[hip], rest[ankle] - rest[knee]);

@@ -1,14 +1,14 @@
 //! The border between the two tones of the mannequin: a suit from the collar to the middle of
 //! upper arms and thighs. Triangles are split along it, so that its edge is clean at every count.
 
-use super::body::Body;
-use super::field::gradient;
-use super::polygonise::{Surface, onto};
+use crate::body::Body;
+use crate::field::gradient;
+use crate::polygonise::{Surface, onto};
 use glam::Vec3;
 use std::collections::HashMap;
 
 /// Which side of the border a point of the left half is on: positive in the suit, about metres.
-pub(super) fn depth(body: &Body, p: Vec3) -> f32 {
+pub(crate) fn depth(body: &Body, p: Vec3) -> f32 {
     let p = Vec3::new(p.x.abs(), p.y, p.z);
     // A round collar below the chin; the arm has a border of its own.
     let neck = Vec3::new(0.0, 1.512, -0.034);
@@ -23,7 +23,7 @@ pub(super) fn depth(body: &Body, p: Vec3) -> f32 {
 }
 
 /// Moves a point near the border onto it and onto the surface.
-pub(super) fn onto_border(body: &Body, from: Vec3, flat: bool) -> Vec3 {
+fn onto_border(body: &Body, from: Vec3, flat: bool) -> Vec3 {
     let field = |p: Vec3| body.distance(p);
     let mut p = from;
     for _ in 0..4 {
@@ -37,8 +37,8 @@ pub(super) fn onto_border(body: &Body, from: Vec3, flat: bool) -> Vec3 {
     p
 }
 
-/// Splits the triangles that the border crosses; says which vertices lie on it.
-pub(super) fn cut(surface: &Surface, body: &Body) -> (Surface, Vec<bool>) {
+/// Splits the triangles that the border crosses and tells the tones apart.
+pub(crate) fn cut(surface: &Surface, body: &Body) -> Surface {
     /// Share of an edge within which its end is moved onto the border instead.
     const NEAR: f32 = 0.18;
     let mut out = surface.clone();
@@ -86,7 +86,7 @@ pub(super) fn cut(surface: &Surface, body: &Body) -> (Surface, Vec<bool>) {
         .iter()
         .map(|t| depth(body, middle(t)) > 0.0)
         .collect();
-    (out, on_border)
+    out
 }
 
 /// A triangle in the pieces that the points on its edges (first to second corner, and on) make.

@@ -3,8 +3,8 @@
 //! Source: thesis 5.2; reconstruction of the damaged formula and the decisions taken in
 //! `spec/motion-lod.md` 3.1.
 
+use super::thesis_metric::ErrorMatrix;
 use crate::character::Asset;
-use crate::motion_error::thesis_metric::ErrorMatrix;
 use articula_core::{Clip, JointSet, ModelPose, Rig, Wrap, angle_between, local_to_model, sample};
 use glam::{Quat, Vec3};
 
@@ -56,7 +56,7 @@ impl Default for ThesisOptions {
 }
 
 /// Lever arm `r(j)` of every joint over all its descendants, at rest; 0 for a leaf.
-pub fn radii(rig: &Rig, kind: Radius) -> Vec<f32> {
+pub(crate) fn radii(rig: &Rig, kind: Radius) -> Vec<f32> {
     let mut model = ModelPose::new(rig.len());
     local_to_model(rig, rig.rest_pose(), &mut model);
     (0..rig.len())
@@ -78,7 +78,7 @@ pub fn radii(rig: &Rig, kind: Radius) -> Vec<f32> {
 ///
 /// # Panics
 /// Never: a rig has joints, so the matrix is made of whole frames.
-pub fn error_matrix(
+pub(crate) fn error_matrix(
     asset: &Asset,
     clip: &Clip,
     moving: &JointSet,

@@ -1,20 +1,20 @@
 //! Standing idle and waving a hand; the feet stay where they are.
 
-use super::leg::{Foothold, stand};
-use super::motion::{Pose, Side, cycle};
-use super::skeleton::{centers, joint};
-use super::weights::smooth_step;
+use crate::leg::{Foothold, stand};
+use crate::motion::{Pose, Side, cycle};
+use crate::skeleton::{centers, joint};
+use crate::weights::smooth_step;
 use articula_core::source::Clip;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
 /// Breathing, shifting weight, looking about a little; four seconds.
-pub(super) fn idle() -> Clip {
+pub(crate) fn idle() -> Clip {
     cycle("idle", 120, |phase| standing(phase, 1.0))
 }
 
 /// The right hand goes up, waves three times and comes down again.
-pub(super) fn wave() -> Clip {
+pub(crate) fn wave() -> Clip {
     cycle("wave", 84, |phase| {
         let mut pose = standing(phase, 0.6);
         raise(&mut pose, phase);

@@ -1,12 +1,12 @@
 //! The left half of the head: skull, face with lids and ears; lips and brows are pieces of
 //! their own that sit in the skin, so that their edges stay crisp at every level of detail.
 
-use super::field::{Group, Join, Section, Shape};
-use super::skeleton::EYE;
+use crate::field::{Group, Join, Section, Shape};
+use crate::skeleton::EYE;
 use glam::{Mat3, Vec3};
 
 /// Radius of an eyeball.
-pub(super) const EYE_RADIUS: f32 = 0.0122;
+pub(crate) const EYE_RADIUS: f32 = 0.0122;
 
 /// Chin to forehead.
 const FACE: [Section; 9] = [
@@ -26,7 +26,7 @@ fn e(center: [f32; 3], radii: [f32; 3]) -> Shape {
 }
 
 /// Neck and head.
-pub(super) fn head() -> Group {
+pub(crate) fn head() -> Group {
     let add = Join::Add;
     let group = Group::default()
         .with(Shape::loft(&FACE), add(0.0))
@@ -129,7 +129,7 @@ fn ear(group: Group) -> Group {
 }
 
 /// The left brow: an arch that stands out of the ridge.
-pub(super) fn brow(head: &Group) -> Group {
+pub(crate) fn brow(head: &Group) -> Group {
     let arch = [
         ([0.0145, 1.6555], 0.0017),
         ([0.0255, 1.6585], 0.0022),
@@ -144,7 +144,7 @@ pub(super) fn brow(head: &Group) -> Group {
 }
 
 /// Both lips, as one piece with the mouth line carved between them.
-pub(super) fn lips(head: &Group) -> Group {
+pub(crate) fn lips(head: &Group) -> Group {
     let at = |x: f32, y: f32, lift: f32| on_skin(head, [x, y], lift);
     let bow = |a, b, radii, join| (Shape::cone(a, b, radii), join);
     let parts = [

@@ -3,8 +3,8 @@
 //! All numbers are metres of the left half in the rest pose, drawn after common proportions of
 //! an adult of 1.75 m (eight-part limbs, eyes at half the head); the field mirrors them.
 
-use super::field::{Group, Join, Section, Shape, gradient, smooth_min};
-use super::{foot, hand, head};
+use crate::field::{Group, Join, Section, Shape, gradient, smooth_min};
+use crate::{foot, hand, head};
 use glam::{Mat3, Vec3};
 
 /// Hips to collar.
@@ -65,19 +65,19 @@ const ARM: [Section; 13] = [
 
 /// The whole body as one signed distance field, symmetric about x = 0.
 #[derive(Debug, Clone)]
-pub(super) struct Body {
-    pub(super) trunk: Group,
-    pub(super) head: Group,
-    pub(super) arm: Group,
-    pub(super) palm: Group,
-    pub(super) fingers: [Group; 5],
-    pub(super) leg: Group,
-    pub(super) foot: Group,
+pub(crate) struct Body {
+    pub(crate) trunk: Group,
+    pub(crate) head: Group,
+    pub(crate) arm: Group,
+    pub(crate) palm: Group,
+    pub(crate) fingers: [Group; 5],
+    pub(crate) leg: Group,
+    pub(crate) foot: Group,
 }
 
 impl Body {
     /// The mannequin.
-    pub(super) fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self {
             trunk: trunk(),
             head: head::head(),
@@ -90,7 +90,7 @@ impl Body {
     }
 
     /// Signed distance to the skin.
-    pub(super) fn distance(&self, p: Vec3) -> f32 {
+    pub(crate) fn distance(&self, p: Vec3) -> f32 {
         let p = Vec3::new(p.x.abs(), p.y, p.z);
         let torso = smooth_min(self.trunk.distance(p), self.head.distance(p), 0.03);
         let lower = smooth_min(self.leg.distance(p), self.foot.distance(p), 0.03);
@@ -99,7 +99,7 @@ impl Body {
     }
 
     /// Distance to arm and hand; fingers blend with the palm and never with each other.
-    pub(super) fn upper_limb(&self, p: Vec3) -> f32 {
+    pub(crate) fn upper_limb(&self, p: Vec3) -> f32 {
         let palm = self.palm.distance(p);
         let hand = self
             .fingers
@@ -110,7 +110,7 @@ impl Body {
     }
 
     /// Unit vector away from the surface.
-    pub(super) fn normal(&self, p: Vec3) -> Vec3 {
+    pub(crate) fn normal(&self, p: Vec3) -> Vec3 {
         gradient(|q| self.distance(q), p)
             .try_normalize()
             .unwrap_or(Vec3::Y)

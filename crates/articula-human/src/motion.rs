@@ -3,7 +3,7 @@
 //! Angles are given for the left side; the right side takes the mirror image, so that one
 //! function poses both.
 
-use super::skeleton::{centers, joint, skeleton};
+use crate::skeleton::{centers, joint, skeleton};
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
 use glam::{EulerRot, Quat, Vec3};
@@ -13,7 +13,7 @@ const RATE: f32 = 30.0;
 
 /// Which side of the body a joint belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Side {
+pub(crate) enum Side {
     /// +X.
     Left,
     /// -X.
@@ -22,10 +22,10 @@ pub(super) enum Side {
 
 impl Side {
     /// Both sides.
-    pub(super) const BOTH: [Self; 2] = [Self::Left, Self::Right];
+    pub(crate) const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
     /// The joint of this side whose name follows the side's prefix.
-    pub(super) fn joint(self, name: &str) -> usize {
+    pub(crate) fn joint(self, name: &str) -> usize {
         match self {
             Self::Left => joint(&format!("l_{name}")),
             Self::Right => joint(&format!("r_{name}")),
@@ -33,7 +33,7 @@ impl Side {
     }
 
     /// 1 on the left, -1 on the right.
-    pub(super) fn sign(self) -> f32 {
+    pub(crate) fn sign(self) -> f32 {
         match self {
             Self::Left => 1.0,
             Self::Right => -1.0,
@@ -43,14 +43,14 @@ impl Side {
 
 /// Local rotations of every joint and where the root stands.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Pose {
-    pub(super) root: Vec3,
-    pub(super) rotations: Vec<Quat>,
+pub(crate) struct Pose {
+    pub(crate) root: Vec3,
+    pub(crate) rotations: Vec<Quat>,
 }
 
 impl Pose {
     /// The rest pose.
-    pub(super) fn rest() -> Self {
+    pub(crate) fn rest() -> Self {
         Self {
             root: centers()[0],
             rotations: vec![Quat::IDENTITY; BODY_JOINTS],
@@ -58,19 +58,19 @@ impl Pose {
     }
 
     /// Turns a joint by pitch (about x), yaw (y) and roll (z) in degrees, after what it has.
-    pub(super) fn turn(&mut self, joint: usize, degrees: [f32; 3]) {
+    pub(crate) fn turn(&mut self, joint: usize, degrees: [f32; 3]) {
         let [x, y, z] = degrees.map(f32::to_radians);
         self.rotations[joint] *= Quat::from_euler(EulerRot::ZYX, z, y, x);
     }
 
     /// Turns a joint of one side; angles are the left side's.
-    pub(super) fn turn_side(&mut self, side: Side, name: &str, [x, y, z]: [f32; 3]) {
+    pub(crate) fn turn_side(&mut self, side: Side, name: &str, [x, y, z]: [f32; 3]) {
         let s = side.sign();
         self.turn(side.joint(name), [x, y * s, z * s]);
     }
 
     /// Spreads a turn evenly over the vertebrae from one name to another.
-    pub(super) fn turn_spine(&mut self, from: &str, to: &str, degrees: [f32; 3]) {
+    pub(crate) fn turn_spine(&mut self, from: &str, to: &str, degrees: [f32; 3]) {
         let (first, last) = (joint(from), joint(to));
         let count = (last - first + 1) as f32;
         for j in first..=last {
@@ -79,7 +79,7 @@ impl Pose {
     }
 
     /// Curls the four fingers of a hand by this much at each joint, and the thumb by less.
-    pub(super) fn curl(&mut self, side: Side, degrees: f32) {
+    pub(crate) fn curl(&mut self, side: Side, degrees: f32) {
         for (f, finger) in ["index", "middle", "ring", "pinky"].iter().enumerate() {
             let more = 1.0 + 0.12 * f as f32;
             for (digit, part) in [(1, 0.8), (2, 1.0), (3, 0.6)] {
@@ -95,7 +95,7 @@ impl Pose {
     }
 
     /// Position and orientation of a joint in model space.
-    pub(super) fn model(&self, joint: usize) -> (Vec3, Quat) {
+    pub(crate) fn model(&self, joint: usize) -> (Vec3, Quat) {
         let rest = centers();
         let mut chain = vec![joint];
         while let Some(parent) = JOINTS[chain[chain.len() - 1]].parent {
@@ -111,7 +111,7 @@ impl Pose {
 }
 
 /// A clip that repeats: `pose` is asked for a phase in 0..1, and the last key is the first.
-pub(super) fn cycle(name: &str, frames: usize, pose: impl Fn(f32) -> Pose) -> Clip {
+pub(crate) fn cycle(name: &str, frames: usize, pose: impl Fn(f32) -> Pose) -> Clip {
     let mut poses: Vec<Pose> = (0..frames)
         .map(|f| pose(f as f32 / frames as f32))
         .collect();

@@ -5,10 +5,9 @@
 //! Differs: a joint whose name says the other side than the limb it hangs from goes with the
 //! limb (rigs with crossed thumbs exist).
 
-use super::file::{Profile, Scope, Target};
-use super::names::Side;
-use super::standard;
-use super::{GapReason, spine};
+use super::gap::GapReason;
+use super::spine;
+use articula_core::joint_names::{Profile, Scope, Side, Target};
 use articula_core::source::Skeleton;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -44,10 +43,10 @@ impl Candidate {
             .map(|(joint, eligible)| {
                 let target = profile.target(&joint.name).filter(|_| eligible)?;
                 Some(match target {
-                    Target::HandJoint(rest) => {
-                        let name = format!("{}{rest}", lone_hand.letter());
-                        Target::Joint(standard::joint(&name)?)
-                    }
+                    Target::HandJoint(left) => Target::Joint(match lone_hand {
+                        Side::Left => left.clone(),
+                        Side::Right => left.mirrored(),
+                    }),
                     other => other.clone(),
                 })
             });
@@ -128,7 +127,7 @@ fn uncross(skeleton: &Skeleton, found: &mut [Option<Target>]) -> Vec<usize> {
         if let (Some(above), Some(own), Some(Target::Joint(j))) = (above, own, &found[index])
             && above != own
         {
-            found[index] = standard::joint(&Side::mirrored(&j.name)).map(Target::Joint);
+            found[index] = Some(Target::Joint(j.mirrored()));
             crossed.push(index);
         }
         limb.push(above.or(own));

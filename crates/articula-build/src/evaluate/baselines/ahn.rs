@@ -4,12 +4,12 @@
 //! showing a key posture is `2 alpha ||log|| + r angle`, and since twice the norm of the
 //! quaternion logarithm is the angle, `(alpha + r) angle`.
 
-use super::keys::{LONGEST_RUN, Reach, Segment};
+use crate::motion_error::keys::{LONGEST_RUN, Reach, Segment};
 use glam::Quat;
 
 /// Cuts one joint's motion greedily into the longest runs whose error to their middle frame
 /// (of at most [`LONGEST_RUN`] frames) stays below `threshold`. `radius` is the joint's `r` in metres.
-pub fn clusters(values: &[Quat], alpha: f32, radius: f32, threshold: f32) -> Vec<Segment> {
+pub(crate) fn clusters(values: &[Quat], alpha: f32, radius: f32, threshold: f32) -> Vec<Segment> {
     let reach = Reach::new(threshold / (alpha + radius).max(1e-9));
     let mut segments = Vec::new();
     let mut start = 0;

@@ -5,8 +5,9 @@
 //! the outer two are arms. Only plain rigs are taken (3 or 4 joints a limb), and only if the
 //! hands are above the knees, so that animals on four legs are none.
 
-use super::file::Target;
-use super::{rest, standard};
+use super::rest;
+use articula_core::hanim_table;
+use articula_core::joint_names::{StandardJoint, Target};
 use articula_core::source::Skeleton;
 use glam::Vec3;
 
@@ -154,5 +155,6 @@ impl Tree {
 }
 
 fn name(found: &mut [Option<Target>], joint: usize, title: &str) {
-    found[joint] = standard::joint(title).map(Target::Joint);
+    let row = hanim_table::find(title).map(|row| &hanim_table::JOINTS[row]);
+    found[joint] = row.map(|row| Target::Joint(StandardJoint::from(row)));
 }

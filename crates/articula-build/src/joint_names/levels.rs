@@ -6,8 +6,8 @@
 //! level of their own region; branches beside the human (controls, props) are at the last
 //! level too.
 
-use super::GapReason;
-use super::file::Target;
+use super::gap::GapReason;
+use articula_core::joint_names::Target;
 use articula_core::loa::MAX_LEVEL;
 use articula_core::source::Skeleton;
 use articula_core::{JointArticulation, Region};

@@ -5,19 +5,19 @@
 //! are smooth, sum to one, and depend on the position only: every level of the surface, and
 //! both sides of the body, bend alike.
 
-use super::body::Body;
-use super::skeleton::{FINGER_POINTS, FINGERS, centers, hand_axes, hand_point, joint};
+use crate::body::Body;
+use crate::skeleton::{FINGER_POINTS, FINGERS, centers, hand_axes, hand_point, joint};
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
 use glam::Vec3;
 
 /// Influences of a skin vertex.
-pub(super) const INFLUENCES: usize = 4;
+pub(crate) const INFLUENCES: usize = 4;
 
 /// Joints and weights of one vertex, heaviest first; unused ones weigh nothing.
-pub(super) type Influences = [(u16, f32); INFLUENCES];
+pub(crate) type Influences = [(u16, f32); INFLUENCES];
 
 /// Computes weights for points on or near the skin.
-pub(super) struct Weigher<'a> {
+pub(crate) struct Weigher<'a> {
     body: &'a Body,
     centers: Vec<Vec3>,
     /// The same joint on the other side; the joint itself in the middle.
@@ -55,7 +55,7 @@ impl Sum {
 
 impl<'a> Weigher<'a> {
     /// Weights for this body.
-    pub(super) fn new(body: &'a Body) -> Self {
+    pub(crate) fn new(body: &'a Body) -> Self {
         let centers = centers();
         let twin = |name: &str| {
             let (side, rest) = name.split_at(2.min(name.len()));
@@ -78,7 +78,7 @@ impl<'a> Weigher<'a> {
     }
 
     /// The influences at a point of the skin.
-    pub(super) fn at(&self, p: Vec3) -> Influences {
+    pub(crate) fn at(&self, p: Vec3) -> Influences {
         let left = Vec3::new(p.x.abs(), p.y, p.z);
         let mut sum = Sum::default();
         let arm = self.arm_share(left);
@@ -251,7 +251,7 @@ impl<'a> Weigher<'a> {
 }
 
 /// Cubic step from 0 at `from` to 1 at `to`, which may be the smaller.
-pub(super) fn smooth_step(from: f32, to: f32, x: f32) -> f32 {
+pub(crate) fn smooth_step(from: f32, to: f32, x: f32) -> f32 {
     let t = ((x - from) / (to - from)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }

@@ -1,0 +1,278 @@
+//! What the joints of a skeleton are, told by their names, by a map of the file or by their tree.
+//!
+//! - [`map`]: the profile that fits a skeleton best, applied
+//! - [`segments`]: the same for segments without a hierarchy
+//!
+//! Source: thesis 3.1.3; H-Anim 1.1 and 2 (ISO/IEC 19774); the mapping rules are described in
+//! `docs/formats/profile.md`.
+
+mod gap;
+mod hand;
+mod levels;
+mod matching;
+mod rest;
+mod shape;
+mod spine;
+
+pub use gap::{Gap, GapReason};
+
+use articula_core::Articulation;
+use articula_core::hanim_table::{self, JOINTS};
+use articula_core::joint_names::{Profile, Scope, Segments, Target};
+use articula_core::source::Skeleton;
+use matching::Candidate;
+use std::collections::BTreeSet;
+
+/// Highest level whose joints [`Mapping::missing`] lists: below it fingers and single
+/// vertebrae begin, which most rigs lack on purpose.
+const EXPECTED_LEVEL: u8 = 2;
+
+/// What the joints of a skeleton are.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Mapping {
+    /// Level and region of every joint; its profile is empty if none fits.
+    pub articulation: Articulation,
+    /// Joints without a twin in the standard, in the skeleton's order.
+    pub gaps: Vec<Gap>,
+    /// Joints of the standard up to level 2 that the rig lacks.
+    pub missing: Vec<&'static str>,
+    /// Joints whose name says the other side than the limb they hang from; they are mapped
+    /// with the limb.
+    pub crossed: Vec<usize>,
+    /// Whether hips, both legs and both arms were found. Without them levels are tree depths
+    /// and everything is torso, unless the rig is a lone hand.
+    pub humanoid: bool,
+}
+
+/// Maps a skeleton by its names, under the profile that matches the most joints among those
+/// that fit. On a tie the first in the list wins, so put the user's own before those that
+/// come with formats.
+///
+/// `given` is a map that the file brings itself: joint index and VRM human bone. If it names
+/// hips, legs and arms it decides alone. A rig whose names say nothing is told by the shape of
+/// its tree at rest, if it is a plain human one; the profile's name is then `shape`.
+pub fn map(
+    skeleton: &Skeleton,
+    profiles: &[Profile],
+    given: Option<&[(usize, String)]>,
+) -> Mapping {
+    let candidate = given
+        .and_then(|bones| by_humanoid_map(skeleton, profiles, bones))
+        .or_else(|| best(skeleton, profiles, Scope::Body))
+        .or_else(|| by_shape(skeleton));
+    if let Some(candidate) = candidate {
+        return mapping(skeleton, candidate, true);
+    }
+    match best(skeleton, profiles, Scope::Hand) {
+        Some(candidate) => mapping(skeleton, candidate, false),
+        None => unmapped(skeleton),
+    }
+}
+
+/// Tells segments side by side by their names; `None` if no profile knows them as a human.
+pub fn segments(skeleton: &Skeleton, profiles: &[Profile]) -> Option<Segments> {
+    let mapping = map(skeleton, profiles, None);
+    let name = mapping.articulation.profile;
+    let profile = profiles.iter().find(|p| p.name == name);
+    let profile = profile.filter(|_| mapping.humanoid)?;
+    let joints = mapping.articulation.joints.iter();
+    let joints: Vec<Option<usize>> = joints
+        .map(|j| hanim_table::find(j.hanim.as_deref()?))
+        .collect();
+    let is_spine = |s: &usize| {
+        joints[*s].is_none() && profile.target(&skeleton.joints[*s].name) == Some(&Target::Spine)
+    };
+    let spine: Vec<usize> = (0..joints.len()).filter(is_spine).collect();
+    Some(Segments {
+        vertebrae: spine::vertebrae(spine.len()),
+        profile: name,
+        joints,
+        spine,
+    })
+}
+
+fn best(skeleton: &Skeleton, profiles: &[Profile], scope: Scope) -> Option<Candidate> {
+    let side = hand::side(skeleton);
+    let mut best: Option<Candidate> = None;
+    for profile in profiles.iter().filter(|p| p.scope == scope) {
+        let Some(candidate) = Candidate::by_name(skeleton, profile, side) else {
+            continue;
+        };
+        if best.as_ref().is_none_or(|b| b.score() < candidate.score()) {
+            best = Some(candidate);
+        }
+    }
+    best
+}
+
+fn by_humanoid_map(
+    skeleton: &Skeleton,
+    profiles: &[Profile],
+    bones: &[(usize, String)],
+) -> Option<Candidate> {
+    let name = profile_of(bones);
+    // The last of that name: the user's own stand before those that come along.
+    let profile = profiles.iter().rfind(|p| p.name == name)?;
+    let mut found = vec![None; skeleton.joints.len()];
+    for (joint, bone) in bones {
+        if let Some(slot) = found.get_mut(*joint) {
+            *slot = profile.target(bone).cloned();
+        }
+    }
+    Candidate::new(skeleton, name, found, Scope::Body)
+}
+
+/// Name of the profile that explains the bones of a humanoid map: the two versions
+/// differ in what they call the joints of the thumb.
+fn profile_of(bones: &[(usize, String)]) -> &'static str {
+    let old = bones
+        .iter()
+        .any(|(_, bone)| bone.ends_with("ThumbIntermediate"));
+    if old { "vrm-0" } else { "vrm-1" }
+}
+
+fn by_shape(skeleton: &Skeleton) -> Option<Candidate> {
+    let found = shape::human(skeleton)?;
+    Candidate::new(skeleton, "shape", found, Scope::Body)
+}
+
+fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> Mapping {
+    let present: BTreeSet<&str> = candidate.names().collect();
+    let expected = JOINTS.iter().filter(|j| j.level <= EXPECTED_LEVEL);
+    let missing = expected.map(|j| j.name).filter(|n| !present.contains(n));
+    let missing = missing.collect();
+    let gap = |(joint, meaning): (usize, &Result<Target, GapReason>)| {
+        let reason = match meaning {
+            Ok(Target::Joint(_)) => return None,
+            Ok(Target::Helper(_)) => GapReason::Helper,
+            Ok(_) => GapReason::Ignored,
+            Err(reason) => *reason,
+        };
+        let name = skeleton.joints[joint].name.clone();
+        Some(Gap {
+            joint,
+            name,
+            reason,
+        })
+    };
+    Mapping {
+        gaps: candidate
+            .meanings
+            .iter()
+            .enumerate()
+            .filter_map(gap)
+            .collect(),
+        missing,
+        articulation: Articulation {
+            joints: levels::articulated(skeleton, &candidate.meanings),
+            profile: candidate.profile,
+        },
+        crossed: candidate.crossed,
+        humanoid,
+    }
+}
+
+fn unmapped(skeleton: &Skeleton) -> Mapping {
+    let gap = |joint: usize| Gap {
+        joint,
+        name: skeleton.joints[joint].name.clone(),
+        reason: GapReason::NoEntry,
+    };
+    Mapping {
+        articulation: Articulation {
+            profile: String::new(),
+            joints: levels::by_depth(skeleton),
+        },
+        gaps: (0..skeleton.joints.len()).map(gap).collect(),
+        missing: Vec::new(),
+        crossed: Vec::new(),
+        humanoid: false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::source::Joint;
+    use articula_core::{Region, Transform};
+    use articula_formats::profile::builtin;
+
+    fn joint(name: &str, parent: Option<usize>) -> Joint {
+        Joint {
+            name: name.to_owned(),
+            parent,
+            rest: Transform::IDENTITY,
+            in_skin: true,
+        }
+    }
+
+    fn standard() -> Skeleton {
+        let joints = JOINTS.iter().map(|j| joint(j.name, j.parent));
+        Skeleton {
+            joints: joints.collect(),
+        }
+    }
+
+    #[test]
+    fn the_standard_maps_to_itself() {
+        let mapping = map(&standard(), builtin(), None);
+        assert!(mapping.humanoid && mapping.gaps.is_empty() && mapping.missing.is_empty());
+        for (own, known) in mapping.articulation.joints.iter().zip(&JOINTS) {
+            assert_eq!(own.hanim.as_deref(), Some(known.name));
+            assert_eq!((own.level, own.region), (known.level, known.region));
+        }
+    }
+
+    #[test]
+    fn unknown_joints_follow_their_parent() {
+        let mut skeleton = standard();
+        let elbow = hanim_table::find("l_elbow");
+        skeleton.joints.push(joint("sleeve", elbow));
+        skeleton.joints.push(joint("cuff", Some(94)));
+        skeleton.joints.push(joint("camera", None));
+        let mapping = map(&skeleton, builtin(), None);
+        let of = |j: usize| {
+            let own = &mapping.articulation.joints[j];
+            (own.level, own.region)
+        };
+        assert_eq!(of(94), (2, Region::Arms), "the elbow is level 1");
+        assert_eq!(of(95), (3, Region::Arms));
+        assert_eq!(of(96), (5, Region::Pelvis), "beside the human");
+        let gaps = mapping.gaps.iter().map(|g| (g.joint, g.reason));
+        assert!(gaps.eq([94, 95, 96].map(|j| (j, GapReason::NoEntry))));
+    }
+
+    #[test]
+    fn a_missing_limb_is_no_human() {
+        let mut skeleton = standard();
+        let shoulder = hanim_table::find("r_shoulder").unwrap();
+        skeleton.joints[shoulder].name = "stump".to_owned();
+        let mapping = map(&skeleton, builtin(), None);
+        assert!(!mapping.humanoid);
+        assert_eq!(mapping.articulation.mapped(), 0);
+        let none = map(&Skeleton::default(), builtin(), None);
+        assert!(!none.humanoid && none.gaps.is_empty());
+    }
+
+    #[test]
+    fn a_map_of_the_file_decides_if_it_is_whole() {
+        let mut skeleton = standard();
+        for j in &mut skeleton.joints {
+            j.name = String::new();
+        }
+        let at = |name: &str| hanim_table::find(name).unwrap();
+        let bones = [
+            ("humanoid_root", "hips"),
+            ("l_hip", "leftUpperLeg"),
+            ("r_hip", "rightUpperLeg"),
+            ("l_shoulder", "leftUpperArm"),
+            ("r_shoulder", "rightUpperArm"),
+        ];
+        let mut given: Vec<_> = bones.map(|(j, b)| (at(j), b.to_owned())).into();
+        given.push((9999, "head".to_owned()));
+        let mapping = map(&skeleton, builtin(), Some(&given));
+        assert_eq!(mapping.articulation.mapped(), 5);
+        assert_eq!(mapping.articulation.profile, "vrm-1");
+        assert!(!map(&skeleton, builtin(), Some(&given[1..])).humanoid);
+    }
+}

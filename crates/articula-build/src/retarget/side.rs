@@ -1,0 +1,48 @@
+//! One of the two rigs, measured.
+
+use super::Figure;
+use super::body::Body;
+use super::chain::Chain;
+use super::frames::{Frames, Fronts, frames};
+use super::rest::Rest;
+use articula_core::{Mismatch, angle_between};
+
+/// A rig as the plan sees it.
+#[derive(Debug, Clone)]
+pub(super) struct Side {
+    pub(super) rest: Rest,
+    pub(super) body: Body,
+    pub(super) frames: Frames,
+    pub(super) spine: Chain,
+}
+
+impl Side {
+    pub(super) fn new(figure: &Figure<'_>, which: &str) -> Result<Self, Mismatch> {
+        let rest = Rest::new(figure, which)?;
+        let body = Body::new(&rest, which)?;
+        Ok(Self {
+            frames: frames(&rest, &body, &Fronts::new()),
+            spine: Chain::new(&rest, &body),
+            rest,
+            body,
+        })
+    }
+}
+
+impl Side {
+    /// The same figure with what a motion showed of its hinges.
+    pub(super) fn with_fronts(&self, seen: &Fronts) -> Self {
+        let mut side = self.clone();
+        side.frames = frames(&self.rest, &self.body, seen);
+        side
+    }
+
+    /// Whether a joint has the same name and rest transform in both figures, but for their
+    /// sizes: what is unknown of one is as unknown of the other then.
+    pub(super) fn alike(&self, joint: usize, other: &Self, theirs: usize) -> bool {
+        let (a, b) = (self.rest.locals[joint], other.rest.locals[theirs]);
+        self.rest.names[joint] == other.rest.names[theirs]
+            && angle_between(a.0, b.0) < 1e-3
+            && a.1.normalize_or_zero().distance(b.1.normalize_or_zero()) < 1e-3
+    }
+}

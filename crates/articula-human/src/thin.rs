@@ -1,0 +1,156 @@
+//! A surface with fewer triangles, by the simplifier of all characters.
+//!
+//! Vertices of the finer surface stay where the distance field put them. What this adds to
+//! [`simplify`] is how much an error counts where, and that the two tones are parts of one mesh:
+//! their border is kept as a seam of it. The open rim of a half surface stays in its plane.
+
+use crate::polygonise::Surface;
+use articula_build::{SimplifyOptions, Weighting, simplify};
+use articula_core::{Mesh, Part};
+use glam::{Vec2, Vec3, Vec4};
+
+/// How a surface is thinned.
+pub(crate) struct Options<'a> {
+    /// Triangles to keep.
+    pub(crate) target: usize,
+    /// Whether the open rim lies in the plane x = 0, where the surface is mirrored.
+    pub(crate) mirrored: bool,
+    /// How much the square of an error at a point counts; 1 is normal.
+    pub(crate) importance: &'a dyn Fn(Vec3) -> f32,
+}
+
+/// Removes vertices, those of least worth first, until the target is met or none may go.
+pub(crate) fn thinned(surface: &Surface, options: &Options<'_>) -> Surface {
+    let count = surface.triangles.len();
+    if options.target >= count {
+        return surface.clone();
+    }
+    let (mesh, originals) = mesh(surface);
+    let simplified = simplify(
+        &mesh,
+        std::slice::from_ref(&mesh.positions),
+        &SimplifyOptions {
+            targets: vec![1.0, options.target as f64 / count as f64],
+            weighting: Weighting::Rest,
+            vertex_weights: mesh
+                .positions
+                .iter()
+                .map(|p| (options.importance)(*p))
+                .collect(),
+            mirrored: options.mirrored,
+            measured: false,
+            ..SimplifyOptions::default()
+        },
+    );
+    let level = simplified.map(|s| s.levels.into_iter().next().unwrap_or_default());
+    let level =
+        level.expect("lengths are those of the mesh just made, and the target falls from 1");
+    let mut out = Surface::default();
+    let mut renamed = vec![u32::MAX; surface.positions.len()];
+    for (tone, part) in level.parts.iter().enumerate() {
+        for t in &level.triangles[part.clone()] {
+            out.triangles.push(t.map(|v| {
+                let v = originals[v as usize] as usize;
+                if renamed[v] == u32::MAX {
+                    renamed[v] = out.positions.len() as u32;
+                    out.positions.push(surface.positions[v]);
+                }
+                renamed[v]
+            }));
+            if !surface.tones.is_empty() {
+                out.tones.push(tone == 1);
+            }
+        }
+    }
+    out
+}
+
+/// The surface as a mesh with a part for each tone, and the vertex of the surface that each of
+/// its vertices is: those on the border of the tones are in both parts.
+fn mesh(surface: &Surface) -> (Mesh, Vec<u32>) {
+    let normals = normals(surface);
+    let mut mesh = Mesh::default();
+    let mut originals = Vec::new();
+    for tone in [false, true] {
+        let (first_vertex, first_triangle) = (originals.len(), mesh.triangles.len());
+        let mut renamed = vec![u32::MAX; surface.positions.len()];
+        for (t, triangle) in surface.triangles.iter().enumerate() {
+            if surface.tones.get(t).copied().unwrap_or(false) != tone {
+                continue;
+            }
+            mesh.triangles.push(triangle.map(|v| {
+                let new = &mut renamed[v as usize];
+                if *new == u32::MAX {
+                    *new = originals.len() as u32;
+                    originals.push(v);
+                }
+                *new
+            }));
+        }
+        mesh.parts.push(Part {
+            name: String::new(),
+            mesh: 0,
+            material: None,
+            vertices: first_vertex..originals.len(),
+            triangles: first_triangle..mesh.triangles.len(),
+        });
+    }
+    let of = |values: &[Vec3]| originals.iter().map(|v| values[*v as usize]).collect();
+    mesh.positions = of(&surface.positions);
+    mesh.normals = of(&normals);
+    mesh.texcoords = vec![Vec2::ZERO; originals.len()];
+    mesh.colors = vec![Vec4::ONE; originals.len()];
+    (mesh, originals)
+}
+
+/// Normals of the triangles around each vertex, by area.
+fn normals(surface: &Surface) -> Vec<Vec3> {
+    let mut sums = vec![Vec3::ZERO; surface.positions.len()];
+    for t in &surface.triangles {
+        let [a, b, c] = t.map(|v| surface.positions[v as usize]);
+        for v in t {
+            sums[*v as usize] += (b - a).cross(c - a);
+        }
+    }
+    sums.into_iter().map(Vec3::normalize_or_zero).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::polygonise::tests::{ball, edge_uses};
+
+    fn thin(half: bool, target: usize) -> Surface {
+        let options = Options {
+            target,
+            mirrored: half,
+            importance: &|_| 1.0,
+        };
+        thinned(&ball(half), &options)
+    }
+
+    #[test]
+    fn a_thinned_ball_is_still_a_ball() {
+        let thin = thin(false, 200);
+        assert!((198..=200).contains(&thin.triangles.len()));
+        assert!(edge_uses(&thin).values().all(|n| *n == 2));
+        let fine = ball(false);
+        assert!(thin.positions.iter().all(|p| fine.positions.contains(p)));
+    }
+
+    #[test]
+    fn a_thinned_half_keeps_its_rim_in_the_plane() {
+        let thin = thin(true, 120);
+        assert!((118..=120).contains(&thin.triangles.len()));
+        for ((a, b), uses) in edge_uses(&thin) {
+            let in_plane = [a, b].iter().all(|v| thin.positions[*v as usize].x == 0.0);
+            assert_eq!(uses, if in_plane { 1 } else { 2 });
+        }
+    }
+
+    #[test]
+    fn a_target_out_of_reach_ends_with_a_closed_surface() {
+        let least = thin(false, 0);
+        assert!(edge_uses(&least).values().all(|n| *n == 2));
+    }
+}
