@@ -9,15 +9,15 @@ mod figure;
 
 use articula_core::Viewport;
 use articula_core::source::{Image, Material};
-use articula_flat::appearance::Appearance;
+use articula_flat::Appearance;
 use articula_flat::codec::{decode, png};
 use articula_flat::compare::{difference, rmse};
-use articula_flat::contact_sheet::{Cell, ContactSheet, Row, Tile};
-use articula_flat::frame::{Bounds, orbit_view};
-use articula_flat::projection::{Projection, Screen};
-use articula_flat::render::{RenderOptions, render};
-use articula_flat::skeleton::{JointMark, SkeletonOptions, draw_skeleton};
+use articula_flat::{Bounds, orbit_view};
 use articula_flat::{Ground, Picture};
+use articula_flat::{Projection, Screen};
+use articula_flat::{RenderOptions, render};
+use articula_report::{Cell, ContactSheet, Row, Tile};
+use articula_report::{JointMark, SkeletonOptions, draw_skeleton};
 use glam::Vec4;
 use std::path::PathBuf;
 
@@ -111,7 +111,7 @@ fn figure_skeleton_and_sheet_look_as_before() {
             label: "3.5 m".into(),
             cells: vec![Cell { tiles }],
         }],
-        legend: ContactSheet::joint_legend(),
+        explains_joints: true,
     };
     check("sheet", &sheet.draw().unwrap());
 }

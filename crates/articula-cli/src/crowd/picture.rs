@@ -7,11 +7,11 @@ use anyhow::Context;
 use articula_build::scene::Scene;
 use articula_core::source::Material;
 use articula_core::{Camera, Mesh, Part, SkinnedMesh, Viewport, skin};
-use articula_flat::appearance::Appearance;
-use articula_flat::paint::TextStyle;
-use articula_flat::picture::{Rgba, linear_table};
-use articula_flat::render::{RenderOptions, render};
+use articula_flat::Appearance;
 use articula_flat::{Ground, Picture};
+use articula_flat::{RenderOptions, render};
+use articula_flat::{Rgba, linear_table};
+use articula_report::TextStyle;
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 /// Most triangles that are drawn; who is farther away than they reach is left out.

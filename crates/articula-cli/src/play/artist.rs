@@ -7,12 +7,12 @@ use articula_build::evaluate::Stage;
 use articula_core::{
     Camera, LocalPose, PosedMesh, Region, SkinnedMesh, Viewport, Wrap, sample_morphs,
 };
-use articula_flat::appearance::Appearance;
-use articula_flat::frame::Bounds;
-use articula_flat::projection::{Projection, Screen};
-use articula_flat::render::{RenderOptions, render};
-use articula_flat::skeleton::{JointMark, SkeletonOptions, draw_skeleton, followed};
+use articula_flat::Appearance;
+use articula_flat::Bounds;
 use articula_flat::{Ground, Picture};
+use articula_flat::{Projection, Screen};
+use articula_flat::{RenderOptions, render};
+use articula_report::{JointMark, SkeletonOptions, draw_skeleton, followed};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// From where the figure is seen: a little from its left and from above.

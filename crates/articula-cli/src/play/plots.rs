@@ -6,7 +6,7 @@ use super::costs::{Cost, Costs};
 use super::rows::{Row, Table};
 use super::{Scene, methods::Chosen};
 use articula_build::evaluate::play;
-use articula_flat::plot::{BarSeries, PlotOptions, Scale, Series, Values, bar_plot, line_plot};
+use articula_report::{BarSeries, PlotOptions, Scale, Series, Values, bar_plot, line_plot};
 
 /// A plot with the name of its file.
 #[derive(Debug, Clone)]

@@ -13,8 +13,8 @@ use articula::Figure;
 use articula_build::evaluate::{Method, PathRun, Playback, Stage, play};
 use articula_core::{LocalPose, Wrap, sample};
 use articula_flat::Picture;
-use articula_flat::contact_sheet::{Cell, ContactSheet, Row as SheetRow, Tile};
-use articula_flat::skeleton::JointMark;
+use articula_report::JointMark;
+use articula_report::{Cell, ContactSheet, Row as SheetRow, Tile};
 
 /// How large and how many the pictures of a sheet are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -202,7 +202,7 @@ fn sheet(
         notes,
         columns,
         rows,
-        legend: ContactSheet::joint_legend(),
+        explains_joints: true,
     };
     sheet.draw().context("the contact sheet")
 }

@@ -7,9 +7,9 @@ use crate::figure::Figure;
 use articula_build::SkinPose;
 use articula_build::decimate;
 use articula_core::{Camera, ModelPose, Viewport, local_to_model};
-use articula_flat::appearance::Appearance;
-use articula_flat::frame::{Bounds, TightView};
+use articula_flat::Appearance;
 use articula_flat::portrait::{Head, PortraitClip, PortraitExpression, PortraitSource};
+use articula_flat::{Bounds, TightView};
 use glam::Vec3;
 
 /// Part of the head's height that is shown beside it: hair above, neck and shoulders below.

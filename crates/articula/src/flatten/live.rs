@@ -3,7 +3,7 @@
 use super::expressions::expressions;
 use super::framed::Framed;
 use crate::error::{Context, Error, Result};
-use articula_flat::planar::bake::bake_shapes;
+use articula_flat::planar::bake_shapes;
 use articula_flat::portrait::{Head, PortraitClip};
 use articula_flat::vector::player::LiveSource;
 use glam::Vec3;

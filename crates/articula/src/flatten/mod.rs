@@ -14,11 +14,12 @@ pub use head::FramedHead;
 
 use crate::error::{Context, Result};
 use crate::work::Work;
+use articula_core::Progress;
 use articula_flat::flatten::{
     Flattened, PrepareOptions, Prepared, Settings, Truth, flatten as write, flatten_live,
     sampled_frames,
 };
-use articula_flat::planar::order::OrderOptions;
+use articula_flat::planar::OrderOptions;
 use articula_flat::vector::player::LiveSource;
 
 /// Parts of the bar of a conversion.
@@ -75,7 +76,7 @@ pub fn flatten_driven(
         },
         ..options
     };
-    let shapes = Prepared::new(source.shapes, &options, &mut |_| {});
+    let shapes = Prepared::new(source.shapes, &options, &mut Progress::none());
     let shapes = shapes.with_context(|| framed.name())?;
     let source = LiveSource {
         shapes: shapes.clip.clone(),

@@ -20,7 +20,7 @@ use articula_build::source_rate_hz;
 use articula_core::loa::MAX_LEVEL;
 use articula_core::source;
 use articula_core::{Articulation, JointSet, Region};
-use articula_flat::appearance::Appearance;
+use articula_flat::Appearance;
 use extent::Measure;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};

@@ -12,7 +12,7 @@ use crate::open::GltfSource;
 use crate::work::Work;
 use articula_build::SkinPose;
 use articula_build::{MeshLevels, mesh_levels};
-use articula_flat::frame::Bounds;
+use articula_flat::Bounds;
 use articula_formats::gltf::Document;
 use articula_formats::gltf::clustered::{LevelNodes, MeshParts, PartLevels};
 use glam::Vec3;

@@ -22,7 +22,7 @@ use articula_core::crowd::CacheUse;
 use articula_core::loa::Expression;
 use articula_core::{Backend, PaletteForm, Storage};
 use articula_flat::codec;
-use articula_flat::plot::{PlotOptions, Series, line_plot};
+use articula_report::{PlotOptions, Series, line_plot};
 use clap::{Args, ValueEnum};
 use report::Report;
 use std::path::{Path, PathBuf};

@@ -9,7 +9,7 @@ use articula::{CodedMeshLevels, Figure};
 use articula_core::source;
 use articula_core::{Region, Wrap, sample};
 use articula_flat::codec;
-use articula_flat::contact_sheet::{Cell, ContactSheet, Row, Tile};
+use articula_report::{Cell, ContactSheet, Row, Tile};
 use serde::Serialize;
 
 /// What the levels of the asset show, lose and weigh.

@@ -9,7 +9,7 @@ use anyhow::Context;
 use articula_build::evaluate::Method;
 use articula_core::Region;
 use articula_flat::Picture;
-use articula_flat::contact_sheet::{Cell, ContactSheet, Row as SheetRow, Tile};
+use articula_report::{Cell, ContactSheet, Row as SheetRow, Tile};
 use std::f32::consts::FRAC_PI_2;
 
 /// Draws one picture of what was played.

@@ -15,11 +15,11 @@ use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName,
 use articula::flatten::{Framed, Shot, flatten, flatten_driven};
 use articula_core::Viewport;
 use articula_flat::flatten::{PrepareOptions, Profile, Quality, Settings};
-use articula_flat::planar::order::OrderOptions;
-use articula_flat::planar::shading::Shading;
-use articula_flat::planar::split::SplitOptions;
+use articula_flat::planar::OrderOptions;
+use articula_flat::planar::Shading;
+use articula_flat::planar::SplitOptions;
 use articula_flat::vector::player::Output;
-use articula_flat::vector::thesis::{ThesisForm, ThesisOptions};
+use articula_flat::vector::{ThesisForm, ThesisOptions};
 use report::{Made, Report};
 
 /// Converts, or renders what was converted.

@@ -9,8 +9,8 @@ use anyhow::Context;
 use articula::flatten::FramedHead;
 use articula_core::Viewport;
 use articula_flat::flatten::{Entry, Sizes};
-use articula_flat::portrait::document::PictureFormat;
-use articula_flat::portrait::page::{Enclosed, PageOptions, page};
+use articula_flat::portrait::PictureFormat;
+use articula_flat::portrait::{Enclosed, PageOptions, page};
 use articula_flat::portrait::{HeadPose, Portrait, PortraitOptions, build};
 use serde::Serialize;
 use std::path::Path;
@@ -90,10 +90,10 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             gzip: sizes.gzip,
             brotli: sizes.brotli,
         },
-        views: portrait.views.len(),
-        triangles: portrait.mesh.triangles.len(),
-        vertices: portrait.mesh.vertices.len(),
-        expressions: portrait.grid.expressions.len(),
+        views: portrait.views(),
+        triangles: portrait.triangles(),
+        vertices: portrait.vertices(),
+        expressions: portrait.expressions(),
         frames: portrait.clips.first().map_or(0, |c| c.poses.len()),
         size_px: portrait.size,
         error,

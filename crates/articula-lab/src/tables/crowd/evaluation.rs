@@ -10,7 +10,7 @@ use crate::peers::structs::Structs;
 use crate::peers::three::{self, Effort, ThreeTimes};
 use anyhow::Result;
 use articula_core::{ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
-use articula_flat::plot::{BarSeries, PlotOptions, bar_plot};
+use articula_report::{BarSeries, PlotOptions, bar_plot};
 use std::hint::black_box;
 
 /// What a row may be compared with.

@@ -7,7 +7,7 @@ use crate::measure::race;
 use anyhow::Result;
 use articula_build::{LevelOptions, joint_ladder, mean_pose};
 use articula_core::{ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
-use articula_flat::plot::{PlotOptions, Series, Values, line_plot};
+use articula_report::{PlotOptions, Series, Values, line_plot};
 
 /// Joints of the coarser levels, as the published row has them.
 const KEPT: [u16; 5] = [48, 32, 24, 16, 8];

@@ -6,10 +6,10 @@ use articula::{Figure, Opened};
 use articula_build::decimate;
 use articula_core::source::{Character, Clip as SourceClip, Property};
 use articula_core::{Camera, Viewport};
-use articula_flat::frame::Bounds;
-use articula_flat::planar::bake::{BakeOptions, Lamp, Subject, Turn};
+use articula_flat::Bounds;
+use articula_flat::Projection;
 use articula_flat::planar::stage;
-use articula_flat::projection::Projection;
+use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn};
 use glam::Vec3;
 use std::path::Path;
 

@@ -8,11 +8,11 @@ use anyhow::{Context, Result};
 use articula::Figure;
 use articula_build::Asset;
 use articula_build::decimate;
-use articula_flat::appearance::Appearance;
-use articula_flat::frame::Bounds;
-use articula_flat::planar::bake::{Subject, Turn};
+use articula_flat::Appearance;
+use articula_flat::Bounds;
 use articula_flat::planar::stage;
-use articula_flat::portrait::document::PictureFormat;
+use articula_flat::planar::{Subject, Turn};
+use articula_flat::portrait::PictureFormat;
 use articula_flat::portrait::{
     Head, HeadPose, PortraitExpression, PortraitOptions, PortraitSource, build,
 };
@@ -123,7 +123,7 @@ fn row(source: &PortraitSource<'_>, head: &'static str, views: usize) -> Result<
     let rmse_levels: Result<Vec<f64>, _> = YAWS_DEGREES.iter().map(off).collect();
     Ok(Row {
         head,
-        triangles: portrait.mesh.triangles.len(),
+        triangles: portrait.triangles(),
         views,
         document: size(".json"),
         pictures: size(".webp"),

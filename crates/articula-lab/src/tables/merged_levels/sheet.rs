@@ -4,13 +4,13 @@ use anyhow::{Context, Result};
 use articula_build::Asset;
 use articula_build::{LevelOptions, merged_levels};
 use articula_core::{Clip, Mesh, PosedMesh, Rig, SkinnedMesh, Viewport, Wrap};
+use articula_flat::Appearance;
 use articula_flat::Picture;
-use articula_flat::appearance::Appearance;
 use articula_flat::codec;
-use articula_flat::contact_sheet::{Cell, ContactSheet, Row, Tile};
-use articula_flat::frame::{Bounds, orbit_view};
-use articula_flat::render::{RenderOptions, render};
+use articula_flat::{Bounds, orbit_view};
+use articula_flat::{RenderOptions, render};
 use articula_formats::{Limits, gltf};
+use articula_report::{Cell, ContactSheet, Row, Tile};
 use glam::Vec3;
 use std::path::Path;
 

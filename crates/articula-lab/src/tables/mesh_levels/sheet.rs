@@ -8,11 +8,11 @@ use anyhow::{Context, Result};
 use articula_build::LevelTriangles;
 use articula_build::SkinPose;
 use articula_core::{Mesh, SkinnedMesh, Viewport};
-use articula_flat::appearance::Appearance;
+use articula_flat::Appearance;
 use articula_flat::codec;
-use articula_flat::contact_sheet::{Cell, ContactSheet, Row, Tile};
-use articula_flat::frame::{Bounds, orbit_view};
-use articula_flat::render::{RenderOptions, render};
+use articula_flat::{Bounds, orbit_view};
+use articula_flat::{RenderOptions, render};
+use articula_report::{Cell, ContactSheet, Row, Tile};
 use glam::Vec3;
 use std::path::Path;
 

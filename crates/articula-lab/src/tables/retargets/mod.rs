@@ -9,7 +9,7 @@ use super::Run;
 use anyhow::{Context, Result};
 use articula_build::retarget::{Origin, RetargetOptions, RetargetReport, Retargeter};
 use articula_flat::codec;
-use articula_flat::contact_sheet::ContactSheet;
+use articula_report::ContactSheet;
 use cases::{Actor, CASES, Case};
 use measure::Played;
 use rayon::prelude::*;
