@@ -31,6 +31,7 @@
 //! - [`clip_set`], [`palette`], [`batch`]: eight characters at once, from cursors to palettes
 //! - [`pose_cache`]: whole palettes shared by all characters, and the blend between two of them
 //! - [`crowd`]: the whole FRAME line for many characters
+//! - [`Progress`]: how far work outside the frame is, and whether it goes on
 //!
 //! What is deliberately absent: files, clocks, threads, logging, JSON, and any allocation in a
 //! function that runs once a frame (a test counts them).
@@ -67,6 +68,7 @@ pub mod occlusion;
 pub mod palette;
 pub mod pose;
 pub mod pose_cache;
+mod progress;
 pub mod rig;
 pub mod sample;
 pub mod skin;
@@ -84,3 +86,5 @@ mod simd;
 pub use mismatch::Mismatch;
 pub use simd::half::{f32_from_half, half_from_f32};
 pub use simd::{Backend, LANES, Tile};
+
+pub use progress::{Cancelled, Progress};
