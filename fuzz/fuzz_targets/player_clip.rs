@@ -2,8 +2,8 @@
 //! that can be drawn at any moment and comes back from what it is written as, or an error.
 #![no_main]
 
-use articula_flat::vector::player::container::{MAGIC, VERSION, encode};
-use articula_flat::vector::player::decode::decode;
+use articula_flat::vector::player::{MAGIC, VERSION, encode};
+use articula_flat::vector::player::decode;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 use libfuzzer_sys::fuzz_target;

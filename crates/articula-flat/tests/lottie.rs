@@ -10,16 +10,15 @@
 #[path = "../../articula/tests/judges/mod.rs"]
 mod judges;
 
-use articula_flat::Picture;
 use articula_flat::compare::{rmse, ssim};
-use articula_flat::item_buffer::Samples;
-use articula_flat::planar::reference::reference;
-use articula_flat::planar::shading::{Shading, flat_color};
+use articula_flat::planar::GRID;
+use articula_flat::planar::reference;
+use articula_flat::planar::{KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
 use articula_flat::planar::{PlanarClip, PlanarFrame, Surface};
-use articula_flat::vector::keyed_clip::GRID;
-use articula_flat::vector::lottie::lottie;
-use articula_flat::vector::smil::smil;
-use articula_flat::vector::{KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
+use articula_flat::planar::{Shading, flat_color};
+use articula_flat::vector::lottie;
+use articula_flat::vector::smil;
+use articula_flat::{Picture, Samples};
 use glam::{Mat3, Vec2, Vec3};
 use judges::browser::{self, Item, shots};
 

@@ -6,14 +6,11 @@
 
 use super::clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, Surface};
 use super::error::PlanarError;
+use super::subject::Subject;
 use super::vertex_colors::{Look, fitted};
-use crate::appearance::Appearance;
 use crate::projection::{Projection, Screen};
-use articula_core::clip::Clip;
 use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
 use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
 use articula_core::sample::{Wrap, sample, sample_morphs};
 use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::Material;
@@ -22,24 +19,6 @@ use glam::{Affine3A, Quat, Vec3};
 
 /// Nothing may come nearer to a perspective camera than this, metres.
 const NEAREST_M: f32 = 0.01;
-
-/// Who is shown, and what it does.
-#[derive(Debug, Clone, Copy)]
-pub struct Subject<'a> {
-    /// Its joints.
-    pub rig: &'a Rig,
-    /// Its vertices.
-    pub mesh: &'a Mesh,
-    /// The triangles that are shown, over the mesh's vertices: the mesh's own, or a coarser
-    /// level of them.
-    pub triangles: &'a [[u32; 3]],
-    /// Its materials and textures.
-    pub look: &'a Appearance,
-    /// What it does; the rest pose without one.
-    pub clip: Option<&'a Clip>,
-    /// Shape at rest, and what morph tracks do not drive.
-    pub morph_weights: &'a [f32],
-}
 
 /// A key light and an even ambient.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -88,12 +67,12 @@ pub struct Turn {
 
 impl Turn {
     /// Angle at a moment, radians.
-    pub fn at(&self, secs: f64) -> f32 {
+    pub(crate) fn at(&self, secs: f64) -> f32 {
         (f64::from(self.radians_per_sec) * secs) as f32
     }
 
     /// A point of the subject after a turn by an angle.
-    pub fn apply(&self, point: Vec3, radians: f32) -> Vec3 {
+    pub(crate) fn apply(&self, point: Vec3, radians: f32) -> Vec3 {
         let axis = Vec3::new(self.axis.0, 0.0, self.axis.1);
         axis + Quat::from_rotation_y(radians) * (point - axis)
     }

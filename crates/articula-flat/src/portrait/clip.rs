@@ -1,6 +1,6 @@
 //! A motion of a portrait: angles of the head and weights of expressions over time.
 
-use super::source::{Head, HeadPose, PortraitExpression};
+use super::head::{Head, HeadPose, PortraitExpression};
 use articula_core::clip::Clip;
 use articula_core::hierarchy::local_to_model;
 use articula_core::pose::ModelPose;
