@@ -12,23 +12,21 @@ use articula_build::character::character;
 use articula_build::clip::ClipOptions;
 use articula_build::decimate::decimate;
 use articula_build::human::{HumanOptions, human};
+use articula_core::Progress;
 use articula_core::view::Viewport;
-use articula_flat::Picture;
-use articula_flat::appearance::Appearance;
 use articula_flat::compare::{masked_rmse, ssim};
 use articula_flat::flatten::{
     PrepareOptions, Prepared, Profile, Quality, Settings, Truth, flatten,
 };
-use articula_flat::item_buffer::Samples;
 use articula_flat::planar::PlanarClip;
-use articula_flat::planar::bake::{BakeOptions, Lamp, Subject, Turn, bake};
-use articula_flat::planar::reference::{object_mask, reference};
-use articula_flat::planar::shading::Shading;
+use articula_flat::planar::Shading;
 use articula_flat::planar::stage;
-use articula_flat::projection::Projection;
+use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn, bake};
+use articula_flat::planar::{object_mask, reference};
+use articula_flat::vector::MovingSvg;
 use articula_flat::vector::player::Output;
-use articula_flat::vector::raster::raster;
-use articula_flat::vector::smil_sampler::MovingSvg;
+use articula_flat::vector::raster;
+use articula_flat::{Appearance, Picture, Projection, Samples};
 use judges::browser::{Item, is_here, shots, write};
 use std::sync::OnceLock;
 
@@ -87,7 +85,8 @@ fn film() -> &'static Film {
         let clip = bake(&subject, &moments, &options).unwrap();
         let looks: Vec<f64> = MOMENTS.iter().map(|m| m / fps).collect();
         let truth = bake(&subject, &looks, &options).unwrap();
-        let prepared = Prepared::new(clip, &PrepareOptions::default(), &mut |_| {}).unwrap();
+        let prepared =
+            Prepared::new(clip, &PrepareOptions::default(), &mut Progress::none()).unwrap();
         Film {
             prepared,
             fps,
@@ -109,7 +108,7 @@ fn file_of(profile: Profile, shading: Shading) -> Vec<u8> {
         max_bytes: None,
     };
     let truth = Truth::new(&film.truth, &MOMENTS).unwrap();
-    flatten(&film.prepared, &settings, &truth, &mut |_| {})
+    flatten(&film.prepared, &settings, &truth, &mut Progress::none())
         .unwrap()
         .bytes
 }

@@ -9,9 +9,8 @@ use articula_build::poses::SkinPose;
 use articula_core::hierarchy::local_to_model;
 use articula_core::pose::ModelPose;
 use articula_core::view::{Camera, Viewport};
-use articula_flat::appearance::Appearance;
-use articula_flat::frame::{Bounds, TightView};
 use articula_flat::portrait::{Head, PortraitClip, PortraitExpression, PortraitSource};
+use articula_flat::{Appearance, Bounds, TightView};
 use glam::Vec3;
 
 /// Part of the head's height that is shown beside it: hair above, neck and shoulders below.

@@ -3,7 +3,7 @@
 use super::{Staged, expressions};
 use crate::prepared::Prepared;
 use anyhow::{Context, bail};
-use articula_flat::planar::bake::bake_shapes;
+use articula_flat::planar::bake_shapes;
 use articula_flat::portrait::{Head, PortraitClip};
 use articula_flat::vector::player::LiveSource;
 use glam::Vec3;

@@ -10,12 +10,11 @@ use articula_build::decimate::decimate;
 use articula_core::hierarchy::local_to_model;
 use articula_core::pose::ModelPose;
 use articula_core::view::Viewport;
-use articula_flat::appearance::Appearance;
-use articula_flat::planar::bake::{BakeOptions, Lamp, Subject, Turn, bake};
-use articula_flat::planar::clip::{MAX_FRAMES, MAX_TRIANGLES};
 use articula_flat::planar::stage;
+use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn, bake};
 use articula_flat::planar::{Drawn, PlanarClip, PlanarError};
-use articula_flat::projection::Projection;
+use articula_flat::planar::{MAX_FRAMES, MAX_TRIANGLES};
+use articula_flat::{Appearance, Projection};
 
 /// Moments at which bounds and hidden layers are looked for.
 const LOOKS: usize = 40;

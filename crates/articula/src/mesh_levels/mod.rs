@@ -12,7 +12,7 @@ use crate::prepared::Prepared;
 use anyhow::Context;
 use articula_build::mesh_levels::{MeshLevels, mesh_levels};
 use articula_build::poses::SkinPose;
-use articula_flat::frame::Bounds;
+use articula_flat::Bounds;
 use articula_formats::gltf::Document;
 use articula_formats::gltf::clustered::{LevelNodes, MeshParts, PartLevels};
 use glam::Vec3;

@@ -5,7 +5,6 @@
 //! and metres in the character's own space.
 
 use super::Scene;
-use super::plots::Plot;
 use super::rows::{ErrorPx, Row};
 use crate::files;
 use anyhow::{Context, bail, ensure};
@@ -14,9 +13,8 @@ use articula_core::drift::DriftOptions;
 use articula_core::joint_state::JointState;
 use articula_core::loa::JointSet;
 use articula_core::rig::Rig;
-use articula_flat::plot::{PlotOptions, Series, line_plot};
-use articula_flat::skeleton::JointMark;
 use articula_formats::Limits;
+use articula_report::{JointMark, Plot, PlotOptions, Series, line_plot};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::path::Path;

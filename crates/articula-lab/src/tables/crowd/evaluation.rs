@@ -12,7 +12,7 @@ use anyhow::Result;
 use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::ladder::Ladder;
 use articula_core::palette::{PaletteForm, PaletteMap};
-use articula_flat::plot::{BarSeries, PlotOptions, bar_plot};
+use articula_report::{BarSeries, PlotOptions, bar_plot};
 use std::hint::black_box;
 
 /// What a row may be compared with.

@@ -9,7 +9,7 @@ use articula_build::ladder::{LevelOptions, joint_ladder, mean_pose};
 use articula_core::clip_set::{ClipSet, Storage};
 use articula_core::ladder::Ladder;
 use articula_core::palette::{PaletteForm, PaletteMap};
-use articula_flat::plot::{PlotOptions, Series, Values, line_plot};
+use articula_report::{PlotOptions, Series, Values, line_plot};
 
 /// Joints of the coarser levels, as the published row has them.
 const KEPT: [u16; 5] = [48, 32, 24, 16, 8];

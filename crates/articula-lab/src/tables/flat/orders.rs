@@ -1,9 +1,10 @@
 //! Pixels that are painted wrong, by how the painting order was found.
 
 use anyhow::Result;
+use articula_core::Progress;
 use articula_flat::flatten::{PrepareOptions, Prepared};
 use articula_flat::planar::PlanarClip;
-use articula_flat::planar::order::{OrderOptions, Painted, Painting};
+use articula_flat::planar::{OrderOptions, Painted, Painting};
 
 /// Wrong pixels in percent of the character's, mean over the frames.
 #[derive(Debug, Clone, Copy)]
@@ -30,7 +31,11 @@ impl Orders {
     /// Prepares a clip as the command does.
     pub(super) fn prepare(clip: &PlanarClip) -> Result<Prepared> {
         let options = PrepareOptions::default();
-        Ok(Prepared::new(clip.clone(), &options, &mut |_| {})?)
+        Ok(Prepared::new(
+            clip.clone(),
+            &options,
+            &mut Progress::none(),
+        )?)
     }
 
     /// All ways of ordering a clip; `cut` is it prepared, what pierces cut.

@@ -8,15 +8,15 @@ use anyhow::{Context, Result};
 use articula_build::character::{Asset, character};
 use articula_build::clip::ClipOptions;
 use articula_build::decimate::decimate;
+use articula_core::Progress;
 use articula_core::view::{Camera, Viewport};
-use articula_flat::appearance::Appearance;
-use articula_flat::frame::Bounds;
-use articula_flat::planar::bake::{Subject, Turn};
 use articula_flat::planar::stage;
-use articula_flat::portrait::document::PictureFormat;
+use articula_flat::planar::{Subject, Turn};
+use articula_flat::portrait::PictureFormat;
 use articula_flat::portrait::{
     Head, HeadPose, PortraitExpression, PortraitOptions, PortraitSource, build,
 };
+use articula_flat::{Appearance, Bounds};
 use articula_formats::{Limits, gltf, profile};
 use glam::Vec3;
 
@@ -121,7 +121,7 @@ fn row(source: &PortraitSource<'_>, head: &'static str, views: usize) -> Result<
         views,
         ..PortraitOptions::default()
     };
-    let portrait = build(source, &options)?;
+    let portrait = build(source, &options, &mut Progress::none())?;
     let files = portrait.to_files(PictureFormat::WebP)?;
     let size = |ending: &str| -> usize {
         let of = files.iter().filter(|(name, _)| name.ends_with(ending));
@@ -131,7 +131,7 @@ fn row(source: &PortraitSource<'_>, head: &'static str, views: usize) -> Result<
     let rmse_levels: Result<Vec<f64>, _> = YAWS_DEGREES.iter().map(off).collect();
     Ok(Row {
         head,
-        triangles: portrait.mesh.triangles.len(),
+        triangles: portrait.triangles(),
         views,
         document: size(".json"),
         pictures: size(".webp"),

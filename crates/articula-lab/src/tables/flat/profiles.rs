@@ -3,13 +3,14 @@
 use super::cases::Staged;
 use crate::measure::thread_ns;
 use anyhow::{Context, Result};
+use articula_core::Progress;
 use articula_flat::flatten::{
     Flattened, PrepareOptions, Prepared, Profile, Quality, Settings, Truth, flatten, sampled_frames,
 };
 use articula_flat::planar::PlanarClip;
-use articula_flat::planar::shading::Shading;
+use articula_flat::planar::Shading;
 use articula_flat::vector::player::Output;
-use articula_flat::vector::thesis::{ThesisForm, ThesisOptions, thesis};
+use articula_flat::vector::{ThesisForm, ThesisOptions, thesis};
 use std::path::Path;
 
 /// A profile at a setting.
@@ -131,7 +132,7 @@ pub(super) fn rows(
             name: name.into(),
             max_bytes: None,
         };
-        let flat = flatten(prepared, &settings, &truth, &mut |_| {})?;
+        let flat = flatten(prepared, &settings, &truth, &mut Progress::none())?;
         let secs = 1e-9 * (thread_ns() - start) as f64;
         if let Some(folder) = files {
             let ending = if profile == Profile::Lottie {
@@ -155,7 +156,11 @@ pub(super) fn stills(staged: &Staged, clip: &PlanarClip) -> Result<Stills> {
     let mut first = clip.clone();
     first.frames.truncate(1);
     let truth = Truth::new(&staged.at_frames(&[0.0])?, &[0.0])?;
-    let prepared = Prepared::new(first.clone(), &PrepareOptions::default(), &mut |_| {})?;
+    let prepared = Prepared::new(
+        first.clone(),
+        &PrepareOptions::default(),
+        &mut Progress::none(),
+    )?;
     let still = |exact, shading| {
         let profile = Profile::Still { frame: 0, exact };
         let settings = Settings {
@@ -167,7 +172,7 @@ pub(super) fn stills(staged: &Staged, clip: &PlanarClip) -> Result<Stills> {
             name: String::new(),
             max_bytes: None,
         };
-        flatten(&prepared, &settings, &truth, &mut |_| {})
+        flatten(&prepared, &settings, &truth, &mut Progress::none())
     };
     let naive = ThesisOptions {
         form: ThesisForm::GouraudStill { frame: 0 },

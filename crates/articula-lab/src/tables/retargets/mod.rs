@@ -9,7 +9,7 @@ use super::Run;
 use anyhow::{Context, Result};
 use articula_build::retarget::{Origin, RetargetOptions, RetargetReport, Retargeter};
 use articula_flat::codec;
-use articula_flat::contact_sheet::ContactSheet;
+use articula_report::ContactSheet;
 use cases::{Actor, CASES, Case};
 use measure::Played;
 use rayon::prelude::*;
@@ -130,7 +130,7 @@ fn draw(rows: &[&Row], path: &Path) -> Result<()> {
 fn sheet_of(rows: &[&Row]) -> Result<ContactSheet> {
     let mut lines = Vec::new();
     for row in rows {
-        let moments = sheet::moments(row.before.models.len());
+        let moments = articula_report::middles(row.before.models.len(), sheet::MOMENTS);
         for (label, actor, played) in [
             (row.case.motion, &row.source, &row.before),
             (row.case.onto, &row.target, &row.after),

@@ -8,13 +8,8 @@ use articula_core::pose::ModelPose;
 use articula_core::rig::Rig;
 use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::view::{Camera, Viewport};
-use articula_flat::appearance::Appearance;
-use articula_flat::contact_sheet::{Cell, Row, Tile};
-use articula_flat::frame::{Bounds, orbit_view};
-use articula_flat::projection::{Projection, Screen};
-use articula_flat::render::{RenderOptions, render};
-use articula_flat::skeleton::{SkeletonOptions, draw_skeleton, followed};
-use articula_flat::{Ground, Picture};
+use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render};
+use articula_report::{Cell, Row, draw_skeleton};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// Size of one picture, pixels.
@@ -81,11 +76,7 @@ impl<'a> Artist<'a> {
     pub(super) fn row(&self, label: String, moments: &[usize]) -> Result<Row> {
         let cell = |moment: &usize| {
             let secs = *moment as f32 / self.played.rate_hz;
-            let tile = Tile {
-                picture: self.draw(*moment)?,
-                caption: format!("{secs:.2} s"),
-            };
-            Ok(Cell { tiles: vec![tile] })
+            Ok(Cell::of(self.draw(*moment)?, format!("{secs:.2} s")))
         };
         let cells: Result<Vec<Cell>> = moments.iter().map(cell).collect();
         Ok(Row {
@@ -104,13 +95,8 @@ impl<'a> Artist<'a> {
         let (mesh, look) = (&self.mesh, &self.look);
         let mut picture = render(mesh, &skinned, look, &self.camera, &options)?;
         if self.bones {
-            let screen = Screen::new(&self.camera, Projection::Perspective);
-            let rig = &self.played.rig;
-            let options = SkeletonOptions {
-                joints: Some(followed(rig, mesh)),
-                ..SkeletonOptions::default()
-            };
-            draw_skeleton(&mut picture, rig, &model, &screen, &[], &options);
+            let (rig, camera) = (&self.played.rig, &self.camera);
+            draw_skeleton(&mut picture, rig, mesh, &model, camera, &[]);
         }
         Ok(picture)
     }
@@ -139,12 +125,6 @@ impl<'a> Artist<'a> {
         );
         skinned
     }
-}
-
-/// The middles of equal parts of a clip.
-pub(super) fn moments(frames: usize) -> Vec<usize> {
-    let all = (0..MOMENTS).map(|i| (2 * i + 1) * frames / (2 * MOMENTS));
-    all.map(|f| f.min(frames - 1)).collect()
 }
 
 /// Where a figure looks, radians from +Z: square to the line between its hips.

@@ -8,9 +8,9 @@ use crate::flat::{Shot, Staged};
 use crate::play::Scene;
 use articula_core::view::Viewport;
 use articula_flat::flatten::{PrepareOptions, Profile, Quality, Settings};
-use articula_flat::planar::shading::Shading;
+use articula_flat::planar::Shading;
+use articula_flat::vector::ThesisOptions;
 use articula_flat::vector::player::Output;
-use articula_flat::vector::thesis::ThesisOptions;
 
 /// Side of the pictures, pixels.
 const SIDE: u32 = 360;

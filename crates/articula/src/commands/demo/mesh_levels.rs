@@ -3,14 +3,14 @@
 use super::Folder;
 use crate::mesh_levels::{Levels, report};
 use crate::play::Scene;
-use crate::play::artist::Artist;
+use crate::play::artist::artist;
 use crate::prepared::Prepared;
 use anyhow::Context;
 use articula_core::articulation::Region;
 use articula_core::sample::{Wrap, sample};
 use articula_core::source;
-use articula_flat::codec;
-use articula_flat::contact_sheet::{Cell, ContactSheet, Row, Tile};
+use articula_flat::{Picture, codec};
+use articula_report::{Cell, ContactSheet, Row};
 use serde::Serialize;
 
 /// What the levels of the asset show, lose and weigh.
@@ -59,7 +59,7 @@ fn row(scene: &Scene<'_>, level: usize) -> anyhow::Result<Row> {
     let all = prepared.asset.rig.all();
     sample(clip, secs, Wrap::Clamp, &all, &mut pose);
     let morphs = prepared.asset.mesh.morph_weights.clone();
-    let mut artist = Artist::new(&prepared, (230, 300));
+    let mut artist = artist(&prepared, (230, 300));
     artist.frame_pose(&pose, &morphs);
     let mut pictures = vec![("in motion", artist.figure(&pose, morphs.clone())?)];
     for (caption, region, azimuth) in [("face", Region::Face, 0.4), ("hand", Region::Hands, 1.2)] {
@@ -68,12 +68,7 @@ fn row(scene: &Scene<'_>, level: usize) -> anyhow::Result<Row> {
         pictures.push((caption, artist.figure(&pose, morphs.clone())?));
     }
     let triangles = prepared.asset.mesh.triangles.len();
-    let cell = |(caption, picture): (&str, _)| Cell {
-        tiles: vec![Tile {
-            picture,
-            caption: caption.into(),
-        }],
-    };
+    let cell = |(caption, picture): (&str, Picture)| Cell::of(picture, caption);
     Ok(Row {
         label: format!("{triangles} triangles"),
         cells: pictures.into_iter().map(cell).collect(),

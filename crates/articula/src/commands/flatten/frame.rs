@@ -6,8 +6,8 @@ use crate::console::Console;
 use crate::{fault, files};
 use anyhow::Context;
 use articula_flat::codec;
-use articula_flat::vector::raster::raster;
-use articula_flat::vector::smil_sampler::MovingSvg;
+use articula_flat::vector::MovingSvg;
+use articula_flat::vector::raster;
 use serde::Serialize;
 use std::path::Path;
 

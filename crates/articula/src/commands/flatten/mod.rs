@@ -14,17 +14,19 @@ use crate::prepared::Prepared;
 use crate::{fault, files};
 use anyhow::Context;
 use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName, Switch};
+use articula_core::Progress;
 use articula_core::view::Viewport;
 use articula_flat::flatten::{
     self, Flattened, PrepareOptions, Profile, Quality, Settings, Truth, flatten, flatten_live,
     sampled_frames,
 };
-use articula_flat::planar::order::OrderOptions;
-use articula_flat::planar::shading::Shading;
-use articula_flat::planar::split::SplitOptions;
+use articula_flat::planar::OrderOptions;
+use articula_flat::planar::Shading;
+use articula_flat::planar::SplitOptions;
 use articula_flat::vector::player::{LiveSource, Output};
-use articula_flat::vector::thesis::{ThesisForm, ThesisOptions};
+use articula_flat::vector::{ThesisForm, ThesisOptions};
 use report::{Made, Report};
+use std::ops::ControlFlow;
 
 /// Steps of the progress bar.
 const STEPS: f64 = 100.0;
@@ -84,11 +86,14 @@ pub(crate) fn converted(
     let frames = sampled_frames(clip.frames.len());
     let truth = Truth::new(&staged.at_frames(&frames)?, &frames)?;
     bar.set_message("painting order");
-    let mut done = |share: f64| bar.set_position((0.5 * STEPS * share) as u64);
-    let prepared = flatten::Prepared::new(clip, &options, &mut done)?;
+    let mut hook = |share| {
+        bar.set_position((STEPS * f64::from(share)) as u64);
+        ControlFlow::Continue(())
+    };
+    let mut progress = Progress::new(&mut hook);
+    let prepared = flatten::Prepared::new(clip, &options, &mut progress.part(0.0, 0.5))?;
     bar.set_message("writing");
-    let mut done = |share: f64| bar.set_position((0.5 * STEPS * (1.0 + share)) as u64);
-    let flat = flatten(&prepared, settings, &truth, &mut done)?;
+    let flat = flatten(&prepared, settings, &truth, &mut progress.part(0.5, 1.0))?;
     bar.finish_and_clear();
     Ok(flat)
 }
@@ -114,12 +119,18 @@ fn driven(
         },
         ..options
     };
-    let shapes = flatten::Prepared::new(source.shapes, &options, &mut |_| {})?;
+    let shapes = flatten::Prepared::new(source.shapes, &options, &mut Progress::none())?;
     let source = LiveSource {
         shapes: shapes.clip.clone(),
         ..source
     };
-    Ok(flatten_live(&source, &shapes, settings, &truth)?)
+    Ok(flatten_live(
+        &source,
+        &shapes,
+        settings,
+        &truth,
+        &mut Progress::none(),
+    )?)
 }
 
 impl ConvertArgs {

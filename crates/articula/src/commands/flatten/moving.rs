@@ -6,9 +6,9 @@ use super::frame;
 use crate::console::Console;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_flat::codec;
-use articula_flat::vector::moving_picture::{self, Moment};
-use articula_flat::vector::raster::raster;
+use articula_flat::vector::Moment;
+use articula_flat::vector::raster;
+use articula_flat::{codec, vector};
 use serde::Serialize;
 
 /// Most frames of a movie.
@@ -99,8 +99,8 @@ fn write(args: &MovieArgs, moments: &[Moment]) -> anyhow::Result<usize> {
         .unwrap_or_default()
         .to_ascii_lowercase();
     let bytes = match ending.to_str().unwrap_or_default() {
-        "gif" => moving_picture::gif(moments).with_context(place)?,
-        "webp" => moving_picture::webp(moments).with_context(place)?,
+        "gif" => vector::gif(moments).with_context(place)?,
+        "webp" => vector::webp(moments).with_context(place)?,
         _ => {
             let mut all = 0;
             for (f, (picture, _)) in moments.iter().enumerate() {

@@ -8,10 +8,11 @@ use crate::flat::HeadShot;
 use crate::prepared::Prepared;
 use crate::{fault, files};
 use anyhow::Context;
+use articula_core::Progress;
 use articula_core::view::Viewport;
 use articula_flat::flatten::{Entry, Sizes};
-use articula_flat::portrait::document::PictureFormat;
-use articula_flat::portrait::page::{Enclosed, PageOptions, page};
+use articula_flat::portrait::PictureFormat;
+use articula_flat::portrait::{Enclosed, PageOptions, page};
 use articula_flat::portrait::{HeadPose, Portrait, PortraitOptions, build};
 use serde::Serialize;
 use std::path::Path;
@@ -63,7 +64,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let count = args.shot.triangles.unwrap_or(1000) as usize;
     let shot = HeadShot::new(&prepared, clip, count, viewport).with_context(place)?;
     bar.set_position(30);
-    let portrait = build(&shot.source(), &options).with_context(place)?;
+    let portrait = build(&shot.source(), &options, &mut Progress::none()).with_context(place)?;
     bar.set_position(70);
     let written = write(args, &portrait)?;
     let mut error = Vec::with_capacity(YAWS_DEG.len());
@@ -91,10 +92,10 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             gzip: sizes.gzip,
             brotli: sizes.brotli,
         },
-        views: portrait.views.len(),
-        triangles: portrait.mesh.triangles.len(),
-        vertices: portrait.mesh.vertices.len(),
-        expressions: portrait.grid.expressions.len(),
+        views: portrait.views(),
+        triangles: portrait.triangles(),
+        vertices: portrait.vertices(),
+        expressions: portrait.expressions(),
         frames: portrait.clips.first().map_or(0, |c| c.poses.len()),
         size_px: portrait.size,
         error,

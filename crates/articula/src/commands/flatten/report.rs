@@ -1,7 +1,7 @@
 //! What `flatten` answers.
 
 use articula_flat::flatten::{Entry, Flattened, ImageError, Quality, Trial};
-use articula_flat::planar::shading::Shading;
+use articula_flat::planar::Shading;
 use serde::Serialize;
 
 /// The report of one conversion. Fields that scripts rely on are those of design, part 4.

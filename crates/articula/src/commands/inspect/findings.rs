@@ -13,7 +13,7 @@ use articula_core::articulation::{Articulation, MAX_LEVEL, Region};
 use articula_core::loa::JointSet;
 use articula_core::rig::Rig;
 use articula_core::source;
-use articula_flat::appearance::Appearance;
+use articula_flat::Appearance;
 use articula_formats::profile::GapReason;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
