@@ -1,7 +1,7 @@
 //! One character posed and drawn: lit, with its joints marked, and at its true size.
 
 use crate::paint::draw_box;
-use crate::skeleton::{JointMark, draw_skeleton};
+use crate::skeleton::{JointMark, draw_skeleton, followed};
 use articula_core::articulation::Region;
 use articula_core::hierarchy::local_to_model;
 use articula_core::mesh::Mesh;
@@ -162,14 +162,9 @@ impl<'a> Artist<'a> {
     ) -> Result<Picture, PictureError> {
         let mut picture = self.figure(pose, morphs)?;
         let camera = self.camera();
-        draw_skeleton(
-            &mut picture,
-            self.rig,
-            self.mesh,
-            &self.model,
-            &camera,
-            marks,
-        );
+        let joints = followed(self.rig, self.mesh);
+        let (rig, model) = (self.rig, &self.model);
+        draw_skeleton(&mut picture, rig, model, &camera, &joints, marks);
         if let Some(small) = self.true_size(pixels_per_metre)? {
             let x = picture.width() as i32 - small.width() as i32 - 4;
             let y = picture.height() as i32 - small.height() as i32 - 4;

@@ -4,7 +4,7 @@
 //! - [`ContactSheet`]: many small pictures on one page, in labelled rows and columns
 //! - [`Artist`]: one character posed, lit, and with its joints marked ([`JointMark`]);
 //!   [`close_up`]: a part of it
-//! - [`draw_skeleton`]: joints over a picture that is there already
+//! - [`draw_skeleton`]: joints over a picture that is there already; [`followed`]: which of them
 //! - [`CrowdPicture`]: a crowd, every character in the colour of its level
 //! - [`middles`]: the frames of a clip that a sheet shows
 //!
@@ -37,4 +37,4 @@ pub use artist::{Artist, close_up, middles};
 pub use contact_sheet::{Cell, ContactSheet, Row, Tile};
 pub use crowd::CrowdPicture;
 pub use plot::{BarSeries, Plot, PlotOptions, Scale, Series, Values, bar_plot, line_plot, stacked};
-pub use skeleton::{JointMark, draw_skeleton};
+pub use skeleton::{JointMark, draw_skeleton, followed};

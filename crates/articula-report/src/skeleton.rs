@@ -74,7 +74,7 @@ struct SkeletonOptions {
 
 /// The joints with a vertex on them or below, of those that a skin names; all of these if no
 /// vertex follows any.
-fn followed(rig: &Rig, mesh: &Mesh) -> JointSet {
+pub fn followed(rig: &Rig, mesh: &Mesh) -> JointSet {
     let weighted = mesh.binding_indices.iter().zip(&mesh.weights);
     let weighted = weighted.filter(|(_, weight)| **weight > 0.0);
     let mut carrying: JointSet = weighted
@@ -93,23 +93,23 @@ fn followed(rig: &Rig, mesh: &Mesh) -> JointSet {
     }
 }
 
-/// Draws the joints of a character over its picture from `camera`.
+/// Draws some joints of a character over its picture from `camera`.
 ///
 /// `marks` has one entry for each joint of the rig; joints beyond its end are active. A bone
-/// has the colour of the joint that turns it. Plain nodes are left out, and so is what lies
-/// behind the camera and what no vertex follows: rigs for authoring name control joints too.
+/// has the colour of the joint that turns it. What lies behind the camera is left out. Rigs for
+/// authoring name control joints that no vertex follows: see [`followed`].
 pub fn draw_skeleton(
     picture: &mut Picture,
     rig: &Rig,
-    mesh: &Mesh,
     pose: &ModelPose,
     camera: &Camera,
+    joints: &JointSet,
     marks: &[JointMark],
 ) {
     let options = SkeletonOptions {
         joint_radius_m: JOINT_RADIUS_M,
         fade: FADE,
-        joints: followed(rig, mesh),
+        joints: *joints,
     };
     let screen = Screen::new(camera, Projection::Perspective);
     draw(picture, (rig, pose), &screen, marks, &options);

@@ -63,9 +63,9 @@ fn drawn() -> (Picture, Picture) {
     draw_skeleton(
         &mut skeleton,
         &figure.rig,
-        &figure.mesh,
         &figure.pose,
         &camera,
+        figure.rig.skin_joints(),
         &marks,
     );
     (body, skeleton)

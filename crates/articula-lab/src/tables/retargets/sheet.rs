@@ -9,7 +9,7 @@ use articula_core::rig::Rig;
 use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::view::{Camera, Viewport};
 use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render};
-use articula_report::{Cell, Row, draw_skeleton};
+use articula_report::{Cell, Row, draw_skeleton, followed};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// Size of one picture, pixels.
@@ -96,7 +96,8 @@ impl<'a> Artist<'a> {
         let mut picture = render(mesh, &skinned, look, &self.camera, &options)?;
         if self.bones {
             let (rig, camera) = (&self.played.rig, &self.camera);
-            draw_skeleton(&mut picture, rig, mesh, &model, camera, &[]);
+            let joints = followed(rig, mesh);
+            draw_skeleton(&mut picture, rig, &model, camera, &joints, &[]);
         }
         Ok(picture)
     }
