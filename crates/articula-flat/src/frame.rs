@@ -1,6 +1,6 @@
 //! Where to put the camera so that a character fills the picture.
 
-use articula_core::view::{Camera, Viewport};
+use articula_core::{Camera, Viewport};
 use glam::Vec3;
 
 /// Free space around the character, as a share of its size.

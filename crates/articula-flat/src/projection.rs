@@ -3,7 +3,7 @@
 //! Source: `spec/motion-lod.md` part 0. A parallel view at `pixels_per_metre` is the weak
 //! perspective of the error tables: every depth has the scale of one.
 
-use articula_core::view::Camera;
+use articula_core::Camera;
 use glam::{Vec2, Vec3, Vec4};
 
 /// How depth changes size.
@@ -121,7 +121,7 @@ impl Screen {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::view::Viewport;
+    use articula_core::Viewport;
 
     fn camera() -> Camera {
         Camera::looking_at(

@@ -10,10 +10,8 @@ use crate::ground::{ContactShadow, Ground, grid_coverage};
 use crate::item_buffer::{Faces, ItemBuffer, Samples, barycentric};
 use crate::picture::{Picture, Rgba, linear_table, srgb_byte};
 use crate::projection::{Projection, Screen};
-use articula_core::mesh::Mesh;
-use articula_core::skin::SkinnedMesh;
 use articula_core::source::Material;
-use articula_core::view::Camera;
+use articula_core::{Camera, Mesh, SkinnedMesh};
 use glam::{Vec2, Vec3, Vec4};
 
 /// Which parts of a mesh are drawn, by their index in [`Mesh::parts`].
@@ -508,8 +506,8 @@ impl Groups {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use articula_core::Viewport;
     use articula_core::source::{self, Image};
-    use articula_core::view::Viewport;
 
     /// Only even light, so that colours come out as they went in.
     const EVEN: Light = Light {

@@ -2,13 +2,10 @@
 
 use crate::paint::draw_box;
 use crate::skeleton::{JointMark, draw_skeleton, followed};
-use articula_core::articulation::Region;
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{
+    Camera, LocalPose, Mesh, ModelPose, Region, Rig, SkinnedMesh, Viewport, local_to_model,
+    palette, skin,
+};
 use articula_flat::{
     Appearance, Bounds, Ground, Picture, PictureError, Projection, RenderOptions, orbit_view,
     render,

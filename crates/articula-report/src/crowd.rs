@@ -1,10 +1,8 @@
 //! A moment of a crowd as a camera sees it, every character in the colour of its level.
 
 use crate::paint::{TextStyle, draw_box, draw_text};
-use articula_core::mesh::{Mesh, Part};
-use articula_core::skin::{SkinnedMesh, skin};
 use articula_core::source::Material;
-use articula_core::view::Camera;
+use articula_core::{Camera, Mesh, Part, SkinnedMesh, skin};
 use articula_flat::{
     Appearance, Ground, Picture, PictureError, RenderOptions, Rgba, linear_table, render,
 };
@@ -142,8 +140,8 @@ fn write_legend(picture: &mut Picture, lines: &[(Option<usize>, String)]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use articula_core::Viewport;
     use articula_core::source::{self, Primitive, Skin};
-    use articula_core::view::Viewport;
 
     #[test]
     fn characters_have_the_colour_of_their_level_and_lie_where_they_stand() {

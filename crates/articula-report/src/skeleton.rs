@@ -5,11 +5,7 @@
 //! told apart without colour.
 
 use crate::paint::{draw_disc, draw_line, draw_ring};
-use articula_core::loa::JointSet;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::view::Camera;
+use articula_core::{Camera, JointSet, Mesh, ModelPose, Rig};
 use articula_flat::{Picture, Projection, Rgba, Screen};
 use glam::Vec2;
 
@@ -191,11 +187,10 @@ fn drawn_parent(rig: &Rig, drawn: &JointSet, joint: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::articulation::{Articulation, JointArticulation, Region};
-    use articula_core::hierarchy::local_to_model;
-    use articula_core::math::Transform;
     use articula_core::source::{Joint, Skeleton};
-    use articula_core::view::Viewport;
+    use articula_core::{
+        Articulation, JointArticulation, Region, Transform, Viewport, local_to_model,
+    };
     use glam::Vec3;
 
     /// Three skin joints one above the other with a plain node between the upper two.

@@ -7,8 +7,8 @@
 
 mod figure;
 
+use articula_core::Viewport;
 use articula_core::source::{Image, Material};
-use articula_core::view::Viewport;
 use articula_flat::codec::{decode, png};
 use articula_flat::compare::{difference, rmse};
 use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render};

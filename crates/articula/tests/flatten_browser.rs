@@ -8,12 +8,10 @@
 
 mod judges;
 
-use articula_build::character::character;
-use articula_build::clip::ClipOptions;
-use articula_build::decimate::decimate;
-use articula_build::human::{HumanOptions, human};
-use articula_core::Progress;
-use articula_core::view::Viewport;
+use articula_build::ClipOptions;
+use articula_build::character;
+use articula_build::decimate;
+use articula_core::{Progress, Viewport};
 use articula_flat::compare::{masked_rmse, ssim};
 use articula_flat::flatten::{
     PrepareOptions, Prepared, Profile, Quality, Settings, Truth, flatten,
@@ -27,6 +25,7 @@ use articula_flat::vector::MovingSvg;
 use articula_flat::vector::player::Output;
 use articula_flat::vector::raster;
 use articula_flat::{Appearance, Picture, Projection, Samples};
+use articula_human::{HumanOptions, human};
 use judges::browser::{Item, is_here, shots, write};
 use std::sync::OnceLock;
 

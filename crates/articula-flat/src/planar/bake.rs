@@ -9,12 +9,10 @@ use super::error::PlanarError;
 use super::subject::Subject;
 use super::vertex_colors::{Look, fitted};
 use crate::projection::{Projection, Screen};
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample, sample_morphs};
-use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::Material;
-use articula_core::view::Camera;
+use articula_core::{
+    Camera, ModelPose, SkinnedMesh, Wrap, local_to_model, palette, sample, sample_morphs, skin,
+};
 use glam::{Affine3A, Quat, Vec3};
 
 /// Nothing may come nearer to a perspective camera than this, metres.
@@ -304,7 +302,7 @@ impl<'a> Painter<'a> {
 /// Poses the subject at a moment; keeps its buffers.
 pub(super) struct Poser<'a> {
     subject: Subject<'a>,
-    local: articula_core::pose::LocalPose,
+    local: articula_core::LocalPose,
     model: ModelPose,
     palette: Vec<Affine3A>,
     weights: Vec<f32>,

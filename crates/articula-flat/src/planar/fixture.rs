@@ -5,10 +5,10 @@ use super::subject::Subject;
 use crate::appearance::Appearance;
 use crate::frame::{Bounds, orbit_view};
 use crate::projection::Projection;
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::human::{HumanOptions, human};
-use articula_core::view::Viewport;
+use articula_build::ClipOptions;
+use articula_build::{Asset, character};
+use articula_core::Viewport;
+use articula_human::{HumanOptions, human};
 use glam::Vec3;
 
 /// A small human, and a camera that sees all of it in 200 x 200 pixels.

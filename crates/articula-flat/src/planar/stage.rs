@@ -10,7 +10,7 @@ use super::subject::Subject;
 use crate::frame::{Bounds, TightView};
 use crate::item_buffer::{Faces, ItemBuffer, Samples};
 use crate::projection::{Projection, Screen};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{Camera, Viewport};
 use glam::Vec3;
 use std::collections::BTreeSet;
 

@@ -1,9 +1,7 @@
 //! Who is shown: joints, vertices, triangles, materials and a clip.
 
 use crate::appearance::Appearance;
-use articula_core::clip::Clip;
-use articula_core::mesh::Mesh;
-use articula_core::rig::Rig;
+use articula_core::{Clip, Mesh, Rig};
 
 /// Who is shown, and what it does.
 #[derive(Debug, Clone, Copy)]

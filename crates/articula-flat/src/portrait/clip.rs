@@ -1,11 +1,7 @@
 //! A motion of a portrait: angles of the head and weights of expressions over time.
 
 use super::head::{Head, HeadPose, PortraitExpression};
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::sample::{Wrap, sample, sample_morphs};
+use articula_core::{Clip, ModelPose, Rig, Wrap, local_to_model, sample, sample_morphs};
 use glam::Quat;
 
 /// Angles of the head and weights of expressions at a uniform rate.

@@ -4,7 +4,7 @@ use super::error::{PortraitError, refuse};
 use super::head::HeadPose;
 use super::posing::{Poser, part_of, places, project};
 use super::source::{MAX_VERTICES, PortraitOptions, PortraitSource, limit};
-use articula_core::mesh::Mesh;
+use articula_core::Mesh;
 use glam::Vec2;
 use std::collections::BTreeMap;
 
@@ -165,6 +165,6 @@ fn compact(mut flat: FlatMesh, used: &[u32]) -> Result<FlatMesh, PortraitError> 
 
 /// The part that a vertex belongs to.
 pub(crate) fn part_at(mesh: &Mesh, vertex: u32) -> Option<usize> {
-    let is_in = |p: &articula_core::mesh::Part| p.vertices.contains(&(vertex as usize));
+    let is_in = |p: &articula_core::Part| p.vertices.contains(&(vertex as usize));
     mesh.parts.iter().position(is_in)
 }

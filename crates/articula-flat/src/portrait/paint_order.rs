@@ -10,7 +10,7 @@ use super::posing::{Poser, places, project};
 use crate::planar::clip::{PlanarClip, PlanarFrame, Surface};
 use crate::planar::drawn::Drawn;
 use crate::planar::order::Painting;
-use articula_core::view::Camera;
+use articula_core::Camera;
 
 /// An order for turns from one angle on.
 #[derive(Debug, Clone, PartialEq, Default)]

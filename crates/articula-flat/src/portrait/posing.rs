@@ -3,12 +3,9 @@
 use super::error::PortraitError;
 use super::head::{Head, HeadPose, PortraitExpression};
 use crate::projection::{Projection, Screen};
-use articula_core::hierarchy::local_to_model_from;
-use articula_core::mesh::{Mesh, Morph};
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::view::Camera;
+use articula_core::{
+    Camera, LocalPose, Mesh, ModelPose, Morph, Rig, SkinnedMesh, local_to_model_from, palette, skin,
+};
 use glam::{Affine3A, Quat, Vec2, Vec3, Vec4};
 
 /// Poses a mesh by the angles of its head and the weights of its expressions.

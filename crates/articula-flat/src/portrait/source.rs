@@ -4,9 +4,7 @@ use super::clip::PortraitClip;
 use super::error::{PortraitError, refuse};
 use super::head::{Head, HeadPose, PortraitExpression};
 use crate::appearance::Appearance;
-use articula_core::mesh::Mesh;
-use articula_core::rig::Rig;
-use articula_core::view::Camera;
+use articula_core::{Camera, Mesh, Rig};
 
 /// Most triangles of a 2D mesh.
 pub(super) const MAX_TRIANGLES: usize = 20_000;

@@ -8,13 +8,10 @@ use super::visibility::NOT_SEEN;
 use super::*;
 use crate::appearance::Appearance;
 use crate::picture::Rgba;
-use articula_core::Progress;
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::math::Transform;
-use articula_core::mesh::Mesh;
-use articula_core::rig::Rig;
 use articula_core::source::{self, Joint, MorphTarget, Primitive, Skeleton, Skin};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{
+    Articulation, Camera, JointArticulation, Mesh, Progress, Region, Rig, Transform, Viewport,
+};
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 /// A rectangle with two triangles, of one colour, with its offset when the mouth is open.
@@ -434,9 +431,9 @@ fn the_document_is_as_its_schema_says() {
 
 #[test]
 fn a_whole_human_turns_its_head_by_the_neck() {
-    use articula_build::character::character;
-    use articula_build::clip::ClipOptions;
-    use articula_build::human::{HumanOptions, human};
+    use articula_build::ClipOptions;
+    use articula_build::character;
+    use articula_human::{HumanOptions, human};
     let source = human(&HumanOptions { triangles: 2000 }).unwrap();
     let (look, _) = Appearance::new(&source.materials, &source.images);
     let asset = character(&source, None, &ClipOptions::default()).unwrap();

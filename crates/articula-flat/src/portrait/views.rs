@@ -13,9 +13,7 @@ use super::visibility::{Layers, layers};
 use crate::picture::{Picture, Rgba};
 use crate::projection::Projection;
 use crate::render::{Light, RenderOptions, render};
-use articula_core::Progress;
-use articula_core::mesh::{Mesh, Part};
-use articula_core::skin::SkinnedMesh;
+use articula_core::{Mesh, Part, Progress, SkinnedMesh};
 use glam::{Vec2, Vec3, Vec4};
 
 /// Pixels around what a layer shows.

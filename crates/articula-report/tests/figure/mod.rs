@@ -1,13 +1,10 @@
 //! A plain figure made of rounded limbs, for pictures that need no file.
 
-use articula_core::articulation::{Articulation, JointArticulation, Region};
-use articula_core::hierarchy::local_to_model;
-use articula_core::math::Transform;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
 use articula_core::source::{self, Joint, Skeleton};
+use articula_core::{
+    Articulation, JointArticulation, Mesh, ModelPose, Region, Rig, SkinnedMesh, Transform,
+    local_to_model, palette, skin,
+};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use std::f32::consts::TAU;
 

@@ -5,7 +5,7 @@ use super::purse::Decision;
 use super::stage::{Settings, Source, Stage, Wanted};
 use anyhow::Context;
 use articula_build::scene::Scene;
-use articula_core::view::{Camera, Viewport};
+use articula_core::{Camera, Viewport};
 use articula_flat::Picture;
 use articula_report::CrowdPicture;
 

@@ -6,10 +6,8 @@ use crate::console::Console;
 use crate::facing::facing;
 use crate::prepared::Prepared;
 use anyhow::{Context, anyhow};
-use articula_build::decimate::decimate;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::view::Viewport;
+use articula_build::decimate;
+use articula_core::{ModelPose, Viewport, local_to_model};
 use articula_flat::planar::stage;
 use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn, bake};
 use articula_flat::planar::{Drawn, PlanarClip, PlanarError};
@@ -70,7 +68,7 @@ impl<'a> Staged<'a> {
         let (moments_secs, fps) = moments(prepared, &shot)?;
         let length = moments_secs.last().copied().unwrap_or_default();
         let options = BakeOptions {
-            camera: articula_core::view::Camera::looking_at(
+            camera: articula_core::Camera::looking_at(
                 glam::Vec3::Z,
                 glam::Vec3::ZERO,
                 shot.viewport,

@@ -3,9 +3,7 @@
 use crate::facing::facing;
 use crate::prepared::Prepared;
 use articula_build::evaluate::Stage;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample_morphs};
+use articula_core::{ModelPose, Wrap, local_to_model, sample_morphs};
 use articula_flat::Appearance;
 use articula_report::Artist;
 

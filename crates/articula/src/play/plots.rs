@@ -113,7 +113,7 @@ pub(crate) fn over_the_clip(
             .into_iter()
             .next();
         let updated = playback.map_or(Vec::new(), |p| p.updated);
-        let point = |(frame, set): (usize, &articula_core::loa::JointSet)| {
+        let point = |(frame, set): (usize, &articula_core::JointSet)| {
             (frame as f64 / rate, set.len() as f64)
         };
         Series {

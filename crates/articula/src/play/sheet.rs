@@ -11,8 +11,7 @@ use super::rows::Table;
 use crate::prepared::Prepared;
 use anyhow::Context;
 use articula_build::evaluate::{Method, PathRun, Playback, Stage, play};
-use articula_core::pose::LocalPose;
-use articula_core::sample::{Wrap, sample};
+use articula_core::{LocalPose, Wrap, sample};
 use articula_flat::Picture;
 use articula_report::{Cell, ContactSheet, JointMark, Row as SheetRow, Tile, middles};
 

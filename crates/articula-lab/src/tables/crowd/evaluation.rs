@@ -9,9 +9,7 @@ use crate::peers::quoted::{FLOOR_THERE, QUOTED, Quoted};
 use crate::peers::structs::Structs;
 use crate::peers::three::{self, Effort, ThreeTimes};
 use anyhow::Result;
-use articula_core::clip_set::{ClipSet, Storage};
-use articula_core::ladder::Ladder;
-use articula_core::palette::{PaletteForm, PaletteMap};
+use articula_core::{ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
 use articula_report::{BarSeries, PlotOptions, bar_plot};
 use std::hint::black_box;
 

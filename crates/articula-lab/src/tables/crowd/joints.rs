@@ -5,10 +5,8 @@ use super::ours::Batched;
 use super::{Bench, Line, Report, evaluation};
 use crate::measure::race;
 use anyhow::Result;
-use articula_build::ladder::{LevelOptions, joint_ladder, mean_pose};
-use articula_core::clip_set::{ClipSet, Storage};
-use articula_core::ladder::Ladder;
-use articula_core::palette::{PaletteForm, PaletteMap};
+use articula_build::{LevelOptions, joint_ladder, mean_pose};
+use articula_core::{ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
 use articula_report::{PlotOptions, Series, Values, line_plot};
 
 /// Joints of the coarser levels, as the published row has them.

@@ -1,11 +1,11 @@
 //! Characters in motion before a camera, as the command `flatten` puts them up.
 
 use anyhow::{Context, Result};
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::decimate::decimate;
+use articula_build::ClipOptions;
+use articula_build::decimate;
+use articula_build::{Asset, character};
 use articula_core::source::{Character, Clip as SourceClip, Property};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{Camera, Viewport};
 use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn, bake};
 use articula_flat::planar::{PlanarClip, stage};
 use articula_flat::{Appearance, Bounds, Projection};
@@ -144,7 +144,7 @@ impl Case {
     /// Reads the character, puts up the camera and simplifies what it sees.
     pub(super) fn stage(&self, data: &Path) -> Result<Staged> {
         let source = self.open(data)?;
-        let mapping = profile::map(&source.skeleton, profile::builtin(), None);
+        let mapping = articula_build::joint_names::map(&source.skeleton, profile::builtin(), None);
         let (look, _) = Appearance::new(&source.materials, &source.images);
         let asset = character(&source, Some(mapping.articulation), &ClipOptions::default())
             .with_context(|| self.file.to_owned())?;

@@ -5,11 +5,10 @@
 use super::super::Run;
 use super::cases::SIDE_PX;
 use anyhow::{Context, Result};
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::decimate::decimate;
-use articula_core::Progress;
-use articula_core::view::{Camera, Viewport};
+use articula_build::ClipOptions;
+use articula_build::decimate;
+use articula_build::{Asset, character};
+use articula_core::{Camera, Progress, Viewport};
 use articula_flat::planar::stage;
 use articula_flat::planar::{Subject, Turn};
 use articula_flat::portrait::PictureFormat;
@@ -83,7 +82,7 @@ fn of(run: &Run, sitter: &Sitter, views: &[usize]) -> Result<Vec<Row>> {
     let read = gltf::read(&bytes, &Limits::default(), &mut |_| Err("nothing".into()));
     let source = read.with_context(|| path.display().to_string())?;
     let source = source.value.character;
-    let mapping = profile::map(&source.skeleton, profile::builtin(), None);
+    let mapping = articula_build::joint_names::map(&source.skeleton, profile::builtin(), None);
     let (look, _) = Appearance::new(&source.materials, &source.images);
     let asset = character(&source, Some(mapping.articulation), &ClipOptions::default())?;
     let mut expressions = Vec::new();

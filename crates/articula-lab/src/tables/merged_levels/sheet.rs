@@ -1,15 +1,11 @@
 //! A character in full and at each of its levels, large and at the size it is chosen for.
 
 use anyhow::{Context, Result};
-use articula_build::character::Asset;
-use articula_build::ladder::{LevelOptions, merged_levels};
-use articula_core::clip::Clip;
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_build::Asset;
+use articula_build::{LevelOptions, merged_levels};
+use articula_core::{
+    Clip, Mesh, ModelPose, Rig, SkinnedMesh, Wrap, local_to_model, palette, sample, skin,
+};
 use articula_flat::{Appearance, Bounds, codec};
 use articula_formats::{Limits, gltf};
 use articula_report::{Cell, ContactSheet, Row, Tile, close_up};

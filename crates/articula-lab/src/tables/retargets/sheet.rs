@@ -3,11 +3,7 @@
 use super::cases::Actor;
 use super::measure::Played;
 use anyhow::{Context, Result};
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::view::{Camera, Viewport};
+use articula_core::{Camera, Mesh, ModelPose, Rig, SkinnedMesh, Viewport, palette, skin};
 use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render};
 use articula_report::{Cell, Row, draw_skeleton, followed};
 use glam::{Affine3A, Vec2, Vec3};

@@ -6,7 +6,7 @@ use crate::commands::flatten::report::{Made, Report};
 use crate::console::Console;
 use crate::flat::{Shot, Staged};
 use crate::play::Scene;
-use articula_core::view::Viewport;
+use articula_core::Viewport;
 use articula_flat::flatten::{PrepareOptions, Profile, Quality, Settings};
 use articula_flat::planar::Shading;
 use articula_flat::vector::ThesisOptions;

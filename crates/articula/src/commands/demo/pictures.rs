@@ -7,7 +7,7 @@ use crate::play::rows::Table;
 use crate::play::sheet::{self, Format, Line};
 use anyhow::Context;
 use articula_build::evaluate::Method;
-use articula_core::articulation::Region;
+use articula_core::Region;
 use articula_flat::Picture;
 use articula_report::{Cell, ContactSheet, Row as SheetRow};
 use std::f32::consts::FRAC_PI_2;

@@ -14,8 +14,7 @@ use crate::prepared::Prepared;
 use crate::{fault, files};
 use anyhow::Context;
 use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName, Switch};
-use articula_core::Progress;
-use articula_core::view::Viewport;
+use articula_core::{Progress, Viewport};
 use articula_flat::flatten::{
     self, Flattened, PrepareOptions, Profile, Quality, Settings, Truth, flatten, flatten_live,
     sampled_frames,

@@ -8,13 +8,12 @@ use crate::console::Console;
 use crate::load;
 use crate::motion_tables::Stored;
 use crate::prepared::Prepared;
-use articula_build::clip::source_rate_hz;
-use articula_core::articulation::{Articulation, MAX_LEVEL, Region};
-use articula_core::loa::JointSet;
-use articula_core::rig::Rig;
+use articula_build::joint_names::GapReason;
+use articula_build::source_rate_hz;
+use articula_core::loa::MAX_LEVEL;
 use articula_core::source;
+use articula_core::{Articulation, JointSet, Region, Rig};
 use articula_flat::Appearance;
-use articula_formats::profile::GapReason;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -209,7 +208,7 @@ fn skeletons_of(prepared: &Prepared) -> Vec<Skeleton> {
 fn count(
     articulation: &Articulation,
     joints: &JointSet,
-    is: impl Fn(&articula_core::articulation::JointArticulation) -> bool,
+    is: impl Fn(&articula_core::JointArticulation) -> bool,
 ) -> usize {
     joints
         .iter()
@@ -276,7 +275,7 @@ fn clip_of(
     }
 }
 
-fn moving_targets<T>(tracks: &[articula_core::clip::Track<T>]) -> impl Iterator<Item = u16> {
+fn moving_targets<T>(tracks: &[articula_core::Track<T>]) -> impl Iterator<Item = u16> {
     tracks
         .iter()
         .filter(|t| t.values.len() > 1)
