@@ -46,6 +46,7 @@
 //! - [`joint_state`]: active and passive joints, and the transitions between them
 //! - [`hanim_table`], [`fap_table`]: the joints of the standard humanoid, and the parameters of its
 //!   face
+//! - [`Progress`]: how far work outside the frame is, and whether it goes on
 //!
 //! Levels of detail count from 0, the finest, everywhere: joints ([`Ladder`]), meshes
 //! ([`Clusters`], [`LevelTable`], [`MeshErrors`]) and keys ([`KeyTable`]). Levels of articulation
@@ -94,6 +95,7 @@ mod percentile;
 mod pose;
 mod pose_cache;
 mod posed_mesh;
+mod progress;
 mod rig;
 mod sample;
 mod simd;
@@ -128,6 +130,7 @@ pub use percentile::{Real, percentile, percentile_at_or_above};
 pub use pose::{LocalPose, ModelPose};
 pub use pose_cache::{BlendRecord, CachedKeys, CachedRows, PoseCache};
 pub use posed_mesh::PosedMesh;
+pub use progress::{Cancelled, Progress};
 pub use rig::Rig;
 pub use sample::{FramePosition, Wrap, frame_position, sample, sample_morphs};
 pub use simd::Backend;

@@ -49,7 +49,7 @@ impl Appearance {
     }
 
     /// The texture of a material, if it has one that could be decoded.
-    pub fn texture_of(&self, material: &Material) -> Option<&Texture> {
+    pub(crate) fn texture_of(&self, material: &Material) -> Option<&Texture> {
         self.textures.get(material.base_color_image?)?.as_ref()
     }
 }
@@ -62,7 +62,7 @@ pub struct Texture {
 
 impl Texture {
     /// Makes the halved copies, averaged in linear light.
-    pub fn new(picture: Picture) -> Self {
+    pub(crate) fn new(picture: Picture) -> Self {
         let mut levels = vec![picture];
         while let Some(last) = levels.last()
             && last.width() > 1
@@ -75,7 +75,7 @@ impl Texture {
 
     /// The level at which a texel is about a pixel, for a surface patch that covers this area
     /// of texture space (1 is the whole texture) and this many pixels.
-    pub fn level_for(&self, texture_area: f32, pixels: f32) -> usize {
+    pub(crate) fn level_for(&self, texture_area: f32, pixels: f32) -> usize {
         let full = &self.levels[0];
         let texels = texture_area.abs() * full.width() as f32 * full.height() as f32;
         let ratio = texels / pixels.abs().max(1e-6);
@@ -90,7 +90,7 @@ impl Texture {
     /// Linear RGBA at a texture coordinate, blended between four texels; the texture repeats.
     ///
     /// A level beyond the smallest counts as that one.
-    pub fn sample(&self, at: Vec2, level: usize) -> Vec4 {
+    pub(crate) fn sample(&self, at: Vec2, level: usize) -> Vec4 {
         let picture = &self.levels[level.min(self.levels.len() - 1)];
         let (w, h) = (picture.width() as i64, picture.height() as i64);
         if w == 0 || h == 0 || !at.is_finite() {

@@ -47,11 +47,6 @@ impl Bounds {
     }
 }
 
-/// A level camera straight before the character (which faces +Z), as near as its bounds allow.
-pub fn front_view(bounds: &Bounds, viewport: Viewport) -> Camera {
-    orbit_view(bounds, 0.0, 0.0, viewport)
-}
-
 /// A camera that looks at the middle of the bounds, as near as they allow.
 ///
 /// `azimuth_radians` turns it around the character (a quarter turn shows its left side),
@@ -163,7 +158,7 @@ mod tests {
     fn front_view_by_hand() {
         // 1.8 m on a plane at z = 0.3 fill 1 / 1.12 of the height at depth
         // 0.9 * 1.12 / tan(22.5 degrees) = 2.43354.
-        let camera = front_view(&PERSON, Viewport::default());
+        let camera = orbit_view(&PERSON, 0.0, 0.0, Viewport::default());
         assert!((camera.eye - Vec3::new(0.0, 0.9, 0.3 + 2.433_54)).length() < 1e-4);
         assert!((camera.forward() - Vec3::NEG_Z).length() < 1e-6);
     }

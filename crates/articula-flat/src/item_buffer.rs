@@ -11,7 +11,7 @@ use crate::error::PictureError;
 use glam::{Vec2, Vec3, Vec4};
 
 /// Longest side of a picture, in pixels.
-pub const MAX_SIDE: u32 = 16_384;
+pub(crate) const MAX_SIDE: u32 = 16_384;
 /// Most samples of one buffer; 2 GiB of memory.
 const MAX_SAMPLES: u64 = 1 << 28;
 /// Steps of the snapping grid in a pixel.
@@ -42,19 +42,19 @@ pub enum Samples {
 
 impl Samples {
     /// Samples along one side of a pixel.
-    pub fn per_side(self) -> u32 {
+    pub(crate) fn per_side(self) -> u32 {
         1 << self as u32
     }
 
     /// Samples in a pixel.
-    pub fn per_pixel(self) -> u32 {
+    pub(crate) fn per_pixel(self) -> u32 {
         self.per_side() * self.per_side()
     }
 }
 
 /// Which side of a triangle is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Faces {
+pub(crate) enum Faces {
     /// Both sides.
     #[default]
     Both,
@@ -68,7 +68,7 @@ pub enum Faces {
 /// depth under perspective (1 in a parallel view) and `n / w` the nearness, which is linear on
 /// the screen (`1 / depth`, or minus the depth in a parallel view).
 #[derive(Debug, Clone, PartialEq)]
-pub struct ItemBuffer {
+pub(crate) struct ItemBuffer {
     width: u32,
     height: u32,
     samples: Samples,
@@ -82,7 +82,7 @@ impl ItemBuffer {
     /// # Errors
     /// [`PictureError::LimitExceeded`] if a side is longer than [`MAX_SIDE`] or the samples
     /// are too many.
-    pub fn new(width: u32, height: u32, samples: Samples) -> Result<Self, PictureError> {
+    pub(crate) fn new(width: u32, height: u32, samples: Samples) -> Result<Self, PictureError> {
         let refuse = |limit| PictureError::LimitExceeded {
             width,
             height,
@@ -106,39 +106,39 @@ impl ItemBuffer {
     }
 
     /// Width and height in pixels.
-    pub fn size(&self) -> (u32, u32) {
+    pub(crate) fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
     /// How finely a pixel is sampled.
-    pub fn samples(&self) -> Samples {
+    pub(crate) fn samples(&self) -> Samples {
         self.samples
     }
 
     /// Width and height in samples.
-    pub fn sample_size(&self) -> (u32, u32) {
+    pub(crate) fn sample_size(&self) -> (u32, u32) {
         let n = self.samples.per_side();
         (self.width * n, self.height * n)
     }
 
     /// Removes all triangles.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.ids.fill(NOTHING);
         self.nearness.fill(f32::NEG_INFINITY);
     }
 
     /// The triangle that a sample shows. Samples outside show nothing.
-    pub fn item(&self, x: u32, y: u32) -> Option<u32> {
+    pub(crate) fn item(&self, x: u32, y: u32) -> Option<u32> {
         self.sample(x, y).0
     }
 
     /// Nearness of what a sample shows; minus infinity where it shows nothing.
-    pub fn nearness(&self, x: u32, y: u32) -> f32 {
+    pub(crate) fn nearness(&self, x: u32, y: u32) -> f32 {
         self.sample(x, y).1
     }
 
     /// [`Self::item`] and [`Self::nearness`] together.
-    pub fn sample(&self, x: u32, y: u32) -> (Option<u32>, f32) {
+    pub(crate) fn sample(&self, x: u32, y: u32) -> (Option<u32>, f32) {
         let Some(i) = self.index(x, y) else {
             return (None, f32::NEG_INFINITY);
         };
@@ -147,7 +147,7 @@ impl ItemBuffer {
     }
 
     /// Whether no sample of a pixel shows a triangle.
-    pub fn is_blank(&self, x: u32, y: u32) -> bool {
+    pub(crate) fn is_blank(&self, x: u32, y: u32) -> bool {
         let n = self.samples.per_side();
         (y * n..(y + 1) * n).all(|sample_y| {
             let first = self.index(x * n, sample_y);
@@ -156,7 +156,7 @@ impl ItemBuffer {
     }
 
     /// Place of a sample in the picture, in pixels.
-    pub fn position(&self, x: u32, y: u32) -> Vec2 {
+    pub(crate) fn position(&self, x: u32, y: u32) -> Vec2 {
         let n = self.samples.per_side() as f32;
         Vec2::new((x as f32 + 0.5) / n, (y as f32 + 0.5) / n)
     }
@@ -165,13 +165,13 @@ impl ItemBuffer {
     ///
     /// O(samples of its bounding box); does not allocate. Triangles with a corner that is not
     /// finite, and those without area, cover nothing.
-    pub fn draw(&mut self, id: u32, corners: [Vec4; 3], faces: Faces) {
+    pub(crate) fn draw(&mut self, id: u32, corners: [Vec4; 3], faces: Faces) {
         self.draw_where(id, corners, faces, |_| true);
     }
 
     /// Draws a triangle like [`Self::draw`], but only the samples whose place (in pixels)
     /// `keep` accepts.
-    pub fn draw_where(
+    pub(crate) fn draw_where(
         &mut self,
         id: u32,
         corners: [Vec4; 3],
@@ -185,7 +185,7 @@ impl ItemBuffer {
 
     /// Calls `visit` with every sample that a triangle covers, whatever is nearer there; draws
     /// nothing. They are the samples that [`Self::draw`] would take in an empty buffer.
-    pub fn visit(&self, corners: [Vec4; 3], faces: Faces, mut visit: impl FnMut(u32, u32)) {
+    pub(crate) fn visit(&self, corners: [Vec4; 3], faces: Faces, mut visit: impl FnMut(u32, u32)) {
         for part in pieces(corners) {
             if let Some(scan) = Scan::new(part, faces, self.sample_size(), self.step()) {
                 scan.each(|x, y| visit(x as u32, y as u32));
@@ -308,7 +308,7 @@ impl Scan {
 ///
 /// They sum to 1; places outside the triangle get the nearest weights on it. `None` if the
 /// triangle is seen from its edge.
-pub fn barycentric(corners: &[Vec4; 3], at: Vec2) -> Option<Vec3> {
+pub(crate) fn barycentric(corners: &[Vec4; 3], at: Vec2) -> Option<Vec3> {
     // Relative to the place itself, so that no digits are lost far from the picture's corner.
     let [a, b, c] = corners.map(|c| Vec2::new(c.x, c.y) - at * c.w);
     let weights = Vec3::new(b.perp_dot(c), c.perp_dot(a), a.perp_dot(b));

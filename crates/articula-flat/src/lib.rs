@@ -1,41 +1,92 @@
-//! How a virtual human looks in 2D: reference pictures, contact sheets and plots.
+//! How a virtual human looks in 2D: lit pictures, portraits that turn their head, and vector
+//! graphics with the right painting order.
 //!
 //! Everything here takes values and gives values (pixels, PNG bytes, SVG text), always the
 //! same for the same input.
 //!
-//! - [`item_buffer`]: which triangle each sample shows, the base of all pictures
-//! - [`picture`], [`codec`], [`paint`], [`compare`]: pixels; files; marks and words; how far
-//!   two pictures are apart
-//! - [`frame`], [`projection`]: where the camera stands; from metres to pixels
-//! - [`appearance`], [`render`]: materials and textures; a lit picture of a skinned character
-//! - [`skeleton`], [`contact_sheet`]: moving and held joints; many pictures on one page
-//! - [`portrait`]: a talking face in 2D that turns its head
-//! - [`plot`]: line and bar plots as SVG
+//! - [`render()`]: a lit [`Picture`] of a skinned character before a [`Screen`]; [`Appearance`]:
+//!   its materials and textures; [`orbit_view`], [`TightView`]: where the camera stands;
+//!   [`Ground`]: what it stands on
+//! - [`codec`], [`compare`]: picture files; how far two pictures are apart
 //! - [`planar`]: a clip as the camera sees it, ready to be written in 2D
-//! - [`vector`]: vector graphics, still and moving, written and sampled
-//! - [`error`]: what can be wrong with a picture
+//! - [`flatten`]: one call from there to a file with its size and error
+//! - [`vector`]: the files, written, read back and sampled
+//! - [`portrait`]: a talking face in 2D that turns its head
+//! - [`escaped`]: text inside markup
 //!
-//! What is deliberately absent: files, clocks, threads, a GPU, fonts of the system.
+//! A character comes from [`planar::bake()`]; here a triangle that moves to the right stands in
+//! for it:
+//!
+//! ```
+//! use articula_core::Progress;
+//! use articula_flat::flatten::{
+//!     PrepareOptions, Prepared, Profile, Quality, Settings, Truth, flatten, sampled_frames,
+//! };
+//! use articula_flat::planar::{PlanarClip, PlanarError, PlanarFrame, Surface};
+//! use glam::Vec2;
+//!
+//! let frame = |at: f64| PlanarFrame {
+//!     xy: [(0.0, 50.0), (40.0, 50.0), (20.0, 10.0)]
+//!         .map(|(x, y)| Vec2::new(x + 5.0 * at as f32, y))
+//!         .to_vec(),
+//!     nearness: vec![1.0; 3],
+//!     light: vec![1.0; 3],
+//! };
+//! let clip = |moments: &[f64]| PlanarClip {
+//!     width: 100,
+//!     height: 60,
+//!     fps: 25.0,
+//!     frames: moments.iter().map(|at| frame(*at)).collect(),
+//!     triangles: vec![[0, 1, 2]],
+//!     surface: vec![0],
+//!     part: vec![0],
+//!     surfaces: vec![Surface { name: "red".into(), albedo: Some([200, 30, 30]) }],
+//!     albedo: vec![[200.0, 30.0, 30.0]; 3],
+//! };
+//! let frames: Vec<f64> = (0..10).map(f64::from).collect();
+//! let mut progress = Progress::none();
+//! let prepared = Prepared::new(clip(&frames), &PrepareOptions::default(), &mut progress)?;
+//! let moments = sampled_frames(frames.len());
+//! let truth = Truth::new(&clip(&moments), &moments)?;
+//! let settings = Settings {
+//!     profile: Profile::Smil,
+//!     quality: Quality::of(Profile::Smil),
+//!     name: "a triangle".into(),
+//!     max_bytes: None,
+//! };
+//! let flat = flatten(&prepared, &settings, &truth, &mut progress)?;
+//! assert!(flat.bytes.starts_with(b"<svg") && flat.sizes.raw < 1000);
+//! assert!(flat.errors.image.ssim > 0.98);
+//! # Ok::<(), PlanarError>(())
+//! ```
+//!
+//! What is deliberately absent: files, clocks, threads, a GPU, fonts of the system; pictures and
+//! plots of reports (`articula-report`); which camera and how many triangles suit a character
+//! (the library `articula`).
 
-pub mod appearance;
+mod appearance;
 pub mod codec;
 pub mod compare;
-pub mod contact_sheet;
-pub mod error;
+mod error;
 pub mod flatten;
-pub mod frame;
+mod frame;
 mod ground;
-pub mod item_buffer;
-pub mod paint;
-pub mod picture;
+mod item_buffer;
+mod low_rank;
+mod markup;
+mod picture;
 pub mod planar;
-pub mod plot;
 pub mod portrait;
-pub mod projection;
-pub mod render;
-pub mod skeleton;
+mod projection;
+mod render;
 pub mod vector;
 
+pub use appearance::{Appearance, Texture, Undecoded};
 pub use error::PictureError;
+pub use frame::{Bounds, TightView, orbit_view};
 pub use ground::Ground;
-pub use picture::Picture;
+pub use item_buffer::Samples;
+pub use markup::escaped;
+pub use picture::{Picture, Rgba, linear_table};
+pub use projection::{Projection, Screen};
+pub use render::{Light, Parts, RenderOptions, render};

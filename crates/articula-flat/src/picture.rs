@@ -18,7 +18,7 @@ impl Picture {
     /// Makes a picture of one colour.
     ///
     /// # Errors
-    /// [`PictureError::LimitExceeded`] if a side is longer than [`MAX_SIDE`].
+    /// [`PictureError::LimitExceeded`] if a side is longer than 16,384 pixels.
     pub fn new(width: u32, height: u32, color: Rgba) -> Result<Self, PictureError> {
         if width > MAX_SIDE || height > MAX_SIDE {
             return Err(PictureError::LimitExceeded {
@@ -71,7 +71,7 @@ impl Picture {
     }
 
     /// All pixels, to be changed.
-    pub fn pixels_mut(&mut self) -> &mut [Rgba] {
+    pub(crate) fn pixels_mut(&mut self) -> &mut [Rgba] {
         &mut self.pixels
     }
 
@@ -82,7 +82,7 @@ impl Picture {
     }
 
     /// Changes one pixel; does nothing outside.
-    pub fn set(&mut self, x: u32, y: u32, color: Rgba) {
+    pub(crate) fn set(&mut self, x: u32, y: u32, color: Rgba) {
         if x < self.width && y < self.height {
             self.pixels[y as usize * self.width as usize + x as usize] = color;
         }
@@ -108,7 +108,7 @@ impl Picture {
 
     /// The part that begins at `(x, y)`; what would lie outside is left out.
     #[must_use]
-    pub fn crop(&self, x: u32, y: u32, width: u32, height: u32) -> Self {
+    pub(crate) fn crop(&self, x: u32, y: u32, width: u32, height: u32) -> Self {
         let (x, y) = (x.min(self.width), y.min(self.height));
         let width = width.min(self.width - x);
         let height = height.min(self.height - y);
@@ -133,28 +133,10 @@ impl Picture {
         }
     }
 
-    /// A larger picture in which every pixel is a block of `factor * factor` equal ones.
-    ///
-    /// # Errors
-    /// [`PictureError::LimitExceeded`] if it would be too large.
-    pub fn enlarge(&self, factor: u32) -> Result<Self, PictureError> {
-        let factor = factor.max(1);
-        let size = |side: u32| side.saturating_mul(factor);
-        let mut large = Self::new(size(self.width), size(self.height), [0; 4])?;
-        let width = large.width.max(1) as usize;
-        for (y, row) in large.pixels.chunks_mut(width).enumerate() {
-            let first = y / factor as usize * self.width as usize;
-            for (x, pixel) in row.iter_mut().enumerate() {
-                *pixel = self.pixels[first + x / factor as usize];
-            }
-        }
-        Ok(large)
-    }
-
     /// A smaller picture in which each pixel is the mean of `factor * factor` pixels, taken in
     /// linear light. Rows and columns that do not fill a block are left out.
     #[must_use]
-    pub fn downsample(&self, factor: u32) -> Self {
+    pub(crate) fn downsample(&self, factor: u32) -> Self {
         let factor = factor.max(1);
         let (width, height) = (self.width / factor, self.height / factor);
         let table = linear_table();
@@ -179,7 +161,7 @@ impl Picture {
 }
 
 /// The upper colour laid over the lower one, blended in sRGB as browsers do.
-pub fn over(below: Rgba, above: Rgba, coverage: f32) -> Rgba {
+pub(crate) fn over(below: Rgba, above: Rgba, coverage: f32) -> Rgba {
     let a = f32::from(above[3]) / 255.0 * coverage.clamp(0.0, 1.0);
     let b = f32::from(below[3]) / 255.0 * (1.0 - a);
     let alpha = a + b;
@@ -202,7 +184,7 @@ pub fn linear_table() -> &'static [f32; 256] {
 }
 
 /// The sRGB byte of a linear light value; values outside 0 to 1 are clamped.
-pub fn srgb_byte(linear: f32) -> u8 {
+pub(crate) fn srgb_byte(linear: f32) -> u8 {
     // Exact rounding without a power: start at the least byte of a bucket of square roots
     // (about as curved as sRGB), then step over the few thresholds inside it.
     static TABLES: std::sync::OnceLock<SrgbTables> = std::sync::OnceLock::new();
@@ -298,8 +280,9 @@ mod tests {
     fn downsampling_averages_light_and_ignores_the_transparent() {
         let two = Picture::from_pixels(2, 2, vec![WHITE, BLACK, BLACK, WHITE]).unwrap();
         assert_eq!(two.downsample(2).pixels(), [[188, 188, 188, 255]]);
-        assert_eq!(two.enlarge(3).unwrap().downsample(3), two);
-        assert!(two.enlarge(9000).is_err());
+        let large = (0..36).map(|i| two.pixels()[i / 18 * 2 + i % 6 / 3]);
+        let large = Picture::from_pixels(6, 6, large.collect()).unwrap();
+        assert_eq!(large.downsample(3), two);
         let clear = [255, 0, 0, 0];
         let half = Picture::from_pixels(2, 1, vec![clear, clear]).unwrap();
         assert_eq!(half.downsample(2).pixels().len(), 0);

@@ -35,7 +35,7 @@ pub struct Screen {
 
 /// A half line from the camera; a depth along it is a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Ray {
+pub(crate) struct Ray {
     /// Point at depth 0.
     pub origin: Vec3,
     /// Step for one metre of depth (longer than one metre off the axis).
@@ -62,7 +62,7 @@ impl Screen {
     }
 
     /// The point as a homogeneous corner of [`crate::item_buffer::ItemBuffer`].
-    pub fn corner(&self, point: Vec3) -> Vec4 {
+    pub(crate) fn corner(&self, point: Vec3) -> Vec4 {
         let p = self.camera.view(point);
         let scale = self.scale;
         let (nearness, w) = match self.projection {
@@ -89,7 +89,7 @@ impl Screen {
     }
 
     /// The half line of points that appear at a place of the screen.
-    pub fn ray(&self, at: Vec2) -> Ray {
+    pub(crate) fn ray(&self, at: Vec2) -> Ray {
         let offset = (at - self.middle) / self.scale;
         let across = self.right * offset.x - self.up * offset.y;
         match self.projection {
@@ -105,7 +105,7 @@ impl Screen {
     }
 
     /// Nearness, as the item buffer keeps it, of a point at a depth.
-    pub fn nearness_of(&self, depth_m: f32) -> f32 {
+    pub(crate) fn nearness_of(&self, depth_m: f32) -> f32 {
         match self.projection {
             Projection::Perspective => 1.0 / depth_m,
             Projection::Parallel { .. } => -depth_m,

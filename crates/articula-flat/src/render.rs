@@ -28,7 +28,7 @@ pub enum Parts {
 
 impl Parts {
     /// Whether a part is drawn.
-    pub fn contains(&self, part: usize) -> bool {
+    pub(crate) fn contains(&self, part: usize) -> bool {
         match self {
             Self::All => true,
             Self::Only(parts) => parts.contains(&part),

@@ -10,8 +10,6 @@
 #[path = "../../articula-cli/tests/judges/mod.rs"]
 mod judges;
 
-use articula_flat::Picture;
-use articula_flat::Samples;
 use articula_flat::compare::{rmse, ssim};
 use articula_flat::planar::GRID;
 use articula_flat::planar::reference;
@@ -20,6 +18,7 @@ use articula_flat::planar::{PlanarClip, PlanarFrame, Surface};
 use articula_flat::planar::{Shading, flat_color};
 use articula_flat::vector::lottie;
 use articula_flat::vector::smil;
+use articula_flat::{Picture, Samples};
 use glam::{Mat3, Vec2, Vec3};
 use judges::browser::{self, Item, shots};
 

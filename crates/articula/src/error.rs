@@ -1,6 +1,8 @@
 //! Why something could not be done, sorted by blame.
 
 use articula_core::Mismatch;
+use articula_flat::planar::PlanarError;
+use articula_flat::portrait::PortraitError;
 use articula_formats::ReadError;
 use std::fmt::Display;
 use thiserror::Error;
@@ -113,8 +115,24 @@ boxed! {
     articula_formats::gltf::WriteError => Write,
     articula_formats::mpeg4::bap::SampleError => Write,
     articula_flat::PictureError => Picture,
-    articula_flat::planar::PlanarError => Picture,
-    articula_flat::portrait::PortraitError => Picture,
+}
+
+impl From<PlanarError> for Error {
+    fn from(error: PlanarError) -> Self {
+        match error {
+            PlanarError::Cancelled(_) => Self::Cancelled,
+            other => Self::Picture(Box::new(other)),
+        }
+    }
+}
+
+impl From<PortraitError> for Error {
+    fn from(error: PortraitError) -> Self {
+        match error {
+            PortraitError::Cancelled(_) => Self::Cancelled,
+            other => Self::Picture(Box::new(other)),
+        }
+    }
 }
 
 #[cfg(test)]

@@ -4,9 +4,13 @@
 //! whose results do not depend on the order or the thread that they run on.
 
 use crate::error::{Error, Result};
+use articula_core::Progress;
 use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Parts of a step that says how far it is as a share.
+const HUNDRED: usize = 100;
 
 /// How far a step has come.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -104,6 +108,22 @@ impl<'a> Work<'a> {
             Some(ControlFlow::Break(())) => Err(Error::Cancelled),
             _ => Ok(()),
         }
+    }
+
+    /// Hears the progress of a step that says how far it is as a share; in hundredths.
+    pub(crate) fn with_progress<T>(
+        &self,
+        what: &'static str,
+        make: impl FnOnce(&mut Progress<'_>) -> T,
+    ) -> T {
+        let mut hook = |share: f32| {
+            let done = (HUNDRED as f32 * share.clamp(0.0, 1.0)) as usize;
+            match self.step(what, done, HUNDRED) {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(_) => ControlFlow::Break(()),
+            }
+        };
+        make(&mut Progress::new(&mut hook))
     }
 
     /// Makes something of every item, each as a job of its own; results are in the items' order.

@@ -5,7 +5,6 @@
 //! and metres in the character's own space.
 
 use super::Scene;
-use super::plots::Plot;
 use super::rows::{ErrorPx, Row};
 use crate::files;
 use anyhow::{Context, bail, ensure};
@@ -13,8 +12,7 @@ use articula_build::evaluate::{CameraKey, PathFrame, PathRun, Stage, play_camera
 use articula_core::joint_state::JointState;
 use articula_core::{DriftOptions, JointSet, Rig};
 use articula_formats::Limits;
-use articula_report::JointMark;
-use articula_report::{PlotOptions, Series, line_plot};
+use articula_report::{JointMark, Plot, PlotOptions, Series, line_plot};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 use std::path::Path;

@@ -4,7 +4,7 @@
 //! shows, drawn large; the small figure in the corner has the true size on the screen.
 
 use super::Scene;
-use super::artist::Artist;
+use super::artist::{artist, morphs};
 use super::camera_path;
 use super::methods::Chosen;
 use super::rows::Table;
@@ -13,8 +13,8 @@ use articula::Figure;
 use articula_build::evaluate::{Method, PathRun, Playback, Stage, play};
 use articula_core::{LocalPose, Wrap, sample};
 use articula_flat::Picture;
-use articula_report::JointMark;
 use articula_report::{Cell, ContactSheet, Row as SheetRow, Tile};
+use articula_report::{JointMark, middles};
 
 /// How large and how many the pictures of a sheet are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,16 +44,6 @@ pub(crate) struct Line<'a> {
     pub(crate) chosen: &'a Chosen,
     pub(crate) parameter: f32,
     pub(crate) distance_m: f32,
-}
-
-/// Frames to show of a clip: the middles of `count` equal parts.
-pub(crate) fn frames_of(frames: usize, count: usize) -> Vec<usize> {
-    let count = count.min(frames).max(1);
-    let mut all: Vec<usize> = (0..count)
-        .map(|i| ((2 * i + 1) * frames / (2 * count)).min(frames - 1))
-        .collect();
-    all.dedup();
-    all
 }
 
 /// One line for each distance of a table.
@@ -91,12 +81,16 @@ pub(crate) fn played(
     notes: Vec<String>,
 ) -> anyhow::Result<Picture> {
     let stage = scene.stage();
-    let frames = frames_of(stage.truth.len(), format.frames);
-    let mut artist = Artist::new(scene.figure, format.tile);
-    artist.frame_clip(&stage, &frames);
+    let frames = middles(stage.truth.len(), format.frames);
+    let mut artist = artist(scene.figure, format.tile);
+    let poses: Vec<_> = frames
+        .iter()
+        .map(|f| (&stage.truth[*f], morphs(&stage, *f)))
+        .collect();
+    artist.frame_poses(&poses);
     let references: Vec<Picture> = frames
         .iter()
-        .map(|f| artist.reference(&stage.truth[*f], artist.morphs(&stage, *f)))
+        .map(|f| Ok(artist.reference(&stage.truth[*f], morphs(&stage, *f))?))
         .collect::<anyhow::Result<_>>()?;
     let mut rows = Vec::new();
     for line in lines {
@@ -109,7 +103,7 @@ pub(crate) fn played(
         for (frame, reference) in frames.iter().zip(&references) {
             let shown = shown_pose(&stage, playback, *frame);
             let marks = marks(&stage, line.chosen, playback, line.parameter, *frame);
-            let morphs = artist.morphs(&stage, *frame);
+            let morphs = morphs(&stage, *frame);
             let reduced = artist.articulated(&shown, morphs, &marks, scale)?;
             cells.push(cell(
                 reference.clone(),
@@ -136,9 +130,9 @@ pub(crate) fn along_a_path(
 ) -> anyhow::Result<Picture> {
     const IN_A_ROW: usize = 4;
     let stage = scene.stage();
-    let mut artist = Artist::new(scene.figure, Format::LARGE.tile);
+    let mut artist = artist(scene.figure, Format::LARGE.tile);
     let mut rows: Vec<SheetRow> = Vec::new();
-    for (i, at) in frames_of(run.frames.len(), 3 * IN_A_ROW)
+    for (i, at) in middles(run.frames.len(), 3 * IN_A_ROW)
         .into_iter()
         .enumerate()
     {
@@ -170,7 +164,7 @@ pub(crate) fn along_a_path(
 pub(crate) fn at_rest(figure: &Figure, title: &str) -> anyhow::Result<Picture> {
     let rest = figure.asset.rig.rest_pose();
     let marks = vec![JointMark::Passive; figure.asset.rig.len()];
-    let mut artist = Artist::new(figure, Format::LARGE.tile);
+    let mut artist = artist(figure, Format::LARGE.tile);
     let morphs = figure.asset.mesh.morph_weights.clone();
     let mut cells = Vec::new();
     for turn in 0..4 {
@@ -249,18 +243,4 @@ fn marks(
         }
     };
     (0..rig.len()).map(mark).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn frames_are_spread_over_the_clip() {
-        assert_eq!(frames_of(8, 4), [1, 3, 5, 7]);
-        assert_eq!(frames_of(1, 4), [0]);
-        assert_eq!(frames_of(2, 4), [0, 1]);
-        let many = frames_of(721, 4);
-        assert!(many.windows(2).all(|w| w[0] < w[1]) && many[3] < 721);
-    }
 }

@@ -11,18 +11,20 @@ use super::truth::{BACKGROUND, Truth};
 use crate::item_buffer::Samples;
 use crate::planar::PlanarError;
 use crate::planar::reference::reference;
-use crate::vector::player::decode::decode;
-use crate::vector::player::{LiveSource, Output, PlayerOptions, live_player};
+use crate::vector::player::{LiveSource, Output, PlayerOptions, decode, live_player};
+use articula_core::Progress;
 
 /// Writes a source; `prepared` is of its shapes, `truth` of its clip.
 ///
 /// # Errors
-/// What the writer says of the source.
+/// What the writer says of the source; [`PlanarError::BudgetTooSmall`];
+/// [`PlanarError::Cancelled`].
 pub fn flatten_live(
     source: &LiveSource,
     prepared: &Prepared,
     settings: &Settings,
     truth: &Truth,
+    progress: &mut Progress<'_>,
 ) -> Result<Flattened, PlanarError> {
     let quality = settings.quality;
     let output = match settings.profile {
@@ -40,10 +42,12 @@ pub fn flatten_live(
         at: "player",
         what: e.to_string(),
     })?;
-    let image = truth.compare(|frame| {
+    let shown = |frame| {
         let painted = clip.painted(frame);
         Ok(reference(&painted, 0, Samples::Four, BACKGROUND)?)
-    })?;
+    };
+    progress.step(0.5)?;
+    let image = truth.compare(shown, &mut progress.part(0.5, 1.0))?;
     let bytes = file.text.into_bytes();
     let raw = bytes.len() as u64;
     if let Some(budget) = settings.max_bytes.filter(|most| raw > *most) {

@@ -3,23 +3,24 @@
 //!
 //! Source: `spec/vector.md` 1, 4 and 9.
 //!
-//! - [`prepared`]: what is drawn, in which order, and what that leaves wrong, worked out once
-//! - [`settings`]: profiles and how near to the truth they come
-//! - [`written`]: a file of a profile, and what it shows at any moment
-//! - [`live`]: a file that a host drives
-//! - [`pages`]: the pages of a flip-book
-//! - [`search`]: the best setting of a ladder under a byte budget
-//! - [`truth`]: what the character really looks like
-//! - [`report`]: sizes, errors, and the entry of what can stand for a character
+//! - [`Prepared`]: what is drawn, in which order, and what that leaves wrong, worked out once
+//! - [`Settings`]: a [`Profile`], and how near to the truth it comes ([`Quality`])
+//! - [`Truth`]: what the character really looks like
+//! - [`flatten()`]: the best setting of a ladder under a byte budget; [`flatten_live`]: a file
+//!   that a host drives
+//! - [`Flattened`]: bytes, [`Sizes`], [`Errors`], and the [`Entry`] of what can stand for a
+//!   character
+//!
+//! Work that takes a while tells its progress and can be ended ([`articula_core::Progress`]).
 
-pub mod live;
-pub mod pages;
-pub mod prepared;
-pub mod report;
-pub mod search;
-pub mod settings;
-pub mod truth;
-pub mod written;
+mod live;
+mod pages;
+mod prepared;
+mod report;
+mod search;
+mod settings;
+mod truth;
+mod written;
 
 pub use live::flatten_live;
 pub use prepared::{PrepareOptions, Prepared};

@@ -4,16 +4,19 @@
 
 use super::prepared::Prepared;
 use crate::planar::key_frames::{KeyOptions, keyed};
+use crate::planar::keyed_clip::{KeyedClip, KeyedPaint};
 use crate::planar::order::Layer;
 use crate::planar::underlap::{Sealed, seal};
 use crate::planar::{Drawn, PlanarClip, PlanarError};
-use crate::vector::{KeyedClip, KeyedPaint};
 
 /// One clip of one frame for each frame, back to front in that frame's order.
 ///
 /// # Errors
 /// What is wrong with the clip.
-pub fn pages(prepared: &Prepared, options: &KeyOptions) -> Result<Vec<KeyedClip>, PlanarError> {
+pub(super) fn pages(
+    prepared: &Prepared,
+    options: &KeyOptions,
+) -> Result<Vec<KeyedClip>, PlanarError> {
     let clip = &prepared.clip;
     let corners = seal(clip, &prepared.drawn, &prepared.painting, prepared.underlap).corners;
     let mut page = PlanarClip {
@@ -68,12 +71,13 @@ mod tests {
     use crate::flatten::PrepareOptions;
     use crate::planar::clip::fixture;
     use crate::vector::flipbook::flipbook;
+    use articula_core::Progress;
 
     #[test]
     fn pages_show_what_is_drawn_in_order_and_make_a_book() {
         let cube = fixture::turning_cube(6);
         let options = PrepareOptions::default();
-        let prepared = Prepared::new(cube, &options, &mut |_| {}).unwrap();
+        let prepared = Prepared::new(cube, &options, &mut Progress::none()).unwrap();
         let pages = pages(&prepared, &KeyOptions::default()).unwrap();
         assert_eq!(pages.len(), 6);
         for (f, page) in pages.iter().enumerate() {

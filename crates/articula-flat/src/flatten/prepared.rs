@@ -4,6 +4,7 @@ use crate::planar::order::{Layer, OrderOptions, Painted, Painting, wrong_pixels}
 use crate::planar::split::{SplitOptions, split};
 use crate::planar::underlap::UnderlapOptions;
 use crate::planar::{Drawn, PlanarClip, PlanarError};
+use articula_core::Progress;
 
 /// How a clip is prepared.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +38,7 @@ pub struct Prepared {
     /// In which order.
     pub painting: Painting,
     /// The order as one list with copies.
-    pub layers: Vec<Layer>,
+    pub(crate) layers: Vec<Layer>,
     /// Wrong pixels, percent of the character's.
     pub wrong_percent: f64,
     /// The same if every frame were sorted by depth.
@@ -47,21 +48,21 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// Prepares a clip; `done` hears the share that is done, 0 to 1.
+    /// Prepares a clip.
     ///
     /// # Errors
-    /// What is wrong with the clip ([`PlanarError`]).
+    /// What is wrong with the clip ([`PlanarError`]); [`PlanarError::Cancelled`].
     pub fn new(
         clip: PlanarClip,
         options: &PrepareOptions,
-        done: &mut dyn FnMut(f64),
+        progress: &mut Progress<'_>,
     ) -> Result<Self, PlanarError> {
         let painted = Painted::of(&clip, &options.order)?;
-        done(0.4);
+        progress.step(0.4)?;
         // The peer sorts the clip as it came.
         let sorted = Painting::depth_sort_per_frame(&clip, &painted.drawn)?;
         let wrong_percent_depth_sort = painted.overlaps.wrong(&sorted).percent_mean();
-        done(0.5);
+        progress.step(0.5)?;
         let (clip, drawn, painting, wrong_percent) = match &options.split {
             None => {
                 let wrong = painted.wrong().percent_mean();
@@ -72,13 +73,12 @@ impl Prepared {
                     order: options.order,
                     ..*cut
                 };
-                let cut = split(&clip, &cut)?;
+                let cut = split(&clip, &cut, &mut progress.part(0.5, 0.9))?;
                 let wrong = wrong_pixels(&cut.clip, &cut.drawn, &cut.painting)?;
                 (cut.clip, cut.drawn, cut.painting, wrong.percent_mean())
             }
         };
-        done(0.9);
-        done(1.0);
+        progress.step(1.0)?;
         Ok(Self {
             layers: painting.layers(&drawn),
             painting,
@@ -96,7 +96,7 @@ impl Prepared {
     }
 
     /// The triangles that are drawn in a frame, back to front.
-    pub fn order_at(&self, frame: usize) -> Vec<u32> {
+    pub(crate) fn order_at(&self, frame: usize) -> Vec<u32> {
         let drawn = |t: &&u32| self.drawn.get(frame, **t as usize);
         let order = self.painting.order_at(frame);
         order.iter().filter(drawn).copied().collect()

@@ -11,6 +11,7 @@ use super::truth::{ImageError, Truth};
 use super::written::{Written, write};
 use crate::planar::PlanarError;
 use crate::planar::shading::Shading;
+use articula_core::Progress;
 
 /// A file with its size and error.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,30 +70,34 @@ impl Flattened {
     }
 }
 
-/// Writes a prepared clip, under a byte budget at the best setting that fits; `done` hears the
-/// share that is done, 0 to 1.
+/// Writes a prepared clip, under a byte budget at the best setting that fits.
 ///
 /// # Errors
-/// What a writer says of the clip; [`PlanarError::BudgetTooSmall`] if nothing fits.
+/// What a writer says of the clip; [`PlanarError::BudgetTooSmall`] if nothing fits;
+/// [`PlanarError::Cancelled`].
 pub fn flatten(
     prepared: &Prepared,
     settings: &Settings,
     truth: &Truth,
-    done: &mut dyn FnMut(f64),
+    progress: &mut Progress<'_>,
 ) -> Result<Flattened, PlanarError> {
     let candidates = candidates(settings);
     let most = settings.max_bytes.unwrap_or(u64::MAX);
     let mut tried: Vec<Trial> = Vec::new();
     let mut best: Option<(Written, Quality, ImageError)> = None;
     let mut least = u64::MAX;
+    let share = 1.0 / candidates.len() as f32;
     for (c, quality) in candidates.iter().enumerate() {
+        let mut progress = progress.part(c as f32 * share, (c + 1) as f32 * share);
         let is_known = |t: &Trial| t.image.is_some() && kind(&t.quality) == kind(quality);
         if !tried.iter().any(is_known) {
             let written = write(prepared, settings.profile, quality, &settings.name)?;
+            progress.step(0.5)?;
             let bytes = written.bytes.len() as u64;
             least = least.min(bytes);
             let fits = bytes <= most;
-            let image = fits.then(|| truth.compare(|f| written.picture(prepared, f)));
+            let shown = |f| written.picture(prepared, f);
+            let image = fits.then(|| truth.compare(shown, &mut progress.part(0.5, 1.0)));
             let image = image.transpose()?;
             tried.push(Trial {
                 quality: *quality,
@@ -107,7 +112,7 @@ pub fn flatten(
                 best = Some((written, *quality, image));
             }
         }
-        done((c + 1) as f64 / candidates.len() as f64);
+        progress.step(1.0)?;
     }
     let (written, quality, image) = best.ok_or(PlanarError::BudgetTooSmall {
         least,

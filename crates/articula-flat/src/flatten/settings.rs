@@ -40,7 +40,7 @@ impl Profile {
     }
 
     /// What a client must be able to do to show it.
-    pub fn needs(self) -> Vec<&'static str> {
+    pub(crate) fn needs(self) -> Vec<&'static str> {
         match self {
             Self::Smil | Self::Flipbook | Self::Thesis(_) => vec!["svg", "smil"],
             Self::Player(Output::Svg) => vec!["svg", "script", "canvas"],
@@ -85,7 +85,7 @@ impl Quality {
 
     /// The ladder that a byte budget is searched on (spec 9). Within one way of filling, each step
     /// is coarser than the one before; a profile that quality does not change has none.
-    pub fn ladder(profile: Profile) -> Vec<Self> {
+    pub(crate) fn ladder(profile: Profile) -> Vec<Self> {
         let step = |shading, pos_tol_px, col_tol_levels, merge_levels| Self {
             shading,
             pos_tol_px,

@@ -8,9 +8,10 @@ use crate::item_buffer::Samples;
 use crate::picture::{Picture, Rgba};
 use crate::planar::reference::reference_with_mask;
 use crate::planar::{PlanarClip, PlanarError};
+use articula_core::Progress;
 
 /// What is behind the character when pictures are compared.
-pub const BACKGROUND: Rgba = [255; 4];
+pub(super) const BACKGROUND: Rgba = [255; 4];
 /// Difference from which a pixel counts as off, levels.
 const OFF: f32 = 16.0;
 /// Frames between two that are looked at.
@@ -90,10 +91,11 @@ impl Truth {
     /// Compares with the pictures that `shown` gives for a moment, in frames.
     ///
     /// # Errors
-    /// What `shown` or a comparison says.
-    pub fn compare(
+    /// What `shown` or a comparison says; [`PlanarError::Cancelled`].
+    pub(super) fn compare(
         &self,
         mut shown: impl FnMut(f64) -> Result<Picture, PlanarError>,
+        progress: &mut Progress<'_>,
     ) -> Result<ImageError, PlanarError> {
         let mut all = ImageError {
             ssim_min: 1.0,
@@ -101,7 +103,7 @@ impl Truth {
             ..ImageError::default()
         };
         let count = self.moments.len().max(1) as f64;
-        for moment in &self.moments {
+        for (m, moment) in self.moments.iter().enumerate() {
             let picture = shown(moment.frame)?;
             let rmse = masked_rmse(&picture, &moment.picture, &moment.mask)?;
             let alike = ssim(&picture, &moment.picture)?;
@@ -111,6 +113,7 @@ impl Truth {
             all.ssim += alike / count;
             all.ssim_min = all.ssim_min.min(alike);
             all.off_percent += 100.0 * off / count;
+            progress.step((m + 1) as f32 / count as f32)?;
         }
         Ok(all)
     }
@@ -136,10 +139,10 @@ mod tests {
         let cube = fixture::turning_cube(3);
         let truth = Truth::new(&cube, &[0.0, 1.0, 2.0]).unwrap();
         let of = |f: f64| Ok(reference(&cube, f as usize, Samples::Eight, BACKGROUND)?);
-        let same = truth.compare(of).unwrap();
+        let same = truth.compare(of, &mut Progress::none()).unwrap();
         assert_eq!((same.rmse_levels, same.ssim_min), (0.0, 1.0));
         let next = |f: f64| of((f + 1.0).min(2.0));
-        let other = truth.compare(next).unwrap();
+        let other = truth.compare(next, &mut Progress::none()).unwrap();
         assert!(other.rmse_levels > 5.0 && other.ssim < 0.99 && other.off_percent > 1.0);
         assert!(other.rmse_levels_max >= other.rmse_levels && other.ssim_min <= other.ssim);
         assert!(Truth::new(&cube, &[0.0]).is_err());

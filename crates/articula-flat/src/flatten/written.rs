@@ -12,22 +12,21 @@ use crate::item_buffer::Samples;
 use crate::picture::Picture;
 use crate::planar::PlanarError;
 use crate::planar::key_frames::{KeyOptions, keyed};
+use crate::planar::keyed_clip::LineUnits;
 use crate::planar::reference::reference;
 use crate::planar::underlap::{UnderlapOptions, seal};
-use crate::vector::LineUnits;
+use crate::vector::MovingSvg;
 use crate::vector::flipbook::flipbook;
-use crate::vector::lottie::lottie;
-use crate::vector::player::decode::decode;
-use crate::vector::player::{PlayerClip, PlayerOptions, player};
-use crate::vector::raster::raster;
-use crate::vector::smil::smil;
-use crate::vector::smil_sampler::MovingSvg;
+use crate::vector::lottie;
+use crate::vector::player::{PlayerClip, PlayerOptions, decode, player};
+use crate::vector::raster;
+use crate::vector::smil;
 use crate::vector::still::{StillOptions, still};
 use crate::vector::thesis::{ThesisOptions, thesis, thesis_frame};
 
 /// What was written.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Written {
+pub(super) struct Written {
     /// The file.
     pub bytes: Vec<u8>,
     /// Root mean square distance of corners from where they should be, pixels.
@@ -63,7 +62,7 @@ const SLACK: f32 = 1.0;
 ///
 /// # Errors
 /// What a writer says of the clip ([`PlanarError`]).
-pub fn write(
+pub(super) fn write(
     prepared: &Prepared,
     profile: Profile,
     quality: &Quality,
@@ -92,7 +91,7 @@ impl Written {
     ///
     /// # Errors
     /// [`PlanarError::Picture`] if it cannot be drawn.
-    pub fn picture(&self, prepared: &Prepared, frame: f64) -> Result<Picture, PlanarError> {
+    pub(super) fn picture(&self, prepared: &Prepared, frame: f64) -> Result<Picture, PlanarError> {
         let secs = frame / f64::from(prepared.clip.fps);
         Ok(match &self.shown {
             Shown::Moving(moving) => raster(&moving.at(secs)?, BACKGROUND)?,

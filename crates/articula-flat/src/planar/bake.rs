@@ -6,33 +6,15 @@
 
 use super::clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, Surface};
 use super::error::PlanarError;
+use super::subject::Subject;
 use super::vertex_colors::{Look, fitted};
-use crate::appearance::Appearance;
 use crate::projection::{Projection, Screen};
 use articula_core::source::Material;
-use articula_core::{Camera, Clip, Mesh, PosedMesh, Rig, SkinnedMesh, Wrap, sample, sample_morphs};
+use articula_core::{Camera, PosedMesh, SkinnedMesh, Wrap, sample, sample_morphs};
 use glam::{Quat, Vec3};
 
 /// Nothing may come nearer to a perspective camera than this, metres.
 const NEAREST_M: f32 = 0.01;
-
-/// Who is shown, and what it does.
-#[derive(Debug, Clone, Copy)]
-pub struct Subject<'a> {
-    /// Its joints.
-    pub rig: &'a Rig,
-    /// Its vertices.
-    pub mesh: &'a Mesh,
-    /// The triangles that are shown, over the mesh's vertices: the mesh's own, or a coarser
-    /// level of them.
-    pub triangles: &'a [[u32; 3]],
-    /// Its materials and textures.
-    pub look: &'a Appearance,
-    /// What it does; the rest pose without one.
-    pub clip: Option<&'a Clip>,
-    /// Shape at rest, and what morph tracks do not drive.
-    pub morph_weights: &'a [f32],
-}
 
 /// A key light and an even ambient.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,12 +63,12 @@ pub struct Turn {
 
 impl Turn {
     /// Angle at a moment, radians.
-    pub fn at(&self, secs: f64) -> f32 {
+    pub(crate) fn at(&self, secs: f64) -> f32 {
         (f64::from(self.radians_per_sec) * secs) as f32
     }
 
     /// A point of the subject after a turn by an angle.
-    pub fn apply(&self, point: Vec3, radians: f32) -> Vec3 {
+    pub(crate) fn apply(&self, point: Vec3, radians: f32) -> Vec3 {
         let axis = Vec3::new(self.axis.0, 0.0, self.axis.1);
         axis + Quat::from_rotation_y(radians) * (point - axis)
     }

@@ -60,17 +60,12 @@ pub struct PlanarClip {
 
 impl PlanarClip {
     /// Number of vertices.
-    pub fn vertices(&self) -> usize {
+    pub(crate) fn vertices(&self) -> usize {
         self.albedo.len()
     }
 
-    /// Length in seconds: from the first frame to the last.
-    pub fn duration_secs(&self) -> f64 {
-        self.frames.len().saturating_sub(1) as f64 / f64::from(self.fps)
-    }
-
     /// Colour of a vertex in a frame, sRGB levels 0 to 255.
-    pub fn color(&self, frame: usize, vertex: u32) -> [f32; 3] {
+    pub(crate) fn color(&self, frame: usize, vertex: u32) -> [f32; 3] {
         let light = self.frames[frame].light[vertex as usize];
         self.albedo[vertex as usize].map(|level| level * light)
     }
@@ -81,7 +76,7 @@ impl PlanarClip {
     }
 
     /// A triangle's corners for [`crate::item_buffer::ItemBuffer::draw`].
-    pub fn corners(&self, frame: usize, triangle: usize) -> [Vec4; 3] {
+    pub(crate) fn corners(&self, frame: usize, triangle: usize) -> [Vec4; 3] {
         let frame = &self.frames[frame];
         self.triangles[triangle].map(|v| {
             let xy = frame.xy[v as usize];
@@ -91,7 +86,7 @@ impl PlanarClip {
 
     /// A number for each vertex, the same for vertices that are at the same place in every frame
     /// (seams of normals, texture and material).
-    pub fn position_classes(&self) -> Vec<u32> {
+    pub(crate) fn position_classes(&self) -> Vec<u32> {
         let mut classes = vec![0u32; self.vertices()];
         for frame in &self.frames {
             let mut known = BTreeMap::new();
@@ -114,7 +109,7 @@ impl PlanarClip {
     ///
     /// # Errors
     /// What is wrong with it, as [`PlanarError`] lists it.
-    pub fn check(&self) -> Result<(), PlanarError> {
+    pub(crate) fn check(&self) -> Result<(), PlanarError> {
         if self.frames.is_empty() {
             return Err(PlanarError::NoFrames);
         }
@@ -288,7 +283,6 @@ mod tests {
     fn a_cube_is_sound_and_its_numbers_are_checked() {
         let cube = fixture::turning_cube(5);
         cube.check().unwrap();
-        assert_eq!(cube.duration_secs(), 4.0 / 25.0);
         let mut broken = cube.clone();
         broken.frames[3].xy[2].x = f32::NAN;
         assert_eq!(

@@ -22,7 +22,7 @@ pub struct Drawn {
 
 impl Drawn {
     /// Nothing drawn yet.
-    pub fn none(frames: usize, triangles: usize) -> Self {
+    pub(crate) fn none(frames: usize, triangles: usize) -> Self {
         Self {
             frames,
             triangles,
@@ -37,13 +37,14 @@ impl Drawn {
     ///
     /// # Errors
     /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
-    pub fn of(clip: &PlanarClip) -> Result<Self, PlanarError> {
+    #[cfg(test)]
+    pub(crate) fn of(clip: &PlanarClip) -> Result<Self, PlanarError> {
         Ok(Self::seen(clip)?.with_short_gaps())
     }
 
     /// The same with gaps shorter than six frames filled.
     #[must_use]
-    pub fn with_short_gaps(&self) -> Self {
+    pub(crate) fn with_short_gaps(&self) -> Self {
         let mut drawn = self.clone();
         for t in 0..drawn.triangles {
             drawn.fill_gaps(t);
@@ -77,22 +78,22 @@ impl Drawn {
     }
 
     /// Number of frames.
-    pub fn frames(&self) -> usize {
+    pub(crate) fn frames(&self) -> usize {
         self.frames
     }
 
     /// Number of triangles, drawn or not.
-    pub fn triangles(&self) -> usize {
+    pub(crate) fn triangles(&self) -> usize {
         self.triangles
     }
 
     /// Whether a triangle is drawn in a frame.
-    pub fn get(&self, frame: usize, triangle: usize) -> bool {
+    pub(crate) fn get(&self, frame: usize, triangle: usize) -> bool {
         self.bits[frame * self.triangles + triangle]
     }
 
     /// Draws a triangle in a frame, or leaves it out.
-    pub fn set(&mut self, frame: usize, triangle: usize, drawn: bool) {
+    pub(crate) fn set(&mut self, frame: usize, triangle: usize, drawn: bool) {
         self.bits[frame * self.triangles + triangle] = drawn;
     }
 
@@ -102,7 +103,7 @@ impl Drawn {
     }
 
     /// Triangles that are drawn in some of these frames, rising.
-    pub fn within(&self, frames: &Range<usize>) -> Vec<u32> {
+    pub(crate) fn within(&self, frames: &Range<usize>) -> Vec<u32> {
         let mask = self.mask(frames);
         (0..)
             .zip(mask)
@@ -111,7 +112,7 @@ impl Drawn {
     }
 
     /// For each triangle whether it is drawn in some of these frames.
-    pub fn mask(&self, frames: &Range<usize>) -> Vec<bool> {
+    pub(crate) fn mask(&self, frames: &Range<usize>) -> Vec<bool> {
         let mut mask = vec![false; self.triangles];
         for f in frames.start..frames.end.min(self.frames) {
             let row = &self.bits[f * self.triangles..(f + 1) * self.triangles];
@@ -126,7 +127,7 @@ impl Drawn {
     ///
     /// # Errors
     /// [`PlanarError::Mismatch`] if it is not.
-    pub fn fits(&self, clip: &PlanarClip) -> Result<(), PlanarError> {
+    pub(crate) fn fits(&self, clip: &PlanarClip) -> Result<(), PlanarError> {
         let (frames, triangles) = (clip.frames.len(), clip.triangles.len());
         if (self.frames, self.triangles) == (frames, triangles) {
             return Ok(());
@@ -138,7 +139,7 @@ impl Drawn {
     }
 
     /// Spans of frames in which a triangle is drawn.
-    pub fn spans(&self, triangle: usize) -> Vec<Range<usize>> {
+    pub(crate) fn spans(&self, triangle: usize) -> Vec<Range<usize>> {
         let mut spans: Vec<Range<usize>> = Vec::new();
         for f in (0..self.frames).filter(|f| self.get(*f, triangle)) {
             match spans.last_mut() {
@@ -163,7 +164,7 @@ impl Drawn {
 }
 
 /// Draws the fronts of one frame into a buffer that it clears first.
-pub fn draw_frame(clip: &PlanarClip, frame: usize, buffer: &mut ItemBuffer) {
+pub(crate) fn draw_frame(clip: &PlanarClip, frame: usize, buffer: &mut ItemBuffer) {
     buffer.clear();
     for t in 0..clip.triangles.len() {
         buffer.draw(t as u32, clip.corners(frame, t), Faces::Front);

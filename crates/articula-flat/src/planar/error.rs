@@ -1,6 +1,7 @@
 //! What can be wrong with a clip that is to be converted, each with its mend.
 
 use crate::error::PictureError;
+use articula_core::Cancelled;
 use thiserror::Error;
 
 /// Why a clip cannot be converted to 2D.
@@ -74,6 +75,9 @@ pub enum PlanarError {
         /// What was found and what was expected.
         what: String,
     },
+    /// The caller ended the work ([`articula_core::Progress`]).
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// A picture on the way could not be made.
     #[error(transparent)]
     Picture(#[from] PictureError),

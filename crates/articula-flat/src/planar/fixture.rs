@@ -1,8 +1,9 @@
 //! The procedural human before a camera, for tests.
 
-use super::bake::{BakeOptions, Lamp, Subject, Turn};
+use super::bake::{BakeOptions, Lamp, Turn};
+use super::subject::Subject;
 use crate::appearance::Appearance;
-use crate::frame::{Bounds, front_view};
+use crate::frame::{Bounds, orbit_view};
 use crate::projection::Projection;
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
@@ -46,7 +47,7 @@ pub(crate) fn figure() -> Figure {
         ..Viewport::default()
     };
     let options = BakeOptions {
-        camera: front_view(&bounds, viewport),
+        camera: orbit_view(&bounds, 0.0, 0.0, viewport),
         projection: Projection::Perspective,
         lamp: Lamp::default(),
         fps: 25.0,

@@ -8,15 +8,13 @@
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
 use super::error::PlanarError;
+use super::keyed_clip::{BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
 use super::merge::{Region, merge, seal_regions};
 use super::moving_gradient::{self, Corners, Wanted};
 use super::order::Layer;
 use super::shading::{Colors, Shading, flat_color};
 use super::tunnel::{Windows, fewest_keys};
 use super::underlap::{Sealed, UnderlapOptions};
-use crate::vector::keyed_clip::{
-    BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits,
-};
 use glam::Vec2;
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -29,7 +27,7 @@ const THIN_PX: f64 = 3.0;
 
 /// What may be lost.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct KeyOptions {
+pub(crate) struct KeyOptions {
     /// Greatest distance of a corner's x or y from its place in a frame, pixels; less than an
     /// eighth is not kept, since corners lie on a grid.
     pub pos_tol_px: f32,
@@ -58,7 +56,7 @@ impl Default for KeyOptions {
 
 /// What was lost, and what is left.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct KeyStats {
+pub(crate) struct KeyStats {
     /// Root mean square distance of x or y from its place, over drawn corners and frames, pixels.
     pub position_rmse_px: f64,
     /// Greatest such distance, pixels.
@@ -84,7 +82,7 @@ pub struct KeyStats {
 /// # Errors
 /// What is wrong with the clip, or [`PlanarError::Mismatch`] if the arguments are not of one
 /// clip.
-pub fn keyed(
+pub(crate) fn keyed(
     clip: &PlanarClip,
     drawn: &Drawn,
     layers: &[Layer],
@@ -122,7 +120,7 @@ pub fn keyed(
 /// # Errors
 /// What is wrong with the clip, or [`PlanarError::Mismatch`] if the arguments are not of one
 /// clip.
-pub fn keyed_regions(
+pub(crate) fn keyed_regions(
     clip: &PlanarClip,
     regions: &[Region],
     sealed: &[Vec<Vec<Vec2>>],
@@ -497,8 +495,8 @@ mod tests {
     use super::super::clip::fixture;
     use super::*;
     use crate::planar::Painting;
-    use crate::vector::smil::smil;
-    use crate::vector::smil_sampler::MovingSvg;
+    use crate::vector::MovingSvg;
+    use crate::vector::smil;
 
     fn unsealed(clip: &PlanarClip) -> Sealed {
         let of = |f| {
@@ -650,7 +648,7 @@ mod tests {
             let moving = MovingSvg::read(&text).unwrap();
             for f in 0..frames {
                 let still = moving.at(f as f64 / 25.0).unwrap();
-                crate::vector::raster::raster(&still, [255; 4]).unwrap();
+                crate::vector::raster(&still, [255; 4]).unwrap();
             }
         }
     }

@@ -10,17 +10,14 @@ use super::drawn::Drawn;
 use super::error::PlanarError;
 use super::order::{Layer, Overlaps};
 use super::shading::{drawn_frames, flat_color};
-use super::underlap::{Neighbours, Sealer, UnderlapOptions, faces_viewer};
+use super::underlap::{Neighbours, OutlineEdge, Sealer, UnderlapOptions, faces_viewer};
 use glam::Vec2;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// A triangle, and the corner at which its edge begins.
-pub type OutlineEdge = (u32, u8);
-
 /// Triangles that are painted as one shape.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Region {
+pub(crate) struct Region {
     /// The triangles, rising.
     pub triangles: Vec<u32>,
     /// The one colour: the mean of the triangles' colours, weighted by their sizes.
@@ -33,7 +30,7 @@ pub struct Region {
 
 impl Region {
     /// The points of all outlines in a frame, one outline after the other, without underlap.
-    pub fn points(&self, clip: &PlanarClip, frame: usize) -> Vec<Vec2> {
+    pub(crate) fn points(&self, clip: &PlanarClip, frame: usize) -> Vec<Vec2> {
         let xy = &clip.frames[frame].xy;
         let start = |(t, e): &(u32, u8)| clip.triangles[*t as usize][usize::from(*e)];
         let edges = self.outlines.iter().flatten();
@@ -41,7 +38,7 @@ impl Region {
     }
 
     /// First point of each outline after the first.
-    pub fn further_outlines(&self) -> Vec<u32> {
+    pub(crate) fn further_outlines(&self) -> Vec<u32> {
         let ends = self.outlines.iter().scan(0, |end, outline| {
             *end += outline.len() as u32;
             Some(*end)
@@ -58,7 +55,7 @@ impl Region {
 /// # Errors
 /// What is wrong with the clip, or [`PlanarError::Mismatch`] if the arguments are not of one
 /// clip.
-pub fn merge(
+pub(super) fn merge(
     clip: &PlanarClip,
     drawn: &Drawn,
     layers: &[Layer],
@@ -87,7 +84,7 @@ pub fn merge(
 
 /// The points of each region in each frame, `[region][frame][point]`, where edges reach under
 /// what is painted later. Where a region is not drawn they are those of the clip.
-pub fn seal_regions(
+pub(super) fn seal_regions(
     clip: &PlanarClip,
     regions: &[Region],
     options: UnderlapOptions,

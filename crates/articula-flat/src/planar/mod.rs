@@ -3,48 +3,47 @@
 //!
 //! Source: thesis 4.2, `spec/vector.md` 2 to 7.
 //!
-//! - [`clip`]: the noun, places and light of every vertex in every frame
-//! - [`bake`]: skins, projects and lights a character into it
-//! - `vertex_colors`: what it gives vertices, so that their blends show the texture
+//! - [`Subject`]: who is shown; [`bake()`] skins, projects and lights it into a [`PlanarClip`]:
+//!   places and light of every vertex in every frame
 //! - [`stage`]: where a moving subject is, and which of its triangles are ever seen
-//! - [`drawn`]: which triangles are seen in which frames
-//! - [`mod@reference`]: the supersampled Gouraud picture that every output is measured against
-//! - [`order`]: in which order triangles are painted, in epochs, and what stays wrong
-//! - [`underlap`]: edges that reach under what is painted later, so that no gap shows
-//! - [`shading`]: one gradient for each triangle
-//! - [`low_rank`]: a table of numbers as its mean row and a few components
-//! - [`mod@split`]: cuts triangles that pass through each other
-//! - [`mod@merge`]: regions of triangles of nearly one colour
-//! - [`key_frames`]: few keys instead of every frame
-//! - [`error`]: what can be wrong with a clip that is to be converted
+//! - [`Drawn`]: which triangles are seen in which frames
+//! - [`Painted`], [`Painting`]: in which order triangles are painted, in epochs, and what stays
+//!   wrong
+//! - [`Shading`]: one gradient for each triangle, or one colour
+//! - [`SplitOptions`]: how triangles that pass through each other are cut
+//! - [`UnderlapOptions`]: how far edges reach under what is painted later, so that no gap shows
+//! - [`reference()`]: the supersampled Gouraud picture that every output is measured against
+//! - [`KeyedClip`]: few keys instead of every frame
+//! - [`PlanarError`]: what can be wrong with a clip that is to be converted
 
-pub mod bake;
-pub mod clip;
-pub mod drawn;
-pub mod error;
+mod bake;
+pub(crate) mod clip;
+pub(crate) mod drawn;
+mod error;
 #[cfg(test)]
 mod fixture;
-pub mod key_frames;
-pub mod low_rank;
-pub mod merge;
+pub(crate) mod key_frames;
+pub(crate) mod keyed_clip;
+mod merge;
 mod moving_gradient;
-pub mod order;
-pub mod reference;
-pub mod shading;
-pub mod split;
+pub(crate) mod order;
+pub(crate) mod reference;
+pub(crate) mod shading;
+pub(crate) mod split;
 pub mod stage;
+mod subject;
 mod tunnel;
-pub mod underlap;
+pub(crate) mod underlap;
 mod vertex_colors;
 
-pub use clip::{PlanarClip, PlanarFrame, Surface};
+pub use bake::{BakeOptions, Lamp, Turn, bake, bake_shapes};
+pub use clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, Surface};
 pub use drawn::Drawn;
 pub use error::PlanarError;
-pub use key_frames::{KeyOptions, KeyStats, keyed, keyed_regions};
-pub use merge::Region;
-pub use order::{
-    Epoch, Layer, OrderOptions, Overlaps, Painted, Painting, WrongPixels, wrong_pixels,
-};
-pub use shading::{Colors, Shading};
-pub use split::{Split, SplitOptions, split};
-pub use underlap::{Sealed, UnderlapOptions};
+pub use keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
+pub use order::{Epoch, OrderOptions, Overlaps, Painted, Painting, WrongPixels};
+pub use reference::{object_mask, reference};
+pub use shading::{Shading, flat_color};
+pub use split::SplitOptions;
+pub use subject::Subject;
+pub use underlap::UnderlapOptions;

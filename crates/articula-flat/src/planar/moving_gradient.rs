@@ -7,7 +7,7 @@
 //! not needed after all are taken out again. Differs: keys need not lie on the data, and the fit is free to
 //! slide a line along its own bands of equal colour, which changes nothing but its numbers.
 
-use crate::vector::KeyedTrack;
+use super::keyed_clip::KeyedTrack;
 
 /// Rounds of fitting after each change of keys.
 const ROUNDS: usize = 4;

@@ -29,7 +29,7 @@ pub fn reference(
 ///
 /// # Errors
 /// [`PictureError::LimitExceeded`] if the clip's picture is too large.
-pub fn reference_with_mask(
+pub(crate) fn reference_with_mask(
     clip: &PlanarClip,
     frame: usize,
     samples: Samples,

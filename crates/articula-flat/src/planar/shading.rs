@@ -29,7 +29,7 @@ pub enum Shading {
 
 /// The colours that a triangle is filled with, all the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Colors {
+pub(crate) enum Colors {
     /// One colour, sRGB levels.
     Flat([u8; 3]),
     /// From black to an albedo, sRGB levels.
@@ -40,7 +40,7 @@ pub enum Colors {
 
 impl Colors {
     /// The colours of a triangle that is shown in these frames.
-    pub fn of(
+    pub(crate) fn of(
         clip: &PlanarClip,
         triangle: usize,
         frames: impl Iterator<Item = usize> + Clone,
@@ -74,7 +74,7 @@ impl Colors {
 
     /// The colours of one channel (0 red, 1 green, 2 blue) of a triangle in one frame; the other
     /// channels are black.
-    pub fn of_channel(
+    pub(crate) fn of_channel(
         clip: &PlanarClip,
         (frame, triangle): (usize, usize),
         channel: usize,
@@ -98,7 +98,7 @@ impl Colors {
     }
 
     /// The two ends as levels; equal if flat.
-    pub fn ends(&self) -> [[u8; 3]; 2] {
+    pub(crate) fn ends(&self) -> [[u8; 3]; 2] {
         match self {
             Self::Flat(color) => [*color; 2],
             Self::Ramp(albedo) => [[0; 3], *albedo],
@@ -107,7 +107,7 @@ impl Colors {
     }
 
     /// How far along from the first end to the second the corners of a triangle are, 0 to 1.
-    pub fn shares(&self, clip: &PlanarClip, frame: usize, triangle: usize) -> [f32; 3] {
+    pub(crate) fn shares(&self, clip: &PlanarClip, frame: usize, triangle: usize) -> [f32; 3] {
         let [from, to] = self.ends().map(vec);
         let along = to - from;
         let length = along.length_squared().max(1.0);
@@ -117,7 +117,7 @@ impl Colors {
 
     /// The line of the gradient in a frame, pixels: the first end's colour at its start, the
     /// second's at its end.
-    pub fn line(&self, clip: &PlanarClip, frame: usize, triangle: usize) -> [Vec2; 2] {
+    pub(crate) fn line(&self, clip: &PlanarClip, frame: usize, triangle: usize) -> [Vec2; 2] {
         let places = clip.places(frame, triangle);
         let slope = Affine::through(&places, self.shares(clip, frame, triangle));
         let extent = places.map(|p| p.distance(slope.origin));
@@ -125,38 +125,11 @@ impl Colors {
         slope.line(1.0 / widest.max(1.0))
     }
 
-    /// The greatest difference, in levels, between the shares that are wanted at the triangle's
-    /// corners and what a gradient along a line shows there.
-    ///
-    /// What two colours cannot show of three is not counted: it is the same for every line.
-    pub fn error_levels(
-        &self,
-        clip: &PlanarClip,
-        (frame, triangle): (usize, usize),
-        line: [Vec2; 2],
-    ) -> f32 {
-        let places = clip.places(frame, triangle);
-        let wanted = self.shares(clip, frame, triangle);
-        let apart = |i: usize| (share_at(line, places[i]) - wanted[i]).abs();
-        self.span_levels() * apart(0).max(apart(1)).max(apart(2))
-    }
-
     /// The greatest difference of a channel between the ends, levels.
-    pub fn span_levels(&self) -> f32 {
+    pub(crate) fn span_levels(&self) -> f32 {
         let [from, to] = self.ends().map(vec);
         (to - from).abs().max_element()
     }
-}
-
-/// How far along a gradient's line a place is, 0 to 1, as players paint it.
-pub fn share_at([from, to]: [Vec2; 2], place: Vec2) -> f32 {
-    let along = to - from;
-    let length = along.length_squared();
-    if length <= 0.0 {
-        // SVG 2, 14.2.2: the last stop's colour fills everything.
-        return 1.0;
-    }
-    ((place - from).dot(along) / length).clamp(0.0, 1.0)
 }
 
 /// The one colour of a triangle: the mean over its frames, weighted by its size in each.
@@ -177,7 +150,7 @@ pub fn flat_color(
 }
 
 /// The frames in which a triangle is drawn.
-pub fn drawn_frames(drawn: &Drawn, triangle: usize) -> impl Iterator<Item = usize> + Clone {
+pub(crate) fn drawn_frames(drawn: &Drawn, triangle: usize) -> impl Iterator<Item = usize> + Clone {
     (0..drawn.frames()).filter(move |f| drawn.get(*f, triangle))
 }
 
@@ -315,6 +288,33 @@ mod tests {
     use crate::planar::clip::fixture;
     use proptest::prelude::*;
 
+    /// How far along a gradient's line a place is, 0 to 1, as players paint it.
+    fn share_at([from, to]: [Vec2; 2], place: Vec2) -> f32 {
+        let along = to - from;
+        let length = along.length_squared();
+        if length <= 0.0 {
+            // SVG 2, 14.2.2: the last stop's colour fills everything.
+            return 1.0;
+        }
+        ((place - from).dot(along) / length).clamp(0.0, 1.0)
+    }
+
+    /// The greatest difference, in levels, between the shares that are wanted at the triangle's
+    /// corners and what a gradient along a line shows there.
+    ///
+    /// What two colours cannot show of three is not counted: it is the same for every line.
+    fn error_levels(
+        colors: &Colors,
+        clip: &PlanarClip,
+        (frame, triangle): (usize, usize),
+        line: [Vec2; 2],
+    ) -> f32 {
+        let places = clip.places(frame, triangle);
+        let wanted = colors.shares(clip, frame, triangle);
+        let apart = |i: usize| (share_at(line, places[i]) - wanted[i]).abs();
+        colors.span_levels() * apart(0).max(apart(1)).max(apart(2))
+    }
+
     const RIGHT: [[f32; 3]; 3] = [[0.0, 0.0, 0.5], [0.0, 40.0, 0.5], [40.0, 0.0, 0.5]];
 
     fn lit(light: [f32; 3]) -> PlanarClip {
@@ -350,11 +350,14 @@ mod tests {
         let clip = lit([0.0, 0.0, 1.0]);
         let colors = Colors::of(&clip, 0, 0..1);
         let line = colors.line(&clip, 0, 0);
-        assert!(colors.error_levels(&clip, (0, 0), line) < 1e-3);
+        assert!(error_levels(&colors, &clip, (0, 0), line) < 1e-3);
         // A tenth of the way from 0 to 200.
         let moved = line.map(|p| p + Vec2::new(4.0, 9.0));
-        assert!((colors.error_levels(&clip, (0, 0), moved) - 20.0).abs() < 1e-3);
-        assert_eq!(Colors::Flat([7; 3]).error_levels(&clip, (0, 0), line), 0.0);
+        assert!((error_levels(&colors, &clip, (0, 0), moved) - 20.0).abs() < 1e-3);
+        assert_eq!(
+            error_levels(&Colors::Flat([7; 3]), &clip, (0, 0), line),
+            0.0
+        );
     }
 
     #[test]
@@ -389,7 +392,7 @@ mod tests {
         let shares = colors.shares(&clip, 0, 0);
         assert!((shares[1] - 0.5).abs() < 1e-2, "{shares:?}");
         let line = colors.line(&clip, 0, 0);
-        assert!(colors.error_levels(&clip, (0, 0), line) < 0.1);
+        assert!(error_levels(&colors, &clip, (0, 0), line) < 0.1);
     }
 
     #[test]
@@ -418,7 +421,7 @@ mod tests {
             prop_assert!(line.iter().all(|p| p.is_finite() && p.length() < 255.0 * 60.0));
             let [a, b, c] = clip.places(0, 0);
             if (b - a).perp_dot(c - a).abs() >= 1.0 {
-                let off = colors.error_levels(&clip, (0, 0), line);
+                let off = error_levels(&colors, &clip, (0, 0), line);
                 prop_assert!(off < 1.1, "{off}");
             }
         }

@@ -12,6 +12,7 @@ use super::clip::PlanarClip;
 use super::drawn::Drawn;
 use super::error::PlanarError;
 use super::order::{OrderOptions, Overlaps, Painted, Painting};
+use articula_core::Progress;
 use glam::Vec2;
 use std::collections::BTreeMap;
 
@@ -42,7 +43,7 @@ impl Default for SplitOptions {
 
 /// A clip whose triangles were cut, and how it is painted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Split {
+pub(crate) struct Split {
     /// The clip; triangles that were not cut keep their turn.
     pub clip: PlanarClip,
     /// What is drawn of it.
@@ -56,13 +57,19 @@ pub struct Split {
 }
 
 /// Cuts the pairs that cost most until few enough pixels are wrong; leaves a clip as it is
-/// where cutting does not help.
+/// where cutting does not help. A round is a step of the progress.
 ///
 /// # Errors
-/// What is wrong with the clip, as [`Drawn::of`] and [`Overlaps::of`] tell it.
-pub fn split(clip: &PlanarClip, options: &SplitOptions) -> Result<Split, PlanarError> {
+/// What is wrong with the clip, as [`Drawn::of`] and [`Overlaps::of`] tell it;
+/// [`PlanarError::Cancelled`].
+pub(crate) fn split(
+    clip: &PlanarClip,
+    options: &SplitOptions,
+    progress: &mut Progress<'_>,
+) -> Result<Split, PlanarError> {
     let (mut best, mut overlaps) = painted(clip.clone(), 0, options)?;
-    for _ in 0..options.max_rounds {
+    for round in 0..options.max_rounds {
+        progress.step((round + 1) as f32 / (options.max_rounds + 1) as f32)?;
         if best.wrong_share <= options.wrong_share {
             break;
         }
@@ -397,10 +404,10 @@ mod tests {
             wrong_share: 0.4,
             ..SplitOptions::default()
         };
-        let before = split(&clip, &none).unwrap();
+        let before = split(&clip, &none, &mut Progress::none()).unwrap();
         assert_eq!((before.wrong_share, before.cuts), (0.4, 0));
         assert_eq!(before.clip, clip);
-        let after = split(&clip, &SplitOptions::default()).unwrap();
+        let after = split(&clip, &SplitOptions::default(), &mut Progress::none()).unwrap();
         assert_eq!((after.wrong_share, after.cuts), (0.0, 1));
         assert_eq!(after.clip.triangles.len(), 4);
         assert!(
@@ -501,7 +508,7 @@ mod tests {
     #[test]
     fn what_is_painted_right_is_left_alone() {
         let cube = fixture::turning_cube(12);
-        let split = split(&cube, &SplitOptions::default()).unwrap();
+        let split = split(&cube, &SplitOptions::default(), &mut Progress::none()).unwrap();
         assert_eq!((split.clip, split.cuts), (cube, 0));
     }
 
@@ -520,7 +527,7 @@ mod tests {
             let clip = fixture::loose(&triangles, 2);
             if Drawn::of(&clip).is_ok() {
                 let options = SplitOptions { wrong_share: 0.0, ..SplitOptions::default() };
-                let split = split(&clip, &options).unwrap();
+                let split = split(&clip, &options, &mut Progress::none()).unwrap();
                 let before = Painted::of(&clip, &options.order).unwrap();
                 prop_assert!(split.wrong_share <= before.wrong().share());
                 let buffer = |clip: &PlanarClip| {

@@ -4,8 +4,9 @@
 //! found before the mesh is made coarser: they would take triangles away from what is seen and
 //! cause most cycles of the painting order.
 
-use super::bake::{BakeOptions, Poser, Subject, Turn};
+use super::bake::{BakeOptions, Poser, Turn};
 use super::error::PlanarError;
+use super::subject::Subject;
 use crate::frame::{Bounds, TightView};
 use crate::item_buffer::{Faces, ItemBuffer, Samples};
 use crate::projection::{Projection, Screen};

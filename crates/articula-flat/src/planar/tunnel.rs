@@ -6,7 +6,7 @@
 //! points): keys need not lie on the data, so that the same tolerance needs fewer of them, and
 //! a shortest path over all frames replaces looking ahead.
 
-use crate::vector::KeyedTrack;
+use super::keyed_clip::KeyedTrack;
 
 /// As far as a number may stray where nothing holds it, grid steps.
 const FAR: f64 = 1e5;

@@ -12,9 +12,11 @@
 
 use super::clip::PlanarClip;
 use super::drawn::Drawn;
-use super::merge::OutlineEdge;
 use super::order::Painting;
 use glam::Vec2;
+
+/// A triangle, and the corner at which its edge begins.
+pub(crate) type OutlineEdge = (u32, u8);
 
 /// A corner moves no further than this many distances.
 const FURTHEST: f32 = 2.5;
@@ -45,7 +47,7 @@ impl Default for UnderlapOptions {
 
 /// Corners of triangles that overlap without a gap.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sealed {
+pub(crate) struct Sealed {
     /// The three corners of every triangle in every frame, pixels. Where a triangle is not
     /// drawn they are those of the clip.
     pub corners: Vec<Vec<[Vec2; 3]>>,
@@ -54,7 +56,7 @@ pub struct Sealed {
 /// Seals a whole clip.
 ///
 /// O(frames x triangles).
-pub fn seal(
+pub(crate) fn seal(
     clip: &PlanarClip,
     drawn: &Drawn,
     painting: &Painting,
@@ -85,7 +87,7 @@ pub(crate) fn ranks(clip: &PlanarClip, order: &[u32]) -> Vec<Option<u32>> {
 
 /// Moves the edges of drawn triangles under neighbours that are painted later.
 #[derive(Debug, Clone)]
-pub struct Sealer<'a> {
+pub(crate) struct Sealer<'a> {
     clip: &'a PlanarClip,
     pub(crate) neighbours: Neighbours,
     distance: f32,
@@ -93,7 +95,7 @@ pub struct Sealer<'a> {
 
 impl<'a> Sealer<'a> {
     /// Finds out which triangles meet.
-    pub fn new(clip: &'a PlanarClip, options: UnderlapOptions) -> Self {
+    pub(crate) fn new(clip: &'a PlanarClip, options: UnderlapOptions) -> Self {
         Self {
             clip,
             neighbours: Neighbours::new(clip),
@@ -106,7 +108,7 @@ impl<'a> Sealer<'a> {
     ///
     /// `rank` tells the place of a triangle in the painting order, greater is later; `None` if
     /// it is not painted around this frame.
-    pub fn frame(
+    pub(crate) fn frame(
         &self,
         frame: usize,
         is_drawn: impl Fn(usize) -> bool,

@@ -5,7 +5,7 @@
 //! misses whatever lies between; it is kept as a weak pull, for vertices that few samples see.
 //! A colour never leaves the range of the samples around its vertex, so that no hard edge rings.
 
-use super::bake::Subject;
+use super::subject::Subject;
 use crate::appearance::Texture;
 use crate::picture::srgb_byte;
 use articula_core::source::Material;

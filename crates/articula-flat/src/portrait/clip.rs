@@ -1,6 +1,6 @@
 //! A motion of a portrait: angles of the head and weights of expressions over time.
 
-use super::source::{Head, HeadPose, PortraitExpression};
+use super::head::{Head, HeadPose, PortraitExpression};
 use articula_core::{Clip, ModelPose, Rig, Wrap, local_to_model, sample, sample_morphs};
 use glam::Quat;
 

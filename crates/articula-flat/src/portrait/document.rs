@@ -18,7 +18,7 @@ const WEIGHT_STEPS: f32 = 4096.0;
 const ANGLE_STEPS: f32 = 100.0;
 
 /// The player, a script for the browser.
-pub const PLAYER: &str = include_str!("player.js");
+pub(super) const PLAYER: &str = include_str!("player.js");
 
 /// How view pictures are written; both keep every bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -32,7 +32,7 @@ pub enum PictureFormat {
 
 impl PictureFormat {
     /// Ending of the file's name.
-    pub fn extension(self) -> &'static str {
+    pub(crate) fn extension(self) -> &'static str {
         match self {
             Self::WebP => "webp",
             Self::Png => "png",
@@ -40,7 +40,7 @@ impl PictureFormat {
     }
 
     /// Its media type.
-    pub fn media_type(self) -> &'static str {
+    pub(crate) fn media_type(self) -> &'static str {
         match self {
             Self::WebP => "image/webp",
             Self::Png => "image/png",
@@ -55,7 +55,8 @@ impl Portrait {
     /// All files: `portrait.json`, a picture for each view, and the player.
     ///
     /// # Errors
-    /// As [`Self::to_json`], and [`PortraitError::Picture`] if a picture cannot be encoded.
+    /// [`PortraitError::Mismatch`] if a number is not finite, [`PortraitError::Picture`] if a
+    /// picture cannot be encoded.
     pub fn to_files(&self, format: PictureFormat) -> Result<Files, PortraitError> {
         let mut files = vec![(
             "portrait.json".to_owned(),
@@ -78,7 +79,7 @@ impl Portrait {
     ///
     /// # Errors
     /// [`PortraitError::Mismatch`] if a number in it is not finite.
-    pub fn to_json(&self, format: PictureFormat) -> Result<String, PortraitError> {
+    pub(crate) fn to_json(&self, format: PictureFormat) -> Result<String, PortraitError> {
         let mut out = String::from("{\n\"format\":\"articula-portrait\",\"version\":1,\n");
         let (width, height) = self.size;
         let (x, y) = (number(self.pivot.x)?, number(self.pivot.y)?);

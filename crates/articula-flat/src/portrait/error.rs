@@ -1,8 +1,8 @@
 //! Why a portrait could not be made or drawn, sorted by blame.
 
 use crate::error::PictureError;
-use crate::planar::error::PlanarError;
-use articula_core::Mismatch;
+use crate::planar::PlanarError;
+use articula_core::{Cancelled, Mismatch};
 use thiserror::Error;
 
 /// Why a portrait could not be made or drawn.
@@ -14,6 +14,9 @@ pub enum PortraitError {
     /// A picture could not be made.
     #[error(transparent)]
     Picture(#[from] PictureError),
+    /// The caller ended the work ([`articula_core::Progress`]).
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// No painting order could be found.
     #[error(transparent)]
     Planar(#[from] PlanarError),

@@ -1,9 +1,10 @@
 //! How far a portrait is from a render of the 3D figure in the same pose.
 
-use super::Portrait;
 use super::error::PortraitError;
+use super::head::HeadPose;
+use super::model::Portrait;
 use super::posing::Poser;
-use super::source::{HeadPose, PortraitOptions, PortraitSource};
+use super::source::{PortraitOptions, PortraitSource};
 use super::views::render_options;
 use crate::error::PictureError;
 use crate::picture::Picture;
@@ -13,7 +14,7 @@ use crate::render::render;
 ///
 /// # Errors
 /// As [`super::build`], and [`PortraitError::Mismatch`] for more weights than expressions.
-pub fn truth(
+pub(super) fn truth(
     source: &PortraitSource<'_>,
     options: &PortraitOptions,
     pose: &HeadPose,
@@ -46,7 +47,7 @@ pub fn truth(
 ///
 /// # Errors
 /// [`PictureError::Mismatch`] if the pictures differ in size.
-pub fn rmse_over_figure(a: &Picture, b: &Picture) -> Result<f64, PictureError> {
+pub(super) fn rmse_over_figure(a: &Picture, b: &Picture) -> Result<f64, PictureError> {
     let whole = crate::compare::rmse(a, b)?;
     let shown = a.pixels().iter().zip(b.pixels());
     let shown = shown.filter(|(p, q)| p[3] > 0 || q[3] > 0).count();
@@ -56,10 +57,12 @@ pub fn rmse_over_figure(a: &Picture, b: &Picture) -> Result<f64, PictureError> {
 }
 
 impl Portrait {
-    /// Error against [`truth`], in levels over the figure.
+    /// Error against a render of the 3D figure in full quality under the same light: root mean
+    /// square over the figure's pixels, levels (0 to 255).
     ///
     /// # Errors
-    /// As [`truth`] and [`Self::picture`].
+    /// As [`super::build()`] and [`Self::picture`]; [`PortraitError::Mismatch`] for more weights
+    /// than expressions.
     pub fn error(
         &self,
         source: &PortraitSource<'_>,

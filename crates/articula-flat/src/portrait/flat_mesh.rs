@@ -1,8 +1,9 @@
 //! The 2D mesh: the triangles that can ever be seen, over vertices that move as one.
 
 use super::error::{PortraitError, refuse};
+use super::head::HeadPose;
 use super::posing::{Poser, part_of, places, project};
-use super::source::{HeadPose, MAX_VERTICES, PortraitOptions, PortraitSource, limit};
+use super::source::{MAX_VERTICES, PortraitOptions, PortraitSource, limit};
 use articula_core::Mesh;
 use glam::Vec2;
 use std::collections::BTreeMap;
@@ -12,7 +13,7 @@ const LEAST_AREA: f32 = 0.02;
 
 /// Triangles of a portrait, without anything of where they are.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct FlatMesh {
+pub(crate) struct FlatMesh {
     /// Vertex of the 3D mesh that each vertex follows; rising.
     pub vertices: Vec<u32>,
     /// Counter-clockwise where they are seen; what shows both sides is there twice.
@@ -23,7 +24,7 @@ pub struct FlatMesh {
 
 impl FlatMesh {
     /// The triangle on the other side of each edge (corner to next corner), if there is one.
-    pub fn neighbours(&self) -> Vec<[Option<u32>; 3]> {
+    pub(crate) fn neighbours(&self) -> Vec<[Option<u32>; 3]> {
         let mut of_edge: BTreeMap<(u32, u32), Vec<u32>> = BTreeMap::new();
         let key = |a: u32, b: u32| (a.min(b), a.max(b));
         let edges = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
@@ -48,7 +49,7 @@ impl FlatMesh {
     }
 
     /// Whether a triangle with these corners is drawn: its front is seen.
-    pub fn shows(corners: [Vec2; 3]) -> bool {
+    pub(crate) fn shows(corners: [Vec2; 3]) -> bool {
         front_area(corners) > LEAST_AREA
     }
 }

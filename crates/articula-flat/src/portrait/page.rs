@@ -1,8 +1,9 @@
 //! One HTML page that shows a portrait: player, document and pictures in one file.
 
-use super::Portrait;
 use super::document::{PLAYER, PictureFormat, encoded};
 use super::error::PortraitError;
+use super::model::Portrait;
+use crate::markup::escaped;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write;
@@ -92,20 +93,6 @@ fn uri(file: &Enclosed) -> String {
     )
 }
 
-fn escaped(text: &str) -> String {
-    let mut out = String::new();
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            c => out.push(c),
-        }
-    }
-    out
-}
-
 fn attribute(text: &str) -> String {
     format!("\"{}\"", escaped(text))
 }
@@ -127,7 +114,7 @@ mod tests {
 
     #[test]
     fn names_cannot_leave_their_place() {
-        assert_eq!(escaped("a<b>&\"c\""), "a&lt;b&gt;&amp;&quot;c&quot;");
+        assert_eq!(attribute("a<b>&\"c\""), "\"a&lt;b&gt;&amp;&quot;c&quot;\"");
         assert_eq!(
             quoted("</script>\"\\\n"),
             "\"\\u003c/script\\u003e\\\"\\\\\\u000a\""

@@ -5,8 +5,8 @@
 
 use super::error::PortraitError;
 use super::flat_mesh::{FlatMesh, corners_of};
+use super::head::HeadPose;
 use super::posing::{Poser, places, project};
-use super::source::HeadPose;
 use crate::planar::clip::{PlanarClip, PlanarFrame, Surface};
 use crate::planar::drawn::Drawn;
 use crate::planar::order::Painting;
@@ -14,7 +14,7 @@ use articula_core::Camera;
 
 /// An order for turns from one angle on.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Sector {
+pub(crate) struct Sector {
     /// Least turn of the range, degrees; the first sector holds below it too.
     pub from_yaw_degrees: f32,
     /// Triangles, back to front.

@@ -5,8 +5,8 @@
 //! expressions share the modes of one truncated decomposition over the nodes, so that a node
 //! costs a few numbers however many vertices and expressions there are.
 
-use super::low_rank::{dot, modes};
-use super::source::HeadPose;
+use super::head::HeadPose;
+use crate::low_rank::{dot, modes};
 use glam::Vec2;
 
 /// Most modes; turning heads take four to seven.
@@ -16,7 +16,7 @@ const STILL_PX: f32 = 0.02;
 
 /// Numbers of one mode over vertices as integers and the step between them.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Quantised<T> {
+pub(crate) struct Quantised<T> {
     /// What one step is worth.
     pub scale: f32,
     /// The numbers, in steps.
@@ -25,7 +25,7 @@ pub struct Quantised<T> {
 
 /// What an expression adds to the modes of the vertices that it moves.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct ExpressionTable {
+pub(crate) struct ExpressionTable {
     /// Name by which players drive it.
     pub name: String,
     /// Vertices that move, rising.
@@ -36,7 +36,7 @@ pub struct ExpressionTable {
 
 /// Places of all vertices over turn, nod and expressions.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct PoseGrid {
+pub(crate) struct PoseGrid {
     /// Turns of the nodes, rising, degrees.
     pub yaw_degrees: Vec<f32>,
     /// Nods of the nodes, rising, degrees.
@@ -99,13 +99,13 @@ impl PoseGrid {
     }
 
     /// Number of modes.
-    pub fn rank(&self) -> usize {
+    pub(crate) fn rank(&self) -> usize {
         self.rest.len()
     }
 
     /// Places of all vertices without tilt. Angles beyond the grid count as its border; weights
     /// beyond the expressions are ignored.
-    pub fn places(&self, pose: &HeadPose, weights: &[f32]) -> Vec<Vec2> {
+    pub(crate) fn places(&self, pose: &HeadPose, weights: &[f32]) -> Vec<Vec2> {
         let shape = self.shape(weights);
         let mixed = self.mixed(pose);
         let width = self.rank() + 1;

@@ -1,7 +1,7 @@
 //! The figure in a pose of head and face: skinned, and projected.
 
 use super::error::PortraitError;
-use super::source::{Head, HeadPose, PortraitExpression};
+use super::head::{Head, HeadPose, PortraitExpression};
 use crate::projection::{Projection, Screen};
 use articula_core::{
     Camera, LocalPose, Mesh, ModelPose, Morph, PosedMesh, Rig, SkinnedMesh, local_to_model_from,

@@ -5,8 +5,8 @@
 
 use super::error::{PortraitError, refuse};
 use super::flat_mesh::{FlatMesh, corners_of, front_area};
+use super::head::HeadPose;
 use super::sealing::{OVERLAP_PX, UNDERLAP_PX, sealed};
-use super::source::HeadPose;
 use super::view_weights::{nearness, view_weights};
 use super::{Portrait, views::View};
 use crate::item_buffer::{Faces, ItemBuffer, Samples};
@@ -14,7 +14,7 @@ use crate::picture::{Picture, Rgba};
 use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
 
 /// Weights smaller than this are not worth painting a triangle once more.
-pub const LEAST_WEIGHT: f32 = 0.03;
+pub(super) const LEAST_WEIGHT: f32 = 0.03;
 /// Twice the area of a triangle in a view below which it is a sliver, square pixels.
 const SLIVER: f32 = 0.1;
 
@@ -29,7 +29,8 @@ impl Portrait {
     /// The picture in a pose of head and face, over transparency.
     ///
     /// # Errors
-    /// As [`Self::places`].
+    /// [`PortraitError::Mismatch`] if an angle or weight is no number, or there are more weights
+    /// than expressions.
     pub fn picture(&self, pose: &HeadPose, weights: &[f32]) -> Result<Picture, PortraitError> {
         self.picture_at(&self.places(pose, weights)?, pose)
     }
@@ -39,7 +40,11 @@ impl Portrait {
     ///
     /// # Errors
     /// [`PortraitError::Mismatch`] if there is not one finite place for each vertex.
-    pub fn picture_at(&self, places: &[Vec2], pose: &HeadPose) -> Result<Picture, PortraitError> {
+    pub(crate) fn picture_at(
+        &self,
+        places: &[Vec2],
+        pose: &HeadPose,
+    ) -> Result<Picture, PortraitError> {
         let count = self.mesh.vertices.len();
         if places.len() != count || places.iter().any(|p| !p.is_finite()) || !pose.is_finite() {
             let what = format!(

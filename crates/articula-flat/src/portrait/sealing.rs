@@ -8,16 +8,16 @@
 use glam::Vec2;
 
 /// How far an edge moves under its neighbour, pixels.
-pub const UNDERLAP_PX: f32 = 0.8;
+pub(super) const UNDERLAP_PX: f32 = 0.8;
 /// How far an edge moves over a neighbour that was painted before, pixels.
-pub const OVERLAP_PX: f32 = 0.35;
+pub(super) const OVERLAP_PX: f32 = 0.35;
 /// Below this sine of the angle between two edges their crossing runs away.
 const PARALLEL: f32 = 0.15;
 /// How far a corner moves at most, in underlaps.
 const FARTHEST: f32 = 2.5;
 
 /// The corners with the edges (corner to next corner) moved outward by so many pixels.
-pub fn sealed(corners: [Vec2; 3], edges_px: [f32; 3]) -> [Vec2; 3] {
+pub(super) fn sealed(corners: [Vec2; 3], edges_px: [f32; 3]) -> [Vec2; 3] {
     let [a, b, c] = corners;
     let turned = (b - a).perp_dot(c - a).signum();
     let outward = |i: usize| {

@@ -2,110 +2,16 @@
 
 use super::clip::PortraitClip;
 use super::error::{PortraitError, refuse};
+use super::head::{Head, HeadPose, PortraitExpression};
 use crate::appearance::Appearance;
 use articula_core::{Camera, Mesh, Rig};
-use glam::{EulerRot, Quat, Vec3};
 
 /// Most triangles of a 2D mesh.
-pub const MAX_TRIANGLES: usize = 20_000;
+pub(super) const MAX_TRIANGLES: usize = 20_000;
 /// Most vertices of a 2D mesh; players number them with 16 bits.
-pub const MAX_VERTICES: usize = 65_535;
+pub(super) const MAX_VERTICES: usize = 65_535;
 /// Most expressions of one portrait.
-pub const MAX_EXPRESSIONS: usize = 512;
-
-/// Where the head looks, in degrees. The rotation is roll after yaw after pitch, about the
-/// model's Z, Y and X axes: the figure faces +Z.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct HeadPose {
-    /// Turn about the vertical; positive towards the figure's left (the viewer's right).
-    pub yaw_degrees: f32,
-    /// Nod; positive looks down.
-    pub pitch_degrees: f32,
-    /// Tilt in the plane of the picture; positive is counter-clockwise as the viewer sees it.
-    pub roll_degrees: f32,
-}
-
-impl HeadPose {
-    /// A turn without nod and tilt.
-    pub fn yaw(yaw_degrees: f32) -> Self {
-        Self {
-            yaw_degrees,
-            ..Self::default()
-        }
-    }
-
-    /// The rotation in model space.
-    pub fn rotation(&self) -> Quat {
-        let of = f32::to_radians;
-        Quat::from_euler(
-            EulerRot::ZYX,
-            of(self.roll_degrees),
-            of(self.yaw_degrees),
-            of(self.pitch_degrees),
-        )
-    }
-
-    /// The angles of a rotation in model space.
-    pub fn of_rotation(rotation: Quat) -> Self {
-        let (roll, yaw, pitch) = rotation.to_euler(EulerRot::ZYX);
-        Self {
-            yaw_degrees: yaw.to_degrees(),
-            pitch_degrees: pitch.to_degrees(),
-            roll_degrees: roll.to_degrees(),
-        }
-    }
-
-    /// Whether all angles are numbers.
-    pub fn is_finite(&self) -> bool {
-        self.yaw_degrees.is_finite()
-            && self.pitch_degrees.is_finite()
-            && self.roll_degrees.is_finite()
-    }
-}
-
-/// What turns when the head turns.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Head {
-    /// The whole figure, about a point of model space.
-    Whole {
-        /// The point that stays.
-        pivot: Vec3,
-    },
-    /// Joints of the rig, from the neck to the head, each by an equal share of the turn; the
-    /// skin's weights make the falloff.
-    Joints(Vec<usize>),
-}
-
-/// A joint as an expression turns it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JointTurn {
-    /// Joint of the rig.
-    pub joint: usize,
-    /// Its local rotation where the expression is full.
-    pub rotation: Quat,
-}
-
-/// A named shape of the face, such as one of ARKit's.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct PortraitExpression {
-    /// Name by which players drive it.
-    pub name: String,
-    /// Morph slots and their weights where the expression is full, on top of the rest weights.
-    pub morphs: Vec<(u16, f32)>,
-    /// Joints that it turns.
-    pub joints: Vec<JointTurn>,
-}
-
-impl PortraitExpression {
-    /// An expression that is one morph target.
-    pub fn of_morph(name: impl Into<String>, slot: u16) -> Self {
-        Self {
-            name: name.into(),
-            morphs: vec![(slot, 1.0)],
-            joints: Vec::new(),
-        }
-    }
-}
+pub(super) const MAX_EXPRESSIONS: usize = 512;
 
 /// What a portrait is made of.
 #[derive(Debug, Clone)]

@@ -3,15 +3,16 @@
 use super::document::PictureFormat;
 use super::evaluate::truth;
 use super::flat_mesh::FlatMesh;
+use super::posing::{Poser, places, project};
 use super::visibility::NOT_SEEN;
 use super::*;
 use crate::appearance::Appearance;
 use crate::picture::Rgba;
 use articula_core::source::{self, Joint, MorphTarget, Primitive, Skeleton, Skin};
 use articula_core::{
-    Articulation, Camera, JointArticulation, Mesh, Region, Rig, Transform, Viewport,
+    Articulation, Camera, JointArticulation, Mesh, Progress, Region, Rig, Transform, Viewport,
 };
-use glam::{Affine3A, Vec3, Vec4};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 /// A rectangle with two triangles, of one colour, with its offset when the mouth is open.
 fn plate(corners: [Vec3; 4], color: Vec4, open: Vec3) -> source::Mesh {
@@ -120,7 +121,7 @@ impl Mask {
             views,
             ..PortraitOptions::default()
         };
-        build(&self.source(), &options).unwrap()
+        build(&self.source(), &options, &mut Progress::none()).unwrap()
     }
 }
 
@@ -253,7 +254,7 @@ fn nonsense_is_refused_by_name() {
     let refused = |change: &dyn Fn(&mut PortraitSource<'_>, &mut PortraitOptions)| {
         let (mut source, mut options) = (mask.source(), PortraitOptions::default());
         change(&mut source, &mut options);
-        build(&source, &options).unwrap_err()
+        build(&source, &options, &mut Progress::none()).unwrap_err()
     };
     for views in [0, 2, 4, 6, usize::MAX] {
         let error = refused(&|_, o| o.views = views);
@@ -292,7 +293,7 @@ fn nonsense_is_refused_by_name() {
     let error = {
         let mut source = mask.source();
         source.triangles = &many;
-        build(&source, &PortraitOptions::default()).unwrap_err()
+        build(&source, &PortraitOptions::default(), &mut Progress::none()).unwrap_err()
     };
     assert!(
         matches!(error, PortraitError::LimitExceeded { .. }),
@@ -397,7 +398,7 @@ fn the_document_is_as_its_schema_says() {
         weights: vec![vec![0.0], vec![1.0]],
     }];
     source.clips = &clips;
-    let portrait = build(&source, &PortraitOptions::default()).unwrap();
+    let portrait = build(&source, &PortraitOptions::default(), &mut Progress::none()).unwrap();
     let files = portrait.to_files(PictureFormat::Png).unwrap();
     let names: Vec<&str> = files.iter().map(|(name, _)| name.as_str()).collect();
     assert_eq!(
@@ -421,10 +422,10 @@ fn the_document_is_as_its_schema_says() {
     }
     // The same source gives the same bytes, and the page cannot be left by a name.
     assert_eq!(
-        build(&source, &PortraitOptions::default()).unwrap(),
+        build(&source, &PortraitOptions::default(), &mut Progress::none()).unwrap(),
         portrait
     );
-    let page = page::page(&portrait, &page::PageOptions::default()).unwrap();
+    let page = page(&portrait, &PageOptions::default()).unwrap();
     assert_eq!(page.matches("</script>").count(), 2);
 }
 
@@ -457,7 +458,7 @@ fn a_whole_human_turns_its_head_by_the_neck() {
         tolerance_px: 0.2,
         ..PortraitOptions::default()
     };
-    let portrait = build(&source, &options).unwrap();
+    let portrait = build(&source, &options, &mut Progress::none()).unwrap();
     // The shoulders stay, the head does not.
     assert!(portrait.tilts.contains(&0) && portrait.tilts.contains(&255));
     let front = portrait.places(&HeadPose::default(), &[]).unwrap();

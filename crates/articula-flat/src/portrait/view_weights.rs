@@ -4,7 +4,7 @@
 //! pose, capped at 2; zero where the triangle was covered. What differs: the nearer view counts
 //! more, falling linearly with the angle, so that a pose that is a view shows that view alone.
 
-use super::source::HeadPose;
+use super::head::HeadPose;
 
 /// Cap of the ratio of areas.
 const CAP: f32 = 2.0;
@@ -13,7 +13,7 @@ const FAR: f32 = 0.004;
 
 /// How near the pose is to each view: 1 at the view, falling linearly to nearly nothing at its
 /// neighbour. Along an axis where all views agree, all are equally near.
-pub fn nearness(views: &[HeadPose], pose: &HeadPose) -> Vec<f32> {
+pub(super) fn nearness(views: &[HeadPose], pose: &HeadPose) -> Vec<f32> {
     let yaw = span(views.iter().map(|v| v.yaw_degrees));
     let pitch = span(views.iter().map(|v| v.pitch_degrees));
     let fall = |from: f32, to: f32, span: Option<f32>| match span {
@@ -37,7 +37,12 @@ fn span(values: impl Iterator<Item = f32>) -> Option<f32> {
 ///
 /// `view_areas` and `area` are in square pixels, `seen` says in which views nothing covered the
 /// triangle. Without any such view, the one that shows most of it counts alone.
-pub fn view_weights(view_areas: &[f32], seen: &[bool], nearness: &[f32], area: f32) -> Vec<f32> {
+pub(super) fn view_weights(
+    view_areas: &[f32],
+    seen: &[bool],
+    nearness: &[f32],
+    area: f32,
+) -> Vec<f32> {
     let pose_area = area.abs().max(1e-3);
     let weight = |i: usize| {
         if !seen[i] {

@@ -6,13 +6,14 @@
 
 use super::error::PortraitError;
 use super::flat_mesh::{FlatMesh, corners_of, part_at};
+use super::head::HeadPose;
 use super::posing::{Poser, places, project};
-use super::source::{HeadPose, LightFollows, PortraitOptions, PortraitSource};
+use super::source::{LightFollows, PortraitOptions, PortraitSource};
 use super::visibility::{Layers, layers};
 use crate::picture::{Picture, Rgba};
 use crate::projection::Projection;
 use crate::render::{Light, RenderOptions, render};
-use articula_core::{Mesh, Part, SkinnedMesh};
+use articula_core::{Mesh, Part, Progress, SkinnedMesh};
 use glam::{Vec2, Vec3, Vec4};
 
 /// Pixels around what a layer shows.
@@ -22,11 +23,11 @@ const BLEED_PX: usize = 4;
 
 /// Where a layer of a view lies in the view's picture: its place in the picture, minus its place
 /// on the screen.
-pub type Shift = [i32; 2];
+pub(super) type Shift = [i32; 2];
 
 /// One view of the figure.
 #[derive(Debug, Clone, PartialEq)]
-pub struct View {
+pub(crate) struct View {
     /// How the head is turned.
     pub pose: HeadPose,
     /// All layers.
@@ -73,6 +74,7 @@ pub(crate) fn views(
     source: &PortraitSource<'_>,
     options: &PortraitOptions,
     flat: &FlatMesh,
+    progress: &mut Progress<'_>,
 ) -> Result<Views, PortraitError> {
     let poser = Poser::new(source.mesh, source.rig, &source.head, source.expressions);
     let viewport = source.camera.viewport;
@@ -121,6 +123,7 @@ pub(crate) fn views(
             sheet.place(bleed(&picture), low);
         }
         views.push(sheet.view(*pose)?);
+        progress.step((v + 1) as f32 / poses.len() as f32)?;
     }
     Ok(Views { views, layers })
 }

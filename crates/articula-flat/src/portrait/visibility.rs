@@ -15,11 +15,11 @@ const COVERED_MOST: f32 = 0.04;
 /// Most layers of a view; what finds no place in them counts as not seen.
 const MAX_LAYERS: u8 = 7;
 /// The layer of a view in which a triangle does not lie.
-pub const NOT_SEEN: u8 = u8::MAX;
+pub(super) const NOT_SEEN: u8 = u8::MAX;
 
 /// The layers of all triangles in all views.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Layers {
+pub(crate) struct Layers {
     /// For each view, for each triangle, its layer or [`NOT_SEEN`]. Layer 0 is everything as it
     /// is seen.
     pub of_view: Vec<Vec<u8>>,
@@ -30,13 +30,13 @@ pub struct Layers {
 
 impl Layers {
     /// Number of layers of a view.
-    pub fn count(&self, view: usize) -> usize {
+    pub(crate) fn count(&self, view: usize) -> usize {
         let seen = self.of_view[view].iter().filter(|l| **l != NOT_SEEN);
         seen.max().map_or(0, |l| usize::from(*l) + 1)
     }
 
     /// The views in which one triangle is seen.
-    pub fn seen(&self, triangle: usize) -> Vec<bool> {
+    pub(crate) fn seen(&self, triangle: usize) -> Vec<bool> {
         let views = self.of_view.iter();
         views.map(|view| view[triangle] != NOT_SEEN).collect()
     }

@@ -4,9 +4,9 @@
 //! order and paint and none is off by more than the grid; the price is bytes, so it suits up to
 //! about 25 frames.
 
-use super::keyed_clip::{KeyedClip, KeyedShape};
 use super::smil::SvgWriter;
 use crate::planar::PlanarError;
+use crate::planar::keyed_clip::{KeyedClip, KeyedShape};
 
 /// The SVG text of frames, each a clip of one frame; `name` becomes the title.
 ///
@@ -15,7 +15,7 @@ use crate::planar::PlanarError;
 /// # Errors
 /// [`PlanarError::NoFrames`], or [`PlanarError::Mismatch`] if a frame is not sound, is not one
 /// frame, or has other ramps or another size than the first.
-pub fn flipbook(pages: &[KeyedClip], name: &str) -> Result<String, PlanarError> {
+pub(crate) fn flipbook(pages: &[KeyedClip], name: &str) -> Result<String, PlanarError> {
     let Some(first) = pages.first() else {
         return Err(PlanarError::NoFrames);
     };
@@ -59,9 +59,9 @@ pub fn flipbook(pages: &[KeyedClip], name: &str) -> Result<String, PlanarError> 
 
 #[cfg(test)]
 mod tests {
-    use super::super::keyed_clip::{KeyedPaint, KeyedTrack, LineUnits};
     use super::super::smil_sampler::MovingSvg;
     use super::*;
+    use crate::planar::keyed_clip::{KeyedPaint, KeyedTrack, LineUnits};
 
     fn page(x: i32) -> KeyedClip {
         KeyedClip {

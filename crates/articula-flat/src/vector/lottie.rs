@@ -7,8 +7,8 @@
 //! One shape layer holds a group for each shape. The layer's scale takes the grid to pixels, so
 //! that coordinates stay whole numbers.
 
-use super::keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
 use crate::planar::PlanarError;
+use crate::planar::keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
 use std::fmt::Write;
 use std::ops::Range;
 
@@ -18,7 +18,7 @@ use std::ops::Range;
 /// that is never shown is left out.
 ///
 /// # Errors
-/// What [`KeyedClip::check`] finds, or lines counted in bounding boxes, which Lottie cannot say.
+/// [`PlanarError::Mismatch`] if the clip is not sound, or has lines counted in bounding boxes, which Lottie cannot say.
 pub fn lottie(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
     clip.check()?;
     if clip.lines != LineUnits::Grid {

@@ -1,30 +1,31 @@
 //! Vector graphics, still and moving: what is written, and what reads it back.
 //!
 //! Source: thesis 4.2, `spec/vector.md` 7 to 11; what the files hold: `docs/formats/svg.md`.
+//! [`crate::flatten`] chooses among the writers and measures what they give.
 //!
-//! - [`keyed_clip`]: shapes with keys, what the key-framed writers take
-//! - [`lottie`]: Lottie JSON
-//! - [`path`]: the shortest text for outlines, numbers, colours and ids
+//! - [`smil()`], [`lottie()`]: a clip of keyed shapes as animated SVG without script, as Lottie
 //! - [`player`]: a clip as a small file with a small player
-//! - [`raster`]: still SVG to pixels
-//! - [`smil`]: animated SVG from key to key, without script
-//! - [`smil_sampler`]: what such a file shows at a moment, as still SVG
-//! - [`flipbook`]: animated SVG with a group for each frame
-//! - [`moving_picture`]: GIF and animated WebP
-//! - [`thesis`]: the files of the thesis, the baseline of all ratios
-//! - [`still`]: one frame as SVG
+//! - [`MovingSvg`], [`raster()`]: what animated SVG of ours shows at a moment, and its pixels
+//! - [`gif()`], [`webp()`]: pictures as a movie
+//! - [`thesis()`]: the files of the thesis, the baseline of all ratios
+//!
+//! Inside stand the flip-book, stills, and the shortest text for outlines, numbers and colours.
 
-pub mod flipbook;
-pub mod keyed_clip;
-pub mod lottie;
-pub mod moving_picture;
-pub mod path;
+pub(crate) mod flipbook;
+mod lottie;
+mod moving_picture;
+mod path;
 pub mod player;
-pub mod raster;
-pub mod smil;
-pub mod smil_sampler;
-pub mod still;
+mod raster;
+mod smil;
+mod smil_sampler;
+pub(crate) mod still;
 mod svg_text;
-pub mod thesis;
+pub(crate) mod thesis;
 
-pub use keyed_clip::{KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
+pub use lottie::lottie;
+pub use moving_picture::{Moment, gif, webp};
+pub use raster::raster;
+pub use smil::smil;
+pub use smil_sampler::MovingSvg;
+pub use thesis::{ThesisFile, ThesisForm, ThesisOptions, thesis};

@@ -4,7 +4,7 @@
 //! minus sign parts two numbers. Outlines are filled, never stroked, so none needs to be closed
 //! by `z`.
 
-use super::keyed_clip::GRID;
+use crate::planar::keyed_clip::GRID;
 use glam::Vec2;
 
 /// Appends whole numbers as a list, parted by a minus sign where there is one and by a space
@@ -15,7 +15,7 @@ use glam::Vec2;
 /// articula_flat::vector::path::push_numbers(&mut text, &[3, -4, 5]);
 /// assert_eq!(text, "M3-4 5");
 /// ```
-pub fn push_numbers(text: &mut String, numbers: &[i32]) {
+pub(super) fn push_numbers(text: &mut String, numbers: &[i32]) {
     for number in numbers {
         push_number(text, i64::from(*number));
     }
@@ -31,7 +31,7 @@ pub fn push_numbers(text: &mut String, numbers: &[i32]) {
 /// articula_flat::vector::path::push_outlines(&mut text, &[4, 8, 1, 9, 4, 2], &[]);
 /// assert_eq!(text, "m4 8-3 1 3-7");
 /// ```
-pub fn push_outlines(text: &mut String, points: &[i32], further_outlines: &[u32]) {
+pub(super) fn push_outlines(text: &mut String, points: &[i32], further_outlines: &[u32]) {
     let mut next = further_outlines.iter().peekable();
     let (mut x, mut y) = (0i64, 0i64);
     for (i, point) in points.chunks_exact(2).enumerate() {
@@ -47,14 +47,14 @@ pub fn push_outlines(text: &mut String, points: &[i32], further_outlines: &[u32]
 }
 
 /// A place in pixels as steps of the grid, held within what every player can draw.
-pub fn on_grid(place: Vec2) -> [i32; 2] {
+pub(super) fn on_grid(place: Vec2) -> [i32; 2] {
     const FURTHEST: f32 = (1 << 26) as f32;
     let step = |v: f32| (v * GRID as f32).round().clamp(-FURTHEST, FURTHEST) as i32;
     [step(place.x), step(place.y)]
 }
 
 /// Appends a colour as `#rgb` or `#rrggbb`.
-pub fn push_color(text: &mut String, [r, g, b]: [u8; 3]) {
+pub(super) fn push_color(text: &mut String, [r, g, b]: [u8; 3]) {
     const DIGITS: &[u8; 16] = b"0123456789abcdef";
     let is_short = [r, g, b].iter().all(|level| level % 17 == 0);
     text.push('#');
@@ -67,7 +67,7 @@ pub fn push_color(text: &mut String, [r, g, b]: [u8; 3]) {
 }
 
 /// Appends the `index`th of the shortest ids: a letter, then letters and digits.
-pub fn push_id(text: &mut String, index: usize) {
+pub(super) fn push_id(text: &mut String, index: usize) {
     const LETTERS: usize = 52;
     const ALL: usize = 62;
     let digit = |i: usize| match i {

@@ -13,10 +13,12 @@
 //! Players that do not animate show the first frame: attributes hold its state, and what is
 //! hidden then has no outline there.
 
-use super::keyed_clip::{BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
 use super::path::{push_color, push_id, push_outlines};
 use super::svg_text::{Clock, push_title};
 use crate::planar::PlanarError;
+use crate::planar::keyed_clip::{
+    BOX, GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits,
+};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -29,7 +31,7 @@ const MAX_TURNED_POINTS: usize = 16;
 /// O(keys).
 ///
 /// # Errors
-/// [`PlanarError::Mismatch`] if the clip is not sound, as [`KeyedClip::check`] tells.
+/// [`PlanarError::Mismatch`] if the clip is not sound.
 pub fn smil(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
     clip.check()?;
     let mut writer = SvgWriter::new(clip, name);

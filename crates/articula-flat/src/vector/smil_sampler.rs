@@ -8,8 +8,8 @@
 //!
 //! XML is read by the parser that comes with resvg; document types, and so entities, are refused.
 
-use super::svg_text::push_escaped;
 use crate::error::PictureError;
+use crate::markup::push_escaped;
 use resvg::usvg::roxmltree::{Document, Node, ParsingOptions};
 use std::fmt::Write as _;
 

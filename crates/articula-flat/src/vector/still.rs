@@ -5,10 +5,10 @@
 //! triangles under filters become one triangle; [`StillOptions::exact`] paints red, green and blue
 //! apart and adds them by `screen`, since `plus-lighter` is not known everywhere.
 
-use super::keyed_clip::GRID;
 use super::path::{on_grid, push_color, push_id, push_numbers, push_outlines};
 use crate::planar::PlanarClip;
-use crate::planar::error::PlanarError;
+use crate::planar::PlanarError;
+use crate::planar::keyed_clip::GRID;
 use crate::planar::shading::{Colors, Shading, flat_color};
 use crate::planar::underlap::{Sealer, UnderlapOptions, ranks};
 use glam::Vec2;
@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 /// How a still is written.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct StillOptions {
+pub(crate) struct StillOptions {
     /// How triangles are filled.
     pub shading: Shading,
     /// Paint red, green and blue apart instead: exact inside, three times as long, and a little
@@ -32,7 +32,7 @@ pub struct StillOptions {
 ///
 /// # Errors
 /// [`PlanarError::Mismatch`] if there is no such frame or triangle.
-pub fn still(
+pub(crate) fn still(
     clip: &PlanarClip,
     frame: usize,
     order: &[u32],

@@ -2,6 +2,8 @@
 //!
 //! Source: the grammars of SMIL 3.0 clock values and key times, XML 1.0 characters.
 
+use crate::markup::push_escaped;
+
 /// `<title>`, whatever the name holds; nothing for an empty one.
 pub(super) fn push_title(out: &mut String, name: &str) {
     if name.is_empty() {
@@ -10,23 +12,6 @@ pub(super) fn push_title(out: &mut String, name: &str) {
     out.push_str("<title>");
     push_escaped(out, name);
     out.push_str("</title>");
-}
-
-/// Text between tags: markup is escaped, what XML 1.0 cannot hold becomes U+FFFD.
-pub(super) fn push_escaped(out: &mut String, text: &str) {
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\t' | '\n' => out.push(c),
-            // A bare carriage return would come back as a line feed.
-            '\r' => out.push_str("&#13;"),
-            '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
-            _ => out.push(c),
-        }
-    }
 }
 
 /// Turns half frames into key times, and says how long the clip lasts.

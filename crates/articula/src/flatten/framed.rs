@@ -8,12 +8,11 @@ use crate::figure::Figure;
 use crate::work::Work;
 use articula_build::decimate;
 use articula_core::{ModelPose, Viewport, local_to_model};
-use articula_flat::Appearance;
-use articula_flat::Projection;
 use articula_flat::planar::stage;
 use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn, bake};
 use articula_flat::planar::{Drawn, PlanarClip, PlanarError};
 use articula_flat::planar::{MAX_FRAMES, MAX_TRIANGLES};
+use articula_flat::{Appearance, Projection};
 
 /// What the first step is called.
 const LOOKING: &str = "looking";

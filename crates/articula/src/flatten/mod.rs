@@ -22,9 +22,6 @@ use articula_flat::flatten::{
 use articula_flat::planar::OrderOptions;
 use articula_flat::vector::player::LiveSource;
 
-/// Parts of the bar of a conversion.
-const PARTS: usize = 100;
-
 /// Bakes, prepares and writes what a camera sees.
 ///
 /// # Errors
@@ -36,22 +33,16 @@ pub fn flatten(
     settings: &Settings,
     work: &Work<'_>,
 ) -> Result<Flattened> {
-    work.step("projecting", 0, PARTS)?;
+    let name = || framed.name();
+    work.step("projecting", 0, 1)?;
     let clip = framed.clip()?;
     let frames = sampled_frames(clip.frames.len());
-    let truth = Truth::new(&framed.at_frames(&frames)?, &frames);
-    let truth = truth.with_context(|| framed.name())?;
-    let tell = |share: f64| {
-        let done = (PARTS as f64 * share.clamp(0.0, 1.0)) as usize;
-        let _ = work.step("painting order", done, PARTS);
-    };
-    let mut done = |share: f64| tell(share);
-    let prepared = Prepared::new(clip, &options, &mut done).with_context(|| framed.name())?;
-    let mut done = |share: f64| {
-        let done = (PARTS as f64 * share.clamp(0.0, 1.0)) as usize;
-        let _ = work.step("writing", done, PARTS);
-    };
-    write(&prepared, settings, &truth, &mut done).with_context(|| framed.name())
+    let truth = Truth::new(&framed.at_frames(&frames)?, &frames).with_context(name)?;
+    let prepared = work
+        .with_progress("painting order", |p| Prepared::new(clip, &options, p))
+        .with_context(name)?;
+    work.with_progress("writing", |p| write(&prepared, settings, &truth, p))
+        .with_context(name)
 }
 
 /// Writes a file whose morph targets a host drives while the clip plays.
@@ -62,6 +53,7 @@ pub fn flatten_driven(
     framed: &Framed<'_>,
     options: PrepareOptions,
     settings: &Settings,
+    work: &Work<'_>,
 ) -> Result<Flattened> {
     let source = live::live_source(framed)?;
     let frames = sampled_frames(source.weights.len().max(1));
@@ -82,5 +74,8 @@ pub fn flatten_driven(
         shapes: shapes.clip.clone(),
         ..source
     };
-    flatten_live(&source, &shapes, settings, &truth).with_context(|| framed.name())
+    work.with_progress("writing", |p| {
+        flatten_live(&source, &shapes, settings, &truth, p)
+    })
+    .with_context(|| framed.name())
 }

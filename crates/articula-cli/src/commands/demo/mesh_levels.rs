@@ -3,13 +3,14 @@
 use super::Folder;
 use crate::commands::build::levels as report;
 use crate::play::Scene;
-use crate::play::artist::Artist;
+use crate::play::artist::artist;
 use anyhow::Context;
 use articula::{CodedMeshLevels, Figure};
 use articula_core::source;
 use articula_core::{Region, Wrap, sample};
+use articula_flat::Picture;
 use articula_flat::codec;
-use articula_report::{Cell, ContactSheet, Row, Tile};
+use articula_report::{Cell, ContactSheet, Row};
 use serde::Serialize;
 
 /// What the levels of the asset show, lose and weigh.
@@ -58,7 +59,7 @@ fn row(scene: &Scene<'_>, level: usize) -> anyhow::Result<Row> {
     let all = figure.asset.rig.all();
     sample(clip, secs, Wrap::Clamp, &all, &mut pose);
     let morphs = figure.asset.mesh.morph_weights.clone();
-    let mut artist = Artist::new(&figure, (230, 300));
+    let mut artist = artist(&figure, (230, 300));
     artist.frame_pose(&pose, &morphs);
     let mut pictures = vec![("in motion", artist.figure(&pose, morphs.clone())?)];
     for (caption, region, azimuth) in [("face", Region::Face, 0.4), ("hand", Region::Hands, 1.2)] {
@@ -67,12 +68,7 @@ fn row(scene: &Scene<'_>, level: usize) -> anyhow::Result<Row> {
         pictures.push((caption, artist.figure(&pose, morphs.clone())?));
     }
     let triangles = figure.asset.mesh.triangles.len();
-    let cell = |(caption, picture): (&str, _)| Cell {
-        tiles: vec![Tile {
-            picture,
-            caption: caption.into(),
-        }],
-    };
+    let cell = |(caption, picture): (&str, Picture)| Cell::of(picture, caption);
     Ok(Row {
         label: format!("{triangles} triangles"),
         cells: pictures.into_iter().map(cell).collect(),

@@ -2,6 +2,7 @@
 
 use super::report::{MethodRows, Report};
 use crate::play::rows::Row;
+use articula_flat::escaped;
 use std::fmt::Write;
 
 const STYLE: &str = include_str!("page.css");
@@ -462,13 +463,6 @@ fn plot(file: &str, alt: &str, caption: &str) -> String {
 
 fn percent(share: f32) -> String {
     format!("{:.1} %", 100.0 * share)
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
-        .replace('"', "&quot;")
 }
 
 #[cfg(test)]

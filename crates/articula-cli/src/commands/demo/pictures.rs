@@ -2,14 +2,14 @@
 
 use super::MIDDLE;
 use crate::play::Scene;
-use crate::play::artist::Artist;
+use crate::play::artist::artist;
 use crate::play::rows::Table;
 use crate::play::sheet::{self, Format, Line};
 use anyhow::Context;
 use articula_build::evaluate::Method;
 use articula_core::Region;
 use articula_flat::Picture;
-use articula_report::{Cell, ContactSheet, Row as SheetRow, Tile};
+use articula_report::{Cell, ContactSheet, Row as SheetRow};
 use std::f32::consts::FRAC_PI_2;
 
 /// Draws one picture of what was played.
@@ -19,7 +19,7 @@ pub(super) type Draw = fn(&Scene<'_>, &[Table]) -> anyhow::Result<Picture>;
 pub(super) fn character(scene: &Scene<'_>, _: &[Table]) -> anyhow::Result<Picture> {
     let rest = scene.figure.asset.rig.rest_pose();
     let morphs = scene.figure.asset.mesh.morph_weights.clone();
-    let mut artist = Artist::new(scene.figure, (196, 300));
+    let mut artist = artist(scene.figure, (196, 300));
     let mut tiles = Vec::new();
     for (caption, azimuth) in [
         ("front", 0.0),
@@ -34,12 +34,7 @@ pub(super) fn character(scene: &Scene<'_>, _: &[Table]) -> anyhow::Result<Pictur
         artist.frame_region(rest, region);
         tiles.push((caption, artist.figure(rest, morphs.clone())?));
     }
-    let cell = |(caption, picture): (&str, Picture)| Cell {
-        tiles: vec![Tile {
-            picture,
-            caption: caption.into(),
-        }],
-    };
+    let cell = |(caption, picture): (&str, Picture)| Cell::of(picture, caption);
     let sheet = ContactSheet {
         title: "The reference human at rest".into(),
         rows: vec![SheetRow {

@@ -50,7 +50,7 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let settings = args.settings(profile, &framed)?;
     let options = args.prepare_options();
     let flat = if args.special.live {
-        flatten_driven(&framed, options, &settings)?
+        console.work(|work| flatten_driven(&framed, options, &settings, work))?
     } else {
         console.work(|work| flatten(&framed, options, &settings, work))?
     };

@@ -7,6 +7,7 @@ use crate::open;
 use crate::{fault, files};
 use anyhow::Context;
 use articula::flatten::FramedHead;
+use articula_core::Progress;
 use articula_core::Viewport;
 use articula_flat::flatten::{Entry, Sizes};
 use articula_flat::portrait::PictureFormat;
@@ -62,7 +63,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let count = args.shot.triangles.unwrap_or(1000) as usize;
     let shot = FramedHead::new(&figure, clip, count, viewport).with_context(place)?;
     bar.set_position(30);
-    let portrait = build(&shot.source(), &options).with_context(place)?;
+    let portrait = build(&shot.source(), &options, &mut Progress::none()).with_context(place)?;
     bar.set_position(70);
     let written = write(args, &portrait)?;
     let mut error = Vec::with_capacity(YAWS_DEG.len());

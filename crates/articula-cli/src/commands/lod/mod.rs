@@ -245,7 +245,7 @@ fn write_plots(
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
     {
-        files::write(path, plots::stacked(&all).as_bytes())?;
+        files::write(path, articula_report::stacked(&all).as_bytes())?;
         report.written.push(files::shown(path));
         return Ok(());
     }

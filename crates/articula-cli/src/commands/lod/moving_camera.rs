@@ -5,9 +5,9 @@ use super::{LodArgs, write_png};
 use crate::console::Console;
 use crate::files;
 use crate::play::camera_path::{self, CameraPath};
-use crate::play::plots::{Plot, stacked};
 use crate::play::{Scene, sheet};
 use anyhow::Context;
+use articula_report::{Plot, stacked};
 use std::path::Path;
 
 /// Plays the clip along the path and prints the report.

@@ -5,11 +5,49 @@
 
 use super::graph::first_order;
 use super::overlap::Overlaps;
+use super::painting::{Epoch, OrderOptions, Painting, far_first, nearness};
 use super::sift::sift;
-use super::{Epoch, OrderOptions, Painting, far_first, nearness};
 use crate::planar::clip::PlanarClip;
 use crate::planar::drawn::Drawn;
+use crate::planar::error::PlanarError;
 use std::ops::Range;
+
+impl Painting {
+    /// The order that constraints ask for: one for the whole clip if that is good enough, else
+    /// epochs.
+    ///
+    /// # Errors
+    /// What is wrong with the clip, or [`PlanarError::Mismatch`] if `drawn` is of another one.
+    #[cfg(test)]
+    pub(crate) fn constraints(
+        clip: &PlanarClip,
+        drawn: &Drawn,
+        options: &OrderOptions,
+    ) -> Result<Self, PlanarError> {
+        let overlaps = Overlaps::of(clip, drawn)?;
+        let one = single(clip, drawn, &overlaps);
+        Ok(epochs(clip, (drawn, &overlaps), one, options))
+    }
+
+    /// One order for the whole clip, whatever it costs.
+    ///
+    /// # Errors
+    /// What is wrong with the clip, or [`PlanarError::Mismatch`] if `drawn` is of another one.
+    pub fn single(clip: &PlanarClip, drawn: &Drawn) -> Result<Self, PlanarError> {
+        let overlaps = Overlaps::of(clip, drawn)?;
+        Ok(single(clip, drawn, &overlaps))
+    }
+
+    /// An order for each frame: the least that any painting leaves wrong, as far as this search
+    /// finds it.
+    ///
+    /// # Errors
+    /// What is wrong with the clip, or [`PlanarError::Mismatch`] if `drawn` is of another one.
+    pub fn per_frame(clip: &PlanarClip, drawn: &Drawn) -> Result<Self, PlanarError> {
+        let overlaps = Overlaps::of(clip, drawn)?;
+        Ok(per_frame(clip, drawn, &overlaps))
+    }
+}
 
 /// One order for the whole clip.
 pub(super) fn single(clip: &PlanarClip, drawn: &Drawn, overlaps: &Overlaps) -> Painting {

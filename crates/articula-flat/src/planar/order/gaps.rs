@@ -4,8 +4,8 @@
 //! something lies over them. Where no order hides such a triangle, it is left out after all: a
 //! switch costs a few bytes, wrong pixels are seen.
 
-use super::Painting;
 use super::overlap::{Overlaps, Places};
+use super::painting::Painting;
 use crate::planar::drawn::Drawn;
 use std::collections::BTreeMap;
 use std::ops::Range;

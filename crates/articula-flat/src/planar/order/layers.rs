@@ -5,13 +5,13 @@
 //! Fredman 1975), stays one element; what moves gets another copy between its new neighbours.
 //! A copy of an earlier epoch is used again where it fits.
 
-use super::Painting;
+use super::painting::Painting;
 use crate::planar::drawn::Drawn;
 use std::ops::Range;
 
 /// A painted copy of a triangle.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Layer {
+pub(crate) struct Layer {
     /// The triangle.
     pub triangle: u32,
     /// When it is drawn, rising and apart.
@@ -21,7 +21,7 @@ pub struct Layer {
 impl Painting {
     /// All copies, back to front. In each frame, those that are drawn are the triangles drawn
     /// in it, in the order of its epoch; those that `drawn` lacks are left out.
-    pub fn layers(&self, drawn: &Drawn) -> Vec<Layer> {
+    pub(crate) fn layers(&self, drawn: &Drawn) -> Vec<Layer> {
         let mut list: Vec<Copy> = Vec::new();
         for (e, epoch) in self.epochs.iter().enumerate() {
             let is_drawn = drawn.mask(&epoch.frames);

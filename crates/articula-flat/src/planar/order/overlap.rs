@@ -4,7 +4,7 @@
 //! sample is right if the triangle that owns it is painted last of its set, so the count of
 //! wrong samples of any order is exact, without painting anything again.
 
-use super::Painting;
+use super::painting::Painting;
 use crate::item_buffer::{Faces, ItemBuffer, Samples};
 use crate::planar::clip::PlanarClip;
 use crate::planar::drawn::{Drawn, draw_frame};
@@ -56,7 +56,7 @@ impl WrongPixels {
     }
 
     /// Share of the object's samples of all frames together that is wrong.
-    pub fn share(&self) -> f64 {
+    pub(crate) fn share(&self) -> f64 {
         let sum = |of: fn(&(u32, u32)) -> u32| -> u64 {
             self.per_frame.iter().map(|f| u64::from(of(f))).sum()
         };
@@ -68,7 +68,7 @@ impl WrongPixels {
 ///
 /// # Errors
 /// What is wrong with the clip, or [`PlanarError::Mismatch`] if `drawn` is of another one.
-pub fn wrong_pixels(
+pub(crate) fn wrong_pixels(
     clip: &PlanarClip,
     drawn: &Drawn,
     painting: &Painting,
@@ -84,7 +84,7 @@ impl Overlaps {
     /// # Errors
     /// What is wrong with the clip, [`PlanarError::Mismatch`] if `drawn` is of another one,
     /// [`PlanarError::TooManyOverlaps`].
-    pub fn of(clip: &PlanarClip, drawn: &Drawn) -> Result<Self, PlanarError> {
+    pub(crate) fn of(clip: &PlanarClip, drawn: &Drawn) -> Result<Self, PlanarError> {
         clip.check()?;
         drawn.fits(clip)?;
         let mut buffer = ItemBuffer::new(clip.width, clip.height, SAMPLES)?;
@@ -98,33 +98,33 @@ impl Overlaps {
     }
 
     /// Number of different sets.
-    pub fn sets(&self) -> usize {
+    pub(crate) fn sets(&self) -> usize {
         self.starts.len() - 1
     }
 
     /// A set's triangles; the first owns the sample, the others have to be painted before it.
-    pub fn members(&self, set: usize) -> &[u32] {
+    pub(crate) fn members(&self, set: usize) -> &[u32] {
         &self.members[self.starts[set]..self.starts[set + 1]]
     }
 
     /// The sets of a frame with their samples.
-    pub fn counts(&self, frame: usize) -> &[(u32, u32)] {
+    pub(crate) fn counts(&self, frame: usize) -> &[(u32, u32)] {
         &self.frames[frame].counts
     }
 
     /// Number of frames.
-    pub fn frames(&self) -> usize {
+    pub(crate) fn frames(&self) -> usize {
         self.frames.len()
     }
 
     /// Samples of the object over some frames.
-    pub fn object(&self, frames: &Range<usize>) -> u64 {
+    pub(crate) fn object(&self, frames: &Range<usize>) -> u64 {
         let of = |f: &FrameOverlaps| u64::from(f.object);
         self.frames[frames.clone()].iter().map(of).sum()
     }
 
     /// Samples of every set over some frames; sets without any are left out, the others rise.
-    pub fn sum(&self, frames: &Range<usize>) -> Vec<(u32, u64)> {
+    pub(crate) fn sum(&self, frames: &Range<usize>) -> Vec<(u32, u64)> {
         let all = self.frames[frames.clone()].iter().flat_map(|f| &f.counts);
         let mut sum: Vec<(u32, u64)> = all.map(|(set, n)| (*set, u64::from(*n))).collect();
         sum.sort_unstable_by_key(|(set, _)| *set);

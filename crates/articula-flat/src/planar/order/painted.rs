@@ -1,8 +1,9 @@
 //! What of a clip is drawn, in which order, and what stays wrong.
 
+use super::epochs;
 use super::gaps::without_harm;
 use super::overlap::{Overlaps, WrongPixels};
-use super::{OrderOptions, Painting, epochs};
+use super::painting::{OrderOptions, Painting};
 use crate::planar::clip::PlanarClip;
 use crate::planar::drawn::Drawn;
 use crate::planar::error::PlanarError;
@@ -45,7 +46,7 @@ impl Painted {
     }
 
     /// Samples that are wrong, frame by frame.
-    pub fn wrong(&self) -> WrongPixels {
+    pub(crate) fn wrong(&self) -> WrongPixels {
         self.overlaps.wrong(&self.painting)
     }
 }

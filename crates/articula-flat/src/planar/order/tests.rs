@@ -4,7 +4,9 @@ use super::graph::first_order;
 use super::sift::sift;
 use super::*;
 use crate::item_buffer::{Faces, ItemBuffer, Samples};
+use crate::planar::clip::PlanarClip;
 use crate::planar::clip::fixture;
+use crate::planar::drawn::Drawn;
 use crate::planar::drawn::draw_frame;
 use proptest::prelude::*;
 

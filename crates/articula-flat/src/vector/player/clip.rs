@@ -2,18 +2,18 @@
 //!
 //! Source: `spec/vector.md` 8.3.
 
-use crate::planar::low_rank::quantised::Quantised;
+use crate::low_rank::quantised::Quantised;
 use crate::planar::shading::Shading;
-use crate::planar::{Drawn, PlanarClip, PlanarFrame, Surface};
+use crate::planar::{PlanarClip, PlanarFrame, Surface};
 use glam::Vec2;
 use std::ops::Range;
 
 /// A weight of one of a named input, in coefficient steps.
-pub const INPUT_ONE: f64 = 256.0;
+pub(super) const INPUT_ONE: f64 = 256.0;
 
 /// The painting order from a frame on, until the next one begins.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct PlayerEpoch {
+pub(crate) struct PlayerEpoch {
     /// Its first frame; 0 for the first epoch.
     pub first_frame: u32,
     /// Triangles back to front.
@@ -24,7 +24,7 @@ pub struct PlayerEpoch {
 ///
 /// A *point* is a place, shared by all vertices that are never apart; a *wedge* is a point with
 /// one light and one colour. Columns of the motion are x and y of each point in pixels, then, with
-/// Gouraud shading, the light of each wedge times [`Self::light_weight`].
+/// Gouraud shading, the light of each wedge times `light_weight`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PlayerClip {
     /// Width, pixels.
@@ -38,19 +38,19 @@ pub struct PlayerClip {
     /// How triangles are filled.
     pub shading: Shading,
     /// How much full light counts in the columns.
-    pub light_weight: f64,
+    pub(crate) light_weight: f64,
     /// Wedges of each triangle; wedges are numbered as they are first named.
-    pub triangles: Vec<[u32; 3]>,
+    pub(crate) triangles: Vec<[u32; 3]>,
     /// Point of each wedge; points are numbered as they are first named.
     pub wedge_points: Vec<u32>,
     /// sRGB albedo of each wedge (Gouraud) or colour of each triangle (flat).
-    pub colors: Vec<[u8; 3]>,
+    pub(crate) colors: Vec<[u8; 3]>,
     /// Frames in which each triangle is drawn: spans, rising and apart.
-    pub shown: Vec<Vec<Range<u32>>>,
+    pub(crate) shown: Vec<Vec<Range<u32>>>,
     /// The painting orders.
-    pub epochs: Vec<PlayerEpoch>,
+    pub(crate) epochs: Vec<PlayerEpoch>,
     /// Places and light; with inputs, its components are theirs.
-    pub motion: Quantised,
+    pub(crate) motion: Quantised,
     /// Names of the inputs that drive it; empty if it can only be played.
     pub inputs: Vec<String>,
 }
@@ -66,29 +66,11 @@ pub struct Moment {
 
 impl PlayerClip {
     /// Number of points.
-    pub fn points(&self) -> usize {
+    pub(crate) fn points(&self) -> usize {
         self.wedge_points
             .iter()
             .max()
             .map_or(0, |p| *p as usize + 1)
-    }
-
-    /// Number of columns of the motion.
-    pub fn columns(&self) -> usize {
-        2 * self.points() + self.light_columns()
-    }
-
-    /// Number of columns that hold light.
-    pub fn light_columns(&self) -> usize {
-        match self.shading {
-            Shading::Flat => 0,
-            Shading::Gouraud => self.wedge_points.len(),
-        }
-    }
-
-    /// Length in seconds, from the first frame to the last.
-    pub fn duration_secs(&self) -> f64 {
-        f64::from(self.frames - 1) / f64::from(self.fps)
     }
 
     /// Places and light at a moment, in frames; straight between frames, held beyond the ends.
@@ -112,13 +94,13 @@ impl PlayerClip {
     }
 
     /// Whether a triangle is drawn at a moment: as in the frame nearest to it.
-    pub fn is_shown_at(&self, triangle: usize, frame: f64) -> bool {
+    pub(crate) fn is_shown_at(&self, triangle: usize, frame: f64) -> bool {
         let nearest = self.nearest(frame);
         self.shown[triangle].iter().any(|s| s.contains(&nearest))
     }
 
     /// Triangles back to front at a moment: as in the frame nearest to it.
-    pub fn order_at(&self, frame: f64) -> &[u32] {
+    pub(crate) fn order_at(&self, frame: f64) -> &[u32] {
         let nearest = self.nearest(frame);
         let after = self.epochs.partition_point(|e| e.first_frame <= nearest);
         &self.epochs[after.saturating_sub(1)].order
@@ -129,29 +111,10 @@ impl PlayerClip {
         (frame + 0.5).floor().clamp(0.0, f64::from(self.frames - 1)) as u32
     }
 
-    /// All frames as a planar clip over its wedges, so that other writers can draw it. Nearness
-    /// is not known: it is zero everywhere, and [`Self::epochs`] tells the order. With flat
-    /// shading each triangle has wedges of its own colour.
-    pub fn to_planar(&self) -> PlanarClip {
-        let frames = (0..self.frames).map(|f| self.planar_frame(f64::from(f)));
-        self.planar(frames.collect())
-    }
-
-    /// Which triangles are drawn when.
-    pub fn drawn(&self) -> Drawn {
-        let mut drawn = Drawn::none(self.frames as usize, self.triangles.len());
-        for (t, spans) in self.shown.iter().enumerate() {
-            for f in spans.iter().flat_map(Clone::clone) {
-                drawn.set(f as usize, t, true);
-            }
-        }
-        drawn
-    }
-
     /// One moment as a planar clip of a single frame, in which what is painted later is nearer
     /// and what is not drawn has no area: [`crate::planar::reference`] of it is what an ideal
     /// player shows.
-    pub fn painted(&self, frame: f64) -> PlanarClip {
+    pub(crate) fn painted(&self, frame: f64) -> PlanarClip {
         let moment = self.planar_frame(frame);
         let mut clip = self.planar(vec![PlanarFrame::default()]);
         let order = self.order_at(frame);
@@ -180,7 +143,7 @@ impl PlayerClip {
         clip
     }
 
-    fn planar(&self, frames: Vec<PlanarFrame>) -> PlanarClip {
+    pub(super) fn planar(&self, frames: Vec<PlanarFrame>) -> PlanarClip {
         let count = self.triangles.len();
         let levels = |c: &[u8; 3]| c.map(f32::from);
         let (triangles, albedo) = match self.shading {
@@ -211,7 +174,7 @@ impl PlayerClip {
         }
     }
 
-    fn planar_frame(&self, frame: f64) -> PlanarFrame {
+    pub(super) fn planar_frame(&self, frame: f64) -> PlanarFrame {
         let moment = self.moment(frame);
         let (xy, light) = match self.shading {
             Shading::Gouraud => (moment.xy, moment.light),

@@ -7,7 +7,7 @@
 use super::clip::PlayerClip;
 use super::stream::Writer;
 use super::topology::parents;
-use crate::planar::low_rank::quantised::QuantisedComponent;
+use crate::low_rank::quantised::QuantisedComponent;
 use crate::planar::shading::Shading;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;

@@ -8,18 +8,18 @@ use super::container::{GOURAUD, INPUTS, MAGIC, VERSION};
 use super::error::PlayerError;
 use super::stream::Reader;
 use super::topology::parents;
+use crate::low_rank::quantised::{MAX_STEPS, Quantised, QuantisedComponent};
 use crate::planar::clip::{MAX_FRAMES, MAX_TRIANGLES};
-use crate::planar::low_rank::quantised::{MAX_STEPS, Quantised, QuantisedComponent};
 use crate::planar::shading::Shading;
 use std::io::Read;
 use std::ops::Range;
 
 /// The most that a container may uncompress to, bytes.
-pub const MAX_BODY_BYTES: usize = 32 << 20;
+pub(super) const MAX_BODY_BYTES: usize = 32 << 20;
 /// Most components of a clip.
-pub const MAX_COMPONENTS: usize = 4096;
+pub(super) const MAX_COMPONENTS: usize = 4096;
 /// Most pixels a side.
-pub const MAX_SIDE: usize = 1 << 15;
+pub(super) const MAX_SIDE: usize = 1 << 15;
 /// Most frames of a second.
 const MAX_FPS: f64 = 1e4;
 

@@ -5,8 +5,8 @@
 //! steps that hold, measured on what a reader gets back.
 
 use super::topology::Topology;
-use crate::planar::low_rank::quantised::{MAX_STEPS, Quantised, Steps};
-use crate::planar::low_rank::{LowRank, Table, decompose};
+use crate::low_rank::quantised::{MAX_STEPS, Quantised, Steps};
+use crate::low_rank::{LowRank, Table, decompose};
 use crate::planar::shading::Shading;
 use crate::planar::{PlanarClip, PlanarError};
 

@@ -8,7 +8,7 @@
 use super::clip::INPUT_ONE;
 use super::fit::{Errors, Numbers, whole_steps};
 use super::make::{PlayerFile, PlayerOptions, allowed, finish, still_parts};
-use crate::planar::low_rank::quantised::{Quantised, QuantisedComponent, short};
+use crate::low_rank::quantised::{Quantised, QuantisedComponent, short};
 use crate::planar::{Drawn, Painting, PlanarClip, PlanarError};
 
 /// Inputs, and what each does alone.
@@ -31,7 +31,7 @@ pub struct LiveSource {
 /// # Errors
 /// What is wrong with the shapes, or [`PlanarError::Mismatch`]: names or weights that do not fit
 /// them, tolerances below a thousandth.
-pub fn live_player(
+pub(crate) fn live_player(
     source: &LiveSource,
     drawn: &Drawn,
     painting: &Painting,

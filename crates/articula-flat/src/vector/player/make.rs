@@ -7,13 +7,13 @@ use super::container::{PartSizes, encode};
 use super::fit::{Errors, Numbers, fit};
 use super::page::{Output, page, script};
 use super::topology::Topology;
-use crate::planar::low_rank::quantised::Quantised;
+use crate::low_rank::quantised::Quantised;
 use crate::planar::shading::Shading;
 use crate::planar::{Drawn, Epoch, Painting, PlanarClip, PlanarError};
 
 /// How a clip is written for the player.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlayerOptions {
+pub(crate) struct PlayerOptions {
     /// Root of the mean square distance that points may be off, pixels.
     pub pos_tol_px: f64,
     /// Root of the mean square that light may be off, levels.
@@ -37,7 +37,7 @@ impl Default for PlayerOptions {
 
 /// What is known of a written file.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlayerStats {
+pub(crate) struct PlayerStats {
     /// Triangles that are drawn in some frame.
     pub triangles: usize,
     /// Components.
@@ -55,7 +55,7 @@ pub struct PlayerStats {
 
 /// A file that plays a clip.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PlayerFile {
+pub(crate) struct PlayerFile {
     /// The SVG or module.
     pub text: String,
     /// The container that is inside it.
@@ -71,7 +71,7 @@ pub struct PlayerFile {
 /// # Errors
 /// What is wrong with the clip, or [`PlanarError::Mismatch`]: `drawn` or `painting` of another
 /// clip, tolerances below a thousandth, or a clip of too many numbers.
-pub fn player(
+pub(crate) fn player(
     clip: &PlanarClip,
     drawn: &Drawn,
     painting: &Painting,

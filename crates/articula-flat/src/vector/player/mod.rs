@@ -2,26 +2,30 @@
 //!
 //! Source: `spec/vector.md` 8.3; `docs/formats/artv.md`.
 //!
-//! - [`clip`]: the noun, what the container holds
-//! - [`container`], [`decode`]: writing and reading it
-//! - [`live`]: a clip that named inputs drive
-//! - [`page`]: the text around it, with the player's script
-//! - [`error`]: what can be wrong with bytes
+//! - [`PlayerClip`]: the noun, what the container holds; [`encode`] and [`decode`] write and read it
+//! - [`LiveSource`]: a clip that named inputs drive
+//! - [`Output`]: the text around it, with the player's script
+//! - [`PlayerError`]: what can be wrong with bytes
 
-pub mod clip;
-pub mod container;
-pub mod decode;
-pub mod error;
+mod clip;
+mod container;
+mod decode;
+mod error;
 mod fit;
-pub mod live;
+mod live;
 mod make;
-pub mod page;
+mod page;
 mod stream;
 #[cfg(test)]
 mod tests;
 mod topology;
 
-pub use clip::PlayerClip;
-pub use live::{LiveSource, live_player};
-pub use make::{PlayerFile, PlayerOptions, PlayerStats, player};
+pub use clip::{Moment, PlayerClip};
+pub use container::{MAGIC, PartSizes, VERSION, encode};
+pub use decode::decode;
+pub use error::PlayerError;
+pub use live::LiveSource;
 pub use page::Output;
+
+pub(crate) use live::live_player;
+pub(crate) use make::{PlayerOptions, player};

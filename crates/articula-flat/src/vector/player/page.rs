@@ -24,7 +24,7 @@ pub enum Output {
 }
 
 /// The script for a clip, as small as it is written.
-pub fn script(shading: Shading, is_live: bool) -> String {
+pub(super) fn script(shading: Shading, is_live: bool) -> String {
     let mut script = String::new();
     let mut is_wanted = true;
     for line in SCRIPT.lines().map(str::trim) {
@@ -43,7 +43,7 @@ pub fn script(shading: Shading, is_live: bool) -> String {
 }
 
 /// The file of a clip whose container is given.
-pub fn page(clip: &PlayerClip, container: &[u8], output: Output) -> String {
+pub(super) fn page(clip: &PlayerClip, container: &[u8], output: Output) -> String {
     let script = script(clip.shading, !clip.inputs.is_empty());
     let data = BASE64_STANDARD.encode(container);
     let (w, h) = (clip.width, clip.height);

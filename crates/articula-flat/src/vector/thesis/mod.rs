@@ -78,7 +78,7 @@ pub struct ThesisFile {
 
 /// Bytes that the thesis states (6.2.2): `286 nbp nbf` for polygons, `352 nbp + 56 nbp nbf` for
 /// paths, 1252 for each face of a Gouraud still.
-pub fn formula_bytes(form: ThesisForm, triangles: usize, frames: usize) -> usize {
+pub(crate) fn formula_bytes(form: ThesisForm, triangles: usize, frames: usize) -> usize {
     match form {
         ThesisForm::Polygon => 286 * triangles * frames,
         ThesisForm::Path => 352 * triangles + 56 * triangles * frames,
@@ -135,7 +135,7 @@ pub fn thesis(clip: &PlanarClip, options: &ThesisOptions) -> Result<ThesisFile, 
 ///
 /// # Errors
 /// As [`thesis`].
-pub fn thesis_frame(
+pub(crate) fn thesis_frame(
     clip: &PlanarClip,
     options: &ThesisOptions,
     moment: f64,

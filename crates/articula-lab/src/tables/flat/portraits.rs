@@ -8,6 +8,7 @@ use anyhow::{Context, Result};
 use articula::Figure;
 use articula_build::Asset;
 use articula_build::decimate;
+use articula_core::Progress;
 use articula_flat::Appearance;
 use articula_flat::Bounds;
 use articula_flat::planar::stage;
@@ -113,7 +114,7 @@ fn row(source: &PortraitSource<'_>, head: &'static str, views: usize) -> Result<
         views,
         ..PortraitOptions::default()
     };
-    let portrait = build(source, &options)?;
+    let portrait = build(source, &options, &mut Progress::none())?;
     let files = portrait.to_files(PictureFormat::WebP)?;
     let size = |ending: &str| -> usize {
         let of = files.iter().filter(|(name, _)| name.ends_with(ending));

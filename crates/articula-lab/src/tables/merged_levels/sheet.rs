@@ -3,20 +3,15 @@
 use anyhow::{Context, Result};
 use articula_build::Asset;
 use articula_build::{LevelOptions, merged_levels};
-use articula_core::{Clip, Mesh, PosedMesh, Rig, SkinnedMesh, Viewport, Wrap};
-use articula_flat::Appearance;
-use articula_flat::Picture;
-use articula_flat::codec;
-use articula_flat::{Bounds, orbit_view};
-use articula_flat::{RenderOptions, render};
+use articula_core::{Clip, Mesh, PosedMesh, Rig, SkinnedMesh, Wrap};
+use articula_flat::{Appearance, Bounds, codec};
 use articula_formats::{Limits, gltf};
-use articula_report::{Cell, ContactSheet, Row, Tile};
+use articula_report::{Cell, ContactSheet, Row, Tile, close_up};
 use glam::Vec3;
 use std::path::Path;
 
 const TILE: (u32, u32) = (220, 300);
 const MOMENTS: usize = 6;
-const FOV_Y_RADIANS: f32 = 0.4;
 
 /// One way to show the character.
 struct Look<'a> {
@@ -109,21 +104,7 @@ fn cell(full: &Look<'_>, look: &Look<'_>, paint: &Appearance, secs: f64) -> Resu
         high: middle + half,
     };
     let shown = skinned(look, secs);
-    let draw = |size: (u32, u32)| -> Result<Picture> {
-        let viewport = Viewport {
-            width_px: size.0 as f32,
-            height_px: size.1 as f32,
-            fov_y_radians: FOV_Y_RADIANS,
-        };
-        let camera = orbit_view(&bounds, 0.7, 0.12, viewport);
-        Ok(render(
-            &look.mesh,
-            &shown,
-            paint,
-            &camera,
-            &RenderOptions::default(),
-        )?)
-    };
+    let draw = |size| close_up(&look.mesh, &shown, paint, &bounds, (0.7, 0.12), size);
     let px = 1.0 / look.error_metres.max(1e-3);
     let height = (2.2 * half.y * px).clamp(8.0, TILE.1 as f32);
     let small = (height * TILE.0 as f32 / TILE.1 as f32, height);

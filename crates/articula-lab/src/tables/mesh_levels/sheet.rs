@@ -7,17 +7,15 @@ use super::contestants::{Contestant, Posed, levels};
 use anyhow::{Context, Result};
 use articula_build::LevelTriangles;
 use articula_build::SkinPose;
-use articula_core::{Mesh, SkinnedMesh, Viewport};
-use articula_flat::Appearance;
-use articula_flat::codec;
-use articula_flat::{Bounds, orbit_view};
-use articula_flat::{RenderOptions, render};
-use articula_report::{Cell, ContactSheet, Row, Tile};
+use articula_core::SkinnedMesh;
+use articula_flat::{Appearance, Bounds, codec};
+use articula_report::{Cell, ContactSheet, Row, Tile, close_up};
 use glam::Vec3;
 use std::path::Path;
 
 const TILE_PX: (u32, u32) = (230, 250);
-const FOV_Y_RADIANS: f32 = 0.4;
+/// From how far above it is seen, radians.
+const ELEVATION: f32 = 0.1;
 /// Moments that are shown.
 const MOMENTS: usize = 3;
 /// What is seen of a shoulder, part of the height.
@@ -108,7 +106,11 @@ fn row(
             let Some((bounds, azimuth)) = seen(subject, moment, view) else {
                 continue;
             };
-            tiles.push(tile(&mesh, moment, paint, &bounds, azimuth)?);
+            let from = (azimuth, ELEVATION);
+            tiles.push(Tile {
+                picture: close_up(&mesh, moment, paint, &bounds, from, TILE_PX)?,
+                caption: String::new(),
+            });
         }
     }
     Ok(Row {
@@ -162,24 +164,4 @@ fn seen(subject: &Subject, moment: &SkinnedMesh, view: View) -> Option<(Bounds, 
             ))
         }
     }
-}
-
-fn tile(
-    mesh: &Mesh,
-    moment: &SkinnedMesh,
-    paint: &Appearance,
-    bounds: &Bounds,
-    azimuth_radians: f32,
-) -> Result<Tile> {
-    let viewport = Viewport {
-        width_px: TILE_PX.0 as f32,
-        height_px: TILE_PX.1 as f32,
-        fov_y_radians: FOV_Y_RADIANS,
-    };
-    let camera = orbit_view(bounds, azimuth_radians, 0.1, viewport);
-    let picture = render(mesh, moment, paint, &camera, &RenderOptions::default())?;
-    Ok(Tile {
-        picture,
-        caption: String::new(),
-    })
 }

@@ -4,13 +4,8 @@ use super::cases::Actor;
 use super::measure::Played;
 use anyhow::{Context, Result};
 use articula_core::{Camera, Mesh, ModelPose, PosedMesh, Rig, SkinnedMesh, Viewport};
-use articula_flat::Appearance;
-use articula_flat::{Bounds, orbit_view};
-use articula_flat::{Ground, Picture};
-use articula_flat::{Projection, Screen};
-use articula_flat::{RenderOptions, render};
-use articula_report::{Cell, Row, Tile};
-use articula_report::{SkeletonOptions, draw_skeleton, followed};
+use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render};
+use articula_report::{Cell, Row, draw_skeleton, followed};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// Size of one picture, pixels.
@@ -77,11 +72,7 @@ impl<'a> Artist<'a> {
     pub(super) fn row(&self, label: String, moments: &[usize]) -> Result<Row> {
         let cell = |moment: &usize| {
             let secs = *moment as f32 / self.played.rate_hz;
-            let tile = Tile {
-                picture: self.draw(*moment)?,
-                caption: format!("{secs:.2} s"),
-            };
-            Ok(Cell { tiles: vec![tile] })
+            Ok(Cell::of(self.draw(*moment)?, format!("{secs:.2} s")))
         };
         let cells: Result<Vec<Cell>> = moments.iter().map(cell).collect();
         Ok(Row {
@@ -100,13 +91,9 @@ impl<'a> Artist<'a> {
         let (mesh, look) = (&self.mesh, &self.look);
         let mut picture = render(mesh, &skinned, look, &self.camera, &options)?;
         if self.bones {
-            let screen = Screen::new(&self.camera, Projection::Perspective);
-            let rig = &self.played.rig;
-            let options = SkeletonOptions {
-                joints: Some(followed(rig, mesh)),
-                ..SkeletonOptions::default()
-            };
-            draw_skeleton(&mut picture, rig, &model, &screen, &[], &options);
+            let (rig, camera) = (&self.played.rig, &self.camera);
+            let joints = followed(rig, mesh);
+            draw_skeleton(&mut picture, rig, &model, camera, &joints, &[]);
         }
         Ok(picture)
     }
@@ -128,12 +115,6 @@ impl<'a> Artist<'a> {
         posed.model.clone_from(model);
         posed.skinned(&self.mesh.morph_weights)
     }
-}
-
-/// The middles of equal parts of a clip.
-pub(super) fn moments(frames: usize) -> Vec<usize> {
-    let all = (0..MOMENTS).map(|i| (2 * i + 1) * frames / (2 * MOMENTS));
-    all.map(|f| f.min(frames - 1)).collect()
 }
 
 /// Where a figure looks, radians from +Z: square to the line between its hips.

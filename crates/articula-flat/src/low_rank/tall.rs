@@ -5,14 +5,9 @@
 //! (SIAM Review 53, 2011), algorithm 4.4: subspace iteration. Differs: the start is a fixed
 //! sequence, so the same table gives the same bits, and the block grows until what is left is
 //! small enough, so no rank has to be guessed. A block as wide as the table is exact.
-//!
-//! - [`jacobi`]: eigenvectors of the small symmetric matrix inside
-//! - [`quantised`]: the same in whole numbers, with the error that this costs
 
-pub mod jacobi;
-pub mod quantised;
-
-use jacobi::symmetric_eigen;
+use super::jacobi::symmetric_eigen;
+use super::orthonormal::{add_scaled, dot, orthonormalise};
 
 /// Rounds of subspace iteration; each squares the ratio between kept and lost components.
 const ROUNDS: usize = 8;
@@ -23,7 +18,7 @@ const NOISE: f64 = 1e-11;
 
 /// Numbers in rows, one row a frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Table {
+pub(crate) struct Table {
     /// Numbers a row.
     pub columns: usize,
     /// `rows * columns` numbers.
@@ -32,7 +27,7 @@ pub struct Table {
 
 /// One component of a table.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Component {
+pub(crate) struct Component {
     /// What it adds to the columns; of length one, at right angles to the other components'.
     pub basis: Vec<f64>,
     /// How much of it each row has; at right angles to the other components'.
@@ -41,7 +36,7 @@ pub struct Component {
 
 /// A table as its mean row and components, strongest first.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LowRank {
+pub(crate) struct LowRank {
     /// Mean of each column.
     pub mean: Vec<f64>,
     /// The components.
@@ -50,19 +45,19 @@ pub struct LowRank {
 
 impl Table {
     /// Number of rows.
-    pub fn rows(&self) -> usize {
+    pub(crate) fn rows(&self) -> usize {
         self.values.len() / self.columns.max(1)
     }
 
     /// One row.
-    pub fn row(&self, row: usize) -> &[f64] {
+    pub(crate) fn row(&self, row: usize) -> &[f64] {
         &self.values[row * self.columns..(row + 1) * self.columns]
     }
 }
 
 impl Component {
     /// Square of its singular value.
-    pub fn energy(&self) -> f64 {
+    pub(crate) fn energy(&self) -> f64 {
         dot(&self.coefficients, &self.coefficients)
     }
 }
@@ -71,7 +66,7 @@ impl Component {
 /// no more; there may be more than it takes.
 ///
 /// O(rows x columns x components).
-pub fn decompose(table: &Table, mut is_enough: impl FnMut(&LowRank) -> bool) -> LowRank {
+pub(crate) fn decompose(table: &Table, mut is_enough: impl FnMut(&LowRank) -> bool) -> LowRank {
     let (mean, centred) = centre(table);
     let most = table.rows().min(table.columns);
     let mut block = FIRST_BLOCK.min(most);
@@ -114,7 +109,7 @@ fn strongest(centred: &Table, block: usize) -> Vec<Component> {
     let mut directions = Vec::new();
     for _ in 0..ROUNDS {
         directions = heights.iter().map(|h| across(centred, h)).collect();
-        orthonormalise(&mut directions);
+        orthonormalise(&mut directions, |before, length| length <= before * NOISE);
         heights = directions.iter().map(|d| along(centred, d)).collect();
     }
     // Rayleigh and Ritz: turn the block so that the heights stand at right angles too.
@@ -154,36 +149,6 @@ fn mix(vectors: &[Vec<f64>], weights: &[f64], length: usize) -> Vec<f64> {
         add_scaled(&mut sum, vector, *weight);
     }
     sum
-}
-
-/// Gram and Schmidt, twice over; what depends on the others is dropped.
-fn orthonormalise(vectors: &mut Vec<Vec<f64>>) {
-    let mut kept: Vec<Vec<f64>> = Vec::new();
-    for mut vector in vectors.drain(..) {
-        let before = dot(&vector, &vector).sqrt();
-        for _ in 0..2 {
-            for other in &kept {
-                let share = dot(&vector, other);
-                add_scaled(&mut vector, other, -share);
-            }
-        }
-        let length = dot(&vector, &vector).sqrt();
-        if length > before * NOISE && length > f64::MIN_POSITIVE {
-            vector.iter_mut().for_each(|v| *v /= length);
-            kept.push(vector);
-        }
-    }
-    *vectors = kept;
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
-}
-
-fn add_scaled(to: &mut [f64], what: &[f64], factor: f64) {
-    for (t, w) in to.iter_mut().zip(what) {
-        *t += w * factor;
-    }
 }
 
 /// Numbers between -1 and 1 without a pattern: splitmix64.

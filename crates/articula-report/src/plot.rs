@@ -6,6 +6,9 @@
 //! Palette: Okabe and Ito 2008, its yellow left out for lack of contrast on white.
 
 mod axis;
+mod stack;
+
+pub use stack::{Plot, stacked};
 
 use axis::{Axis, Spacing};
 use std::fmt::Write;
@@ -101,7 +104,7 @@ pub fn line_plot(options: &PlotOptions, series: &[Series]) -> String {
     let x = Axis::through(all.iter().map(|p| p.0), spacing);
     let y = vertical(options, all.iter().map(|p| p.1));
     let names: Vec<&str> = series.iter().map(|s| s.name.as_str()).collect();
-    let mut plot = Plot::new(options, &names, y);
+    let mut plot = Canvas::new(options, &names, y);
     plot.grid(options);
     for (value, label) in x.ticks(all.iter().map(|p| p.0)) {
         plot.x_tick(plot.x_at(&x, value), &label);
@@ -122,7 +125,7 @@ pub fn bar_plot(options: &PlotOptions, categories: &[String], series: &[BarSerie
     let values = series.iter().flat_map(|s| s.values.iter().copied());
     let y = vertical(options, values.filter(|v| v.is_finite()));
     let names: Vec<&str> = series.iter().map(|s| s.name.as_str()).collect();
-    let mut plot = Plot::new(options, &names, y);
+    let mut plot = Canvas::new(options, &names, y);
     plot.grid(options);
     let slot = (WIDTH - LEFT - RIGHT) / categories.len().max(1) as f64;
     let bar = 0.76 * slot / series.len().max(1) as f64;
@@ -150,14 +153,14 @@ fn vertical(options: &PlotOptions, values: impl Iterator<Item = f64>) -> Axis {
 }
 
 /// A plot on its way to text.
-struct Plot {
+struct Canvas {
     svg: String,
     top: f64,
     height: f64,
     y: Axis,
 }
 
-impl Plot {
+impl Canvas {
     fn new(options: &PlotOptions, names: &[&str], y: Axis) -> Self {
         let legend = Legend::new(names);
         let top = TOP + LEGEND_ROW * legend.rows as f64;
@@ -384,22 +387,10 @@ fn shortened(text: &str, most: usize) -> String {
     kept + "\u{2026}"
 }
 
-/// Text as XML content or attribute; characters that XML forbids become a replacement mark.
+/// Text on one line of markup.
 fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for c in text.chars() {
-        match c {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            '\t' | '\n' | '\r' => out.push(' '),
-            '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
-            _ => out.push(c),
-        }
-    }
-    out
+    let line = text.replace(['\t', '\n', '\r'], " ");
+    articula_flat::escaped(&line).replace('\'', "&#39;")
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 //! Source: Eckart and Young 1936; subspace iteration on the Gram matrix of the rows, which are
 //! few while columns are many. Deterministic: the start is fixed.
 
+use super::orthonormal::{dot, orthonormalise};
+
 /// Rounds of the iteration; modes that matter converge in a few.
 const ROUNDS: usize = 40;
 
@@ -30,7 +32,8 @@ pub(crate) fn modes(rows: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
             *vector = (0..count).map(product).collect();
         }
         let last = round + 1 == ROUNDS;
-        orthonormalise(&mut found, if last { total * 1e-13 } else { 0.0 });
+        let least = if last { total * 1e-13 } else { 0.0 };
+        orthonormalise(&mut found, |_, length| length <= least);
     }
     found
 }
@@ -39,31 +42,6 @@ pub(crate) fn modes(rows: &[Vec<f64>], most: usize) -> Vec<Vec<f64>> {
 fn start(count: usize, k: usize) -> Vec<f64> {
     let value = |i: usize| ((i * (2 * k + 3) + 7 * k) as f64 * 0.618_033_988_7).fract() - 0.5;
     (0..count).map(value).collect()
-}
-
-/// Gram and Schmidt, twice for accuracy; vectors shorter than `least` go.
-fn orthonormalise(vectors: &mut Vec<Vec<f64>>, least: f64) {
-    let mut done: Vec<Vec<f64>> = Vec::with_capacity(vectors.len());
-    for mut vector in vectors.drain(..) {
-        for _ in 0..2 {
-            for other in &done {
-                let share = dot(&vector, other);
-                for (v, o) in vector.iter_mut().zip(other) {
-                    *v -= share * o;
-                }
-            }
-        }
-        let length = dot(&vector, &vector).sqrt();
-        if length > least.max(f64::MIN_POSITIVE) {
-            vector.iter_mut().for_each(|v| *v /= length);
-            done.push(vector);
-        }
-    }
-    *vectors = done;
-}
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
 #[cfg(test)]

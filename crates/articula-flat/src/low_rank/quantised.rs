@@ -8,13 +8,13 @@
 use super::{Component, LowRank};
 
 /// Whole numbers stay within this many steps of zero.
-pub const MAX_STEPS: i32 = 1 << 26;
+pub(crate) const MAX_STEPS: i32 = 1 << 26;
 /// Bits of a component's scale.
 const SCALE_BITS: i32 = 16;
 
 /// A table as whole numbers: row `i` is `step * mean + sum of scale * coefficients[i] * basis`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Quantised {
+pub(crate) struct Quantised {
     /// Unit of the mean.
     pub step: f64,
     /// Mean of each column, steps.
@@ -25,7 +25,7 @@ pub struct Quantised {
 
 /// One component in whole numbers.
 #[derive(Debug, Clone, PartialEq)]
-pub struct QuantisedComponent {
+pub(crate) struct QuantisedComponent {
     /// Unit of coefficient times basis.
     pub scale: f64,
     /// What it adds to the columns.
@@ -36,7 +36,7 @@ pub struct QuantisedComponent {
 
 /// How finely a table is written, in its own unit.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Steps {
+pub(crate) struct Steps {
     /// Unit of mean and bases, for coefficients whose mean square is one.
     pub basis: f64,
     /// Unit of coefficients, for bases whose mean square is one.
@@ -46,7 +46,7 @@ pub struct Steps {
 impl Steps {
     /// Steps that add a mean square error of `variance` to each number, cheapest for a table of
     /// so many rows and columns: what there is more of is written more coarsely.
-    pub fn of_variance(variance: f64, rank: usize, rows: usize, columns: usize) -> Self {
+    pub(crate) fn of_variance(variance: f64, rank: usize, rows: usize, columns: usize) -> Self {
         let share = columns as f64 / rows.max(1) as f64;
         let rank = rank as f64;
         // A rounded number is off by step^2 / 12 in the mean square.
@@ -58,7 +58,7 @@ impl Steps {
     }
 
     /// Both steps, so many times as long.
-    pub fn times(self, factor: f64) -> Self {
+    pub(crate) fn times(self, factor: f64) -> Self {
         Self {
             basis: self.basis * factor,
             coefficients: self.coefficients * factor,
@@ -68,7 +68,7 @@ impl Steps {
 
 impl Quantised {
     /// Rounds the first components of a table; `None` if a number is not within [`MAX_STEPS`].
-    pub fn new(low: &LowRank, rank: usize, steps: Steps) -> Option<Self> {
+    pub(crate) fn new(low: &LowRank, rank: usize, steps: Steps) -> Option<Self> {
         let step = short(steps.basis)?;
         let components = low.components.iter().take(rank);
         Some(Self {
@@ -85,7 +85,7 @@ impl Quantised {
     }
 
     /// One row; between rows it runs straight, beyond the ends it holds.
-    pub fn row(&self, row: f64) -> Vec<f64> {
+    pub(crate) fn row(&self, row: f64) -> Vec<f64> {
         let mut sum: Vec<f64> = self
             .mean
             .iter()
@@ -122,7 +122,7 @@ impl QuantisedComponent {
     }
 
     /// The coefficient at a row or between two.
-    pub fn amount(&self, row: f64) -> f64 {
+    pub(crate) fn amount(&self, row: f64) -> f64 {
         let last = self.coefficients.len().saturating_sub(1);
         let row = row.clamp(0.0, last as f64);
         let from = row.floor() as usize;

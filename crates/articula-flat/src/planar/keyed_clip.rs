@@ -10,10 +10,10 @@ use std::ops::Range;
 /// Steps of the grid in a pixel; the viewBox of an SVG is this many times its size.
 pub const GRID: i32 = 4;
 /// Farthest that a number may be from the origin, grid steps; players count in `f32`.
-pub const MAX_GRID: u32 = 1 << 20;
+pub(crate) const MAX_GRID: u32 = 1 << 20;
 
 /// Steps of a gradient's line over the width and over the height of its shape's bounding box.
-pub const BOX: i32 = 1000;
+pub(crate) const BOX: i32 = 1000;
 
 /// What the lines of gradients are counted in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -21,7 +21,7 @@ pub enum LineUnits {
     /// Grid steps on the picture.
     #[default]
     Grid,
-    /// Thousandths ([`BOX`]) of the width and height of the shape's bounding box, from its top left: the
+    /// Thousandths of the width and height of the shape's bounding box, from its top left: the
     /// line goes along with the shape, and bands of equal colour lean as the box is stretched
     /// (`objectBoundingBox` of SVG).
     Box,
@@ -100,7 +100,7 @@ impl KeyedClip {
     ///
     /// # Errors
     /// [`PlanarError::NoFrames`], or [`PlanarError::Mismatch`] with the shape at fault.
-    pub fn check(&self) -> Result<(), PlanarError> {
+    pub(crate) fn check(&self) -> Result<(), PlanarError> {
         if self.frames == 0 {
             return Err(PlanarError::NoFrames);
         }
@@ -151,27 +151,27 @@ impl KeyedTrack {
     }
 
     /// Whether there is nothing but one key.
-    pub fn is_still(&self) -> bool {
+    pub(crate) fn is_still(&self) -> bool {
         self.frames.len() < 2
     }
 
     /// The numbers of a key.
-    pub fn key(&self, key: usize) -> &[i32] {
+    pub(crate) fn key(&self, key: usize) -> &[i32] {
         &self.values[key * self.width..(key + 1) * self.width]
     }
 
     /// Number of keys.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.frames.len()
     }
 
     /// Whether there is no key.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
 
     /// The numbers at a moment, in frames; held beyond the ends.
-    pub fn at(&self, frame: f64) -> Vec<f64> {
+    pub(crate) fn at(&self, frame: f64) -> Vec<f64> {
         let after = self.frames.partition_point(|f| f64::from(*f) <= frame);
         let of = |key: usize| self.key(key).iter().map(|v| f64::from(*v));
         if self.is_empty() {
@@ -194,7 +194,7 @@ impl KeyedTrack {
 
 impl KeyedShape {
     /// Half frames that cover spans of frames of a clip of `frames` frames.
-    pub fn shown_in(spans: &[Range<usize>], frames: u32) -> Vec<Range<u32>> {
+    pub(crate) fn shown_in(spans: &[Range<usize>], frames: u32) -> Vec<Range<u32>> {
         let end = 2 * frames.saturating_sub(1) + 1;
         let half = |f: usize| (2 * f as u32).saturating_sub(1);
         let of = |span: &Range<usize>| half(span.start)..half(span.end).min(end);
@@ -237,7 +237,8 @@ impl KeyedShape {
     }
 
     /// Whether it is shown at a moment, in frames.
-    pub fn is_shown_at(&self, frame: f64) -> bool {
+    #[cfg(test)]
+    pub(crate) fn is_shown_at(&self, frame: f64) -> bool {
         // Half frames are counted from half a frame before the first: frame f lies at 2 f.
         let half = 2.0 * frame;
         let covers =

@@ -1,9 +1,8 @@
 //! Many small pictures on one page: rows and columns of cells with labels and a legend.
 
-use crate::error::PictureError;
-use crate::paint::TextStyle;
-use crate::picture::{Picture, Rgba};
+use crate::paint::{TextStyle, draw_box, draw_text};
 use crate::skeleton::JointMark;
+use articula_flat::{Picture, PictureError, Rgba};
 use glam::Vec2;
 
 const PAPER: Rgba = [255, 255, 255, 255];
@@ -47,15 +46,6 @@ pub struct Row {
     pub cells: Vec<Cell>,
 }
 
-/// An entry of the legend.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LegendEntry {
-    /// The joint mark that it explains.
-    pub mark: JointMark,
-    /// Its words.
-    pub text: String,
-}
-
 /// A page of pictures.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct ContactSheet {
@@ -67,20 +57,11 @@ pub struct ContactSheet {
     pub columns: Vec<String>,
     /// The rows.
     pub rows: Vec<Row>,
-    /// What the joint marks mean; may be empty.
-    pub legend: Vec<LegendEntry>,
+    /// Whether a line says what the joint marks mean ([`JointMark`]).
+    pub explains_joints: bool,
 }
 
 impl ContactSheet {
-    /// The legend of all joint marks.
-    pub fn joint_legend() -> Vec<LegendEntry> {
-        let entry = |mark: JointMark| LegendEntry {
-            mark,
-            text: mark.name().to_owned(),
-        };
-        JointMark::ALL.map(entry).to_vec()
-    }
-
     /// Draws the page. Columns are as wide and rows as high as their largest cell.
     ///
     /// # Errors
@@ -94,7 +75,8 @@ impl ContactSheet {
             let label = TextStyle::Strong.fitted(label, width);
             let indent = (width - TextStyle::Strong.width(&label)) / 2;
             let y = layout.labels;
-            page.draw_text(
+            draw_text(
+                &mut page,
                 (x + indent) as i32,
                 y as i32,
                 &label,
@@ -105,7 +87,14 @@ impl ContactSheet {
         for (row, (y, height)) in self.rows.iter().zip(&layout.rows) {
             let label = TextStyle::Strong.fitted(&row.label, ROW_LABEL);
             let middle = y + height / 2 - TextStyle::Strong.height() / 2;
-            page.draw_text(MARGIN as i32, middle as i32, &label, TextStyle::Strong, INK);
+            draw_text(
+                &mut page,
+                MARGIN as i32,
+                middle as i32,
+                &label,
+                TextStyle::Strong,
+                INK,
+            );
             for (cell, (x, width)) in row.cells.iter().zip(&layout.columns) {
                 let indent = (width - cell.size().0) / 2;
                 cell.draw(&mut page, x + indent, *y);
@@ -114,29 +103,46 @@ impl ContactSheet {
         Ok(page)
     }
 
+    /// The marks that are explained.
+    fn legend(&self) -> &'static [JointMark] {
+        if self.explains_joints {
+            &JointMark::ALL
+        } else {
+            &[]
+        }
+    }
+
     fn draw_head(&self, page: &mut Picture, layout: &Layout) {
         let room = layout.width - 2 * MARGIN;
         let x = MARGIN as i32;
         let title = TextStyle::Title.fitted(&self.title, room);
-        page.draw_text(x, MARGIN as i32, &title, TextStyle::Title, INK);
+        draw_text(page, x, MARGIN as i32, &title, TextStyle::Title, INK);
         let mut y = MARGIN + TextStyle::Title.height() + LEADING;
         for note in &self.notes {
             let note = TextStyle::Body.fitted(note, room);
-            page.draw_text(x, y as i32, &note, TextStyle::Body, SOFT_INK);
+            draw_text(page, x, y as i32, &note, TextStyle::Body, SOFT_INK);
             y += TextStyle::Body.height() + LEADING;
         }
         let mut x = MARGIN as f32;
-        for entry in &self.legend {
+        for mark in self.legend() {
             let middle = y as f32 + 0.5 * TextStyle::Body.height() as f32;
-            entry.mark.draw(page, Vec2::new(x + 6.0, middle), 6.0);
-            let text = &entry.text;
-            page.draw_text(x as i32 + 18, y as i32, text, TextStyle::Body, INK);
+            mark.draw(page, Vec2::new(x + 6.0, middle), 6.0);
+            let text = mark.name();
+            draw_text(page, x as i32 + 18, y as i32, text, TextStyle::Body, INK);
             x += (TextStyle::Body.width(text) + 42) as f32;
         }
     }
 }
 
 impl Cell {
+    /// A cell of one picture.
+    pub fn of(picture: Picture, caption: impl Into<String>) -> Self {
+        let caption = caption.into();
+        Self {
+            tiles: vec![Tile { picture, caption }],
+        }
+    }
+
     fn size(&self) -> (u32, u32) {
         let gaps = TILE_GAP * (self.tiles.len() as u32).saturating_sub(1);
         let width = self.tiles.iter().map(|t| t.picture.width()).sum::<u32>();
@@ -165,13 +171,14 @@ impl Tile {
     fn draw(&self, page: &mut Picture, x: u32, y: u32) {
         let (width, height) = (self.picture.width(), self.picture.height());
         let (left, top) = (x as i32, y as i32);
-        page.draw_box(left - 1, top - 1, width + 2, height + 2, FRAME);
-        page.draw_box(left, top, width, height, PAPER);
+        draw_box(page, left - 1, top - 1, width + 2, height + 2, FRAME);
+        draw_box(page, left, top, width, height, PAPER);
         page.blit(&self.picture, left, top);
         let caption = TextStyle::Body.fitted(&self.caption, width);
         let indent = (width - TextStyle::Body.width(&caption).min(width)) / 2;
         let below = top + height as i32 + LEADING as i32 / 2;
-        page.draw_text(
+        draw_text(
+            page,
             left + indent as i32,
             below,
             &caption,
@@ -212,7 +219,7 @@ impl Layout {
         let body = TextStyle::Body.height() + LEADING;
         let mut y = MARGIN + TextStyle::Title.height() + LEADING;
         y += body * sheet.notes.len() as u32;
-        y += if sheet.legend.is_empty() { 0 } else { body };
+        y += if sheet.legend().is_empty() { 0 } else { body };
         let labels = y + LEADING;
         if !sheet.columns.is_empty() {
             y = labels + TextStyle::Strong.height();
@@ -237,8 +244,8 @@ impl Layout {
     /// Room that the heading asks for, within reason.
     fn head_width(sheet: &ContactSheet) -> u32 {
         let notes = sheet.notes.iter().map(|n| TextStyle::Body.width(n)).max();
-        let legend = sheet.legend.iter();
-        let legend: u32 = legend.map(|e| TextStyle::Body.width(&e.text) + 42).sum();
+        let legend = sheet.legend().iter();
+        let legend: u32 = legend.map(|e| TextStyle::Body.width(e.name()) + 42).sum();
         TextStyle::Title
             .width(&sheet.title)
             .max(notes.unwrap_or(0))

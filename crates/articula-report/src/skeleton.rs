@@ -4,9 +4,9 @@
 //! in transition amber. Differs: passive joints are hollow rings, so that the marks can be
 //! told apart without colour.
 
-use crate::picture::{Picture, Rgba};
-use crate::projection::Screen;
-use articula_core::{JointSet, Mesh, ModelPose, Rig};
+use crate::paint::{draw_disc, draw_line, draw_ring};
+use articula_core::{Camera, JointSet, Mesh, ModelPose, Rig};
+use articula_flat::{Picture, Projection, Rgba, Screen};
 use glam::Vec2;
 
 /// What a joint does.
@@ -22,10 +22,10 @@ pub enum JointMark {
 
 impl JointMark {
     /// All of them, as legends list them.
-    pub const ALL: [Self; 3] = [Self::Active, Self::InTransition, Self::Passive];
+    pub(crate) const ALL: [Self; 3] = [Self::Active, Self::InTransition, Self::Passive];
 
     /// The colour of its disc and bones.
-    pub fn color(self) -> Rgba {
+    pub(crate) fn color(self) -> Rgba {
         match self {
             Self::Active => [22, 138, 66, 255],
             Self::Passive => [200, 38, 38, 255],
@@ -34,7 +34,7 @@ impl JointMark {
     }
 
     /// Its name in legends.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Active => "active",
             Self::Passive => "passive",
@@ -43,28 +43,29 @@ impl JointMark {
     }
 
     /// Draws the mark: a disc, or a ring for a passive joint.
-    pub fn draw(self, picture: &mut Picture, at: Vec2, radius: f32) {
+    pub(crate) fn draw(self, picture: &mut Picture, at: Vec2, radius: f32) {
         const PAPER: Rgba = [255, 255, 255, 235];
-        picture.draw_disc(at, radius + 0.8, PAPER);
+        draw_disc(picture, at, radius + 0.8, PAPER);
         match self {
             Self::Passive => {
-                picture.draw_ring(at, radius, (0.45 * radius).max(1.2), self.color());
+                draw_ring(picture, at, radius, (0.45 * radius).max(1.2), self.color());
             }
-            Self::Active | Self::InTransition => picture.draw_disc(at, radius, self.color()),
+            Self::Active | Self::InTransition => draw_disc(picture, at, radius, self.color()),
         }
     }
 }
 
-/// Sizes of the marks.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SkeletonOptions {
-    /// Radius of a joint's disc, metres; held between 2 and 7 pixels.
-    pub joint_radius_m: f32,
-    /// How far the picture below is faded towards white, 0 to 1.
-    pub fade: f32,
-    /// The joints that are drawn; without a set, all that a skin names. Rigs for authoring name
-    /// control joints too that no vertex follows (see [`followed`]).
-    pub joints: Option<JointSet>,
+/// Radius of a joint's disc, metres; held between 2 and 7 pixels.
+const JOINT_RADIUS_M: f32 = 0.02;
+/// How far the picture below is faded towards white, 0 to 1.
+const FADE: f32 = 0.62;
+
+/// How much of a rig is drawn, and how.
+struct SkeletonOptions {
+    joint_radius_m: f32,
+    fade: f32,
+    /// The joints that are drawn.
+    joints: JointSet,
 }
 
 /// The joints with a vertex on them or below, of those that a skin names; all of these if no
@@ -88,25 +89,31 @@ pub fn followed(rig: &Rig, mesh: &Mesh) -> JointSet {
     }
 }
 
-impl Default for SkeletonOptions {
-    fn default() -> Self {
-        Self {
-            joint_radius_m: 0.02,
-            fade: 0.62,
-            joints: None,
-        }
-    }
-}
-
-/// Draws the joints of a rig over a picture that `screen` took.
+/// Draws some joints of a character over its picture from `camera`.
 ///
 /// `marks` has one entry for each joint of the rig; joints beyond its end are active. A bone
-/// has the colour of the joint that turns it. Plain nodes are left out, and so is what lies
-/// behind the camera.
+/// has the colour of the joint that turns it. What lies behind the camera is left out. Rigs for
+/// authoring name control joints that no vertex follows: see [`followed`].
 pub fn draw_skeleton(
     picture: &mut Picture,
     rig: &Rig,
     pose: &ModelPose,
+    camera: &Camera,
+    joints: &JointSet,
+    marks: &[JointMark],
+) {
+    let options = SkeletonOptions {
+        joint_radius_m: JOINT_RADIUS_M,
+        fade: FADE,
+        joints: *joints,
+    };
+    let screen = Screen::new(camera, Projection::Perspective);
+    draw(picture, (rig, pose), &screen, marks, &options);
+}
+
+fn draw(
+    picture: &mut Picture,
+    (rig, pose): (&Rig, &ModelPose),
     screen: &Screen,
     marks: &[JointMark],
     options: &SkeletonOptions,
@@ -124,8 +131,8 @@ pub fn draw_skeleton(
         let (wide, thin) = (0.62 * end.radius, 0.22 * end.radius.max(2.0));
         let halo = [255, 255, 255, 200];
         let (from, to) = (start.at, end.at);
-        picture.draw_line((from, wide + 0.8), (to, thin + 0.8), halo);
-        picture.draw_line((from, wide), (to, thin), mark(start.joint).color());
+        draw_line(picture, (from, wide + 0.8), (to, thin + 0.8), halo);
+        draw_line(picture, (from, wide), (to, thin), mark(start.joint).color());
     }
     for joint in &joints {
         mark(joint.joint).draw(picture, joint.at, joint.radius);
@@ -143,7 +150,7 @@ struct Placed {
 /// The skin joints in view, the farthest first.
 fn placed(rig: &Rig, pose: &ModelPose, screen: &Screen, options: &SkeletonOptions) -> Vec<Placed> {
     let mut joints = Vec::new();
-    let drawn = options.joints.unwrap_or(*rig.skin_joints());
+    let drawn = options.joints;
     for joint in drawn.iter() {
         let position = pose.position(joint);
         let Some(at) = screen.place(position).filter(|p| p.is_finite()) else {
@@ -180,10 +187,9 @@ fn drawn_parent(rig: &Rig, drawn: &JointSet, joint: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::projection::Projection;
     use articula_core::source::{Joint, Skeleton};
     use articula_core::{
-        Articulation, Camera, JointArticulation, Region, Transform, Viewport, local_to_model,
+        Articulation, JointArticulation, Region, Transform, Viewport, local_to_model,
     };
     use glam::Vec3;
 
@@ -231,9 +237,9 @@ mod tests {
         let options = SkeletonOptions {
             joint_radius_m: 0.05,
             fade: 1.0,
-            joints: None,
+            joints: *rig.skin_joints(),
         };
-        draw_skeleton(&mut picture, &rig, &pose, &screen, marks, &options);
+        draw(&mut picture, (&rig, &pose), &screen, marks, &options);
         (picture, screen)
     }
 

@@ -9,15 +9,10 @@ mod figure;
 
 use articula_core::Viewport;
 use articula_core::source::{Image, Material};
-use articula_flat::Appearance;
 use articula_flat::codec::{decode, png};
 use articula_flat::compare::{difference, rmse};
-use articula_flat::{Bounds, orbit_view};
-use articula_flat::{Ground, Picture};
-use articula_flat::{Projection, Screen};
-use articula_flat::{RenderOptions, render};
-use articula_report::{Cell, ContactSheet, Row, Tile};
-use articula_report::{JointMark, SkeletonOptions, draw_skeleton};
+use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render};
+use articula_report::{Cell, ContactSheet, JointMark, Row, Tile, draw_skeleton};
 use glam::Vec4;
 use std::path::PathBuf;
 
@@ -59,18 +54,19 @@ fn drawn() -> (Picture, Picture) {
     };
     let body = render(&figure.mesh, &figure.skinned, &look(), &camera, &options).unwrap();
     let mut skeleton = body.clone();
-    let marks: Vec<JointMark> = (0..figure.rig.len())
-        .map(|j| JointMark::ALL[j / 2 % 3])
-        .collect();
-    let screen = Screen::new(&camera, Projection::Perspective);
-    let options = SkeletonOptions::default();
+    let all = [
+        JointMark::Active,
+        JointMark::InTransition,
+        JointMark::Passive,
+    ];
+    let marks: Vec<JointMark> = (0..figure.rig.len()).map(|j| all[j / 2 % 3]).collect();
     draw_skeleton(
         &mut skeleton,
         &figure.rig,
         &figure.pose,
-        &screen,
+        &camera,
+        figure.rig.skin_joints(),
         &marks,
-        &options,
     );
     (body, skeleton)
 }

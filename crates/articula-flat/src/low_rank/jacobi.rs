@@ -9,7 +9,7 @@ const SWEEPS: usize = 60;
 
 /// One eigenvalue with its eigenvector of length one.
 #[derive(Debug, Clone, PartialEq)]
-pub struct EigenPair {
+pub(super) struct EigenPair {
     /// The eigenvalue.
     pub value: f64,
     /// The eigenvector.
@@ -17,7 +17,7 @@ pub struct EigenPair {
 }
 
 /// All eigenpairs of a symmetric matrix given row by row, greatest value first.
-pub fn symmetric_eigen(matrix: &[f64]) -> Vec<EigenPair> {
+pub(super) fn symmetric_eigen(matrix: &[f64]) -> Vec<EigenPair> {
     let n = matrix.len().isqrt();
     let mut a = matrix.to_vec();
     let mut vectors: Vec<Vec<f64>> = (0..n)

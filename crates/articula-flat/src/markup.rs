@@ -1,0 +1,38 @@
+//! Text inside markup: SVG, XML and HTML.
+
+/// Text that stands for itself between tags and in quoted attributes.
+///
+/// What XML 1.0 cannot hold becomes U+FFFD.
+pub fn escaped(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    push_escaped(&mut out, text);
+    out
+}
+
+/// [`escaped`] at the end of a text.
+pub(crate) fn push_escaped(out: &mut String, text: &str) {
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\t' | '\n' => out.push(c),
+            // A bare carriage return would come back as a line feed.
+            '\r' => out.push_str("&#13;"),
+            '\u{0}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            _ => out.push(c),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn markup_and_what_xml_cannot_hold_are_replaced() {
+        assert_eq!(escaped("a<b>&\"c\"'"), "a&lt;b&gt;&amp;&quot;c&quot;'");
+        assert_eq!(escaped("\u{1}\r\n\u{ffff}"), "\u{fffd}&#13;\n\u{fffd}");
+    }
+}

@@ -1,0 +1,194 @@
+//! A moment of a crowd as a camera sees it, every character in the colour of its level.
+
+use crate::paint::{TextStyle, draw_box, draw_text};
+use articula_core::source::Material;
+use articula_core::{Camera, Mesh, Part, SkinnedMesh, skin};
+use articula_flat::{
+    Appearance, Ground, Picture, PictureError, RenderOptions, Rgba, linear_table, render,
+};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
+
+/// Colours of the levels, from every joint to the fewest: dark blue over green to yellow and red.
+const COLORS: [Rgba; 8] = [
+    [58, 76, 160, 255],
+    [52, 120, 190, 255],
+    [42, 160, 170, 255],
+    [70, 175, 110, 255],
+    [150, 190, 70, 255],
+    [225, 190, 60, 255],
+    [235, 140, 60, 255],
+    [215, 85, 75, 255],
+];
+
+/// The skins of a crowd's characters as one mesh in the world, each in the colour of its level.
+#[derive(Debug, Clone)]
+pub struct CrowdPicture {
+    mesh: Mesh,
+    skinned: SkinnedMesh,
+}
+
+impl Default for CrowdPicture {
+    fn default() -> Self {
+        Self {
+            mesh: Mesh {
+                influences: 1,
+                ..Mesh::default()
+            },
+            skinned: SkinnedMesh::default(),
+        }
+    }
+}
+
+impl CrowdPicture {
+    /// Adds a character: its mesh at a level, its palette, and where it stands.
+    ///
+    /// # Panics
+    /// If the palette is not of the mesh.
+    pub fn add(&mut self, own: &Mesh, level: usize, matrices: &[Affine3A], world: &Affine3A) {
+        let (mesh, all) = (&mut self.mesh, &mut self.skinned);
+        let mut skinned = SkinnedMesh::new(own);
+        skin(own, matrices, &own.morph_weights, &mut skinned);
+        let (first, triangle) = (all.positions.len(), mesh.triangles.len());
+        let place = |p: &Vec3| world.transform_point3(*p);
+        let turn = |n: &Vec3| world.transform_vector3(*n);
+        all.positions.extend(skinned.positions.iter().map(place));
+        all.normals.extend(skinned.normals.iter().map(turn));
+        mesh.positions.extend_from_slice(&own.positions);
+        mesh.normals.extend_from_slice(&own.normals);
+        mesh.texcoords.extend_from_slice(&own.texcoords);
+        mesh.colors.resize(mesh.positions.len(), Vec4::ONE);
+        let moved = |t: &[u32; 3]| t.map(|v| v + first as u32);
+        mesh.triangles.extend(own.triangles.iter().map(moved));
+        mesh.parts.push(Part {
+            name: String::new(),
+            mesh: 0,
+            material: Some(level),
+            vertices: first..mesh.positions.len(),
+            triangles: triangle..mesh.triangles.len(),
+        });
+    }
+
+    /// Number of characters that were added.
+    pub fn len(&self) -> usize {
+        self.mesh.parts.len()
+    }
+
+    /// Whether nobody was added.
+    pub fn is_empty(&self) -> bool {
+        self.mesh.parts.is_empty()
+    }
+
+    /// Draws the characters over a ground of height 0; the picture is as large as the camera's
+    /// viewport. A line of the legend stands beside the colour of its level, if it has one.
+    ///
+    /// # Errors
+    /// [`PictureError::LimitExceeded`] if the viewport is too large.
+    pub fn draw(
+        &self,
+        camera: &Camera,
+        legend: &[(Option<usize>, String)],
+    ) -> Result<Picture, PictureError> {
+        let levels = self.mesh.parts.iter().filter_map(|p| p.material).max();
+        let (look, _) = Appearance::new(&materials(levels.map_or(0, |l| l + 1)), &[]);
+        let middle = camera.eye + camera.forward() * 30.0;
+        let options = RenderOptions {
+            ground: Some(Ground {
+                height_m: 0.0,
+                middle: Vec2::new(middle.x, middle.z),
+                radius_m: 80.0,
+            }),
+            ..RenderOptions::default()
+        };
+        let mut picture = render(&self.mesh, &self.skinned, &look, camera, &options)?;
+        write_legend(&mut picture, legend);
+        Ok(picture)
+    }
+}
+
+fn color(level: usize) -> Rgba {
+    COLORS[level.min(COLORS.len() - 1)]
+}
+
+fn materials(levels: usize) -> Vec<Material> {
+    let table = linear_table();
+    let linear = |c: Rgba| Vec4::from([0, 1, 2, 3].map(|i| table[usize::from(c[i])]));
+    let of_level = |level| Material {
+        base_color: linear(color(level)),
+        ..Material::default()
+    };
+    (0..levels).map(of_level).collect()
+}
+
+fn write_legend(picture: &mut Picture, lines: &[(Option<usize>, String)]) {
+    let style = TextStyle::default();
+    let line = style.height() as i32 + 6;
+    let paper = [255, 255, 255, 255];
+    let widths = lines.iter().map(|(_, text)| style.width(text));
+    let width = widths.max().unwrap_or(0) + 40;
+    let height = (lines.len() as i32 * line + 10).unsigned_abs();
+    draw_box(picture, 4, 4, width, height, paper);
+    let mut y = 8;
+    for (level, text) in lines {
+        if let Some(level) = level {
+            draw_box(picture, 12, y + 3, 14, 14, color(*level));
+        }
+        draw_text(picture, 34, y, text, style, [30, 34, 44, 255]);
+        y += line;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::Viewport;
+    use articula_core::source::{self, Primitive, Skin};
+
+    #[test]
+    fn characters_have_the_colour_of_their_level_and_lie_where_they_stand() {
+        let mut crowd = CrowdPicture::default();
+        assert!(crowd.is_empty());
+        let primitive = Primitive {
+            positions: vec![
+                Vec3::new(-0.5, 0.0, 0.0),
+                Vec3::new(0.5, 0.0, 0.0),
+                Vec3::new(0.0, 1.8, 0.0),
+            ],
+            normals: vec![Vec3::Z; 3],
+            triangles: vec![[0, 1, 2]],
+            influences: 1,
+            joints: vec![0; 3],
+            weights: vec![1.0; 3],
+            ..Primitive::default()
+        };
+        let skin = Skin {
+            joints: vec![0],
+            inverse_bind: vec![Affine3A::IDENTITY],
+        };
+        let source = source::Mesh {
+            skin,
+            primitives: vec![primitive],
+            ..source::Mesh::default()
+        };
+        let own = Mesh::new(&[source], 1).unwrap();
+        for (level, x) in [(0, -1.0), (7, 1.0)] {
+            let world = Affine3A::from_translation(Vec3::X * x);
+            crowd.add(&own, level, &[Affine3A::IDENTITY], &world);
+        }
+        assert_eq!(crowd.len(), 2);
+        let viewport = Viewport {
+            width_px: 240.0,
+            height_px: 160.0,
+            ..Viewport::default()
+        };
+        let camera = Camera::looking_at(Vec3::new(0.0, 1.0, 6.0), Vec3::Y, viewport);
+        let picture = crowd.draw(&camera, &[(Some(7), "far".into())]).unwrap();
+        let at = |x: f32| {
+            let (at, _) = camera.project(Vec3::new(x, 0.7, 0.0));
+            picture.get(at.x as u32, at.y as u32).unwrap()
+        };
+        let (near, far) = (at(-1.0), at(1.0));
+        assert!(near[2] > near[0], "blue: {near:?}");
+        assert!(far[0] > far[2], "red: {far:?}");
+        assert_eq!(picture.get(15, 15), Some(color(7)), "the legend");
+    }
+}

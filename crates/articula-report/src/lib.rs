@@ -1,0 +1,40 @@
+//! Pictures and plots of reports: what a program draws to show what it measured.
+//!
+//! - [`line_plot`], [`bar_plot`]: values as SVG text; [`stacked`]: several [`Plot`]s in one
+//! - [`ContactSheet`]: many small pictures on one page, in labelled rows and columns
+//! - [`Artist`]: one character posed, lit, and with its joints marked ([`JointMark`]);
+//!   [`close_up`]: a part of it
+//! - [`draw_skeleton`]: joints over a picture that is there already; [`followed`]: which of them
+//! - [`CrowdPicture`]: a crowd, every character in the colour of its level
+//! - [`middles`]: the frames of a clip that a sheet shows
+//!
+//! ```
+//! use articula_flat::{Picture, PictureError};
+//! use articula_report::{Cell, ContactSheet, PlotOptions, Row, Series, line_plot};
+//!
+//! let options = PlotOptions { title: "Error".into(), ..PlotOptions::default() };
+//! let series = Series { points: vec![(1.0, 3.0), (2.0, 1.5)], ..Series::default() };
+//! assert!(line_plot(&options, &[series]).starts_with("<svg"));
+//!
+//! let red = Picture::new(60, 40, [200, 30, 30, 255])?;
+//! let row = Row { label: "near".into(), cells: vec![Cell::of(red, "5 m")] };
+//! let sheet = ContactSheet { title: "Levels".into(), rows: vec![row], ..ContactSheet::default() };
+//! assert!(sheet.draw()?.width() > 60);
+//! # Ok::<(), PictureError>(())
+//! ```
+//!
+//! What is deliberately absent: files, a console, the words of a report, and what is measured:
+//! values come in, pictures and text go out. Programs use this crate, no library does.
+
+mod artist;
+mod contact_sheet;
+mod crowd;
+mod paint;
+mod plot;
+mod skeleton;
+
+pub use artist::{Artist, close_up, middles};
+pub use contact_sheet::{Cell, ContactSheet, Row, Tile};
+pub use crowd::CrowdPicture;
+pub use plot::{BarSeries, Plot, PlotOptions, Scale, Series, Values, bar_plot, line_plot, stacked};
+pub use skeleton::{JointMark, draw_skeleton, followed};
