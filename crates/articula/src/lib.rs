@@ -1,5 +1,6 @@
 //! The library.
 
+pub mod convert;
 mod error;
 mod figure;
 #[cfg(not(target_family = "wasm"))]
@@ -10,6 +11,7 @@ mod open;
 mod prepare;
 mod work;
 
+pub use convert::{AddClipsOptions, ConvertOptions, Converted, convert};
 pub use error::{Error, Result};
 pub use figure::Figure;
 pub use mesh_levels::{CodedMeshLevels, MeshLevelOptions, MeshLevelStream};

@@ -34,6 +34,10 @@ pub struct Opened {
     pub bytes: usize,
     /// Skeleton, meshes, clips and expressions, in metres, +Y up, facing +Z.
     pub character: Character,
+    /// Whether the clips are other than those of the document behind a glTF file or of the
+    /// parameters of a BAP file, which are written anew then. Set it after changing
+    /// `character.clips`.
+    pub clips_changed: bool,
     /// What the joints are, by the file's own map or by their names.
     pub mapping: Mapping,
     /// What stands behind a glTF file, to be passed through; `None` for other formats.
@@ -110,6 +114,7 @@ impl Input<'_, '_> {
             bytes: self.bytes.len(),
             mapping: profile::map(&character.skeleton, self.profiles, given),
             character,
+            clips_changed: false,
             gltf: None,
             end_sites: Vec::new(),
             parameters: None,
