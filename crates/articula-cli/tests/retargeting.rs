@@ -8,10 +8,8 @@
 
 mod program;
 
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
 use articula_core::source::{Character, evaluate};
+use articula_core::{ModelPose, Rig, local_to_model};
 use articula_formats::{Limits, gltf, profile};
 use glam::Vec3;
 use program::{BVH, articula, fault, folder, human, json, word};
@@ -39,7 +37,7 @@ fn character(path: &Path) -> Character {
 
 /// Joint positions of a clip at a time.
 fn positions(character: &Character, clip: &str, time: f32) -> Vec<Vec3> {
-    let map = profile::map(&character.skeleton, profile::builtin(), None);
+    let map = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
     let rig = Rig::new(&character.skeleton, map.articulation).unwrap();
     let clip = character.clips.iter().find(|c| c.name == clip).unwrap();
     let mut local = rig.rest_pose().clone();

@@ -1,9 +1,9 @@
 //! Where the real characters lie, and how one becomes an asset.
 
 use anyhow::{Context, Result, bail};
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
+use articula_build::ClipOptions;
 use articula_build::scene::put_in_place;
+use articula_build::{Asset, character};
 use std::path::{Path, PathBuf};
 
 /// The data folder: the one given, `ARTICULA_DATA`, or `../shared/data` beside the project.

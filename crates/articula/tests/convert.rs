@@ -11,10 +11,8 @@ use articula::{
     AddClipsOptions, ConvertOptions, Error, Figure, Format, OpenOptions, Opened, PrepareOptions,
     Work, convert, fs, open, prepare,
 };
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
 use articula_core::source::evaluate;
+use articula_core::{ModelPose, Rig, local_to_model};
 use std::path::{Path, PathBuf};
 
 const MANNEQUIN: &str = "glb/kaykit_mannequin/manny_med_mod.gltf";

@@ -3,8 +3,8 @@
 use super::written::{LeftOut, Written, meshes};
 use crate::error::Result;
 use crate::open::Opened;
-use articula_build::clip::source_rate_hz;
 use articula_build::retarget::{self, Figure, RetargetOptions};
+use articula_build::source_rate_hz;
 use articula_core::source::Character;
 use articula_formats::mpeg4::bap::{self, Residual};
 use articula_formats::profile;
@@ -22,7 +22,7 @@ pub(super) fn written(opened: &Opened) -> Result<Written> {
         return parameters_of(&opened.character, opened);
     }
     let mut figure = bap::figure();
-    let standard = profile::map(&figure.skeleton, profile::builtin(), None);
+    let standard = articula_build::joint_names::map(&figure.skeleton, profile::builtin(), None);
     let clip = &opened.character.clips[0];
     let source = Figure {
         skeleton: &opened.character.skeleton,
@@ -39,7 +39,7 @@ pub(super) fn written(opened: &Opened) -> Result<Written> {
 
 /// What the standard humanoid does as a BAP file; `source` has what no BAP file holds.
 fn parameters_of(figure: &Character, source: &Opened) -> Result<Written> {
-    let standard = profile::map(&figure.skeleton, profile::builtin(), None);
+    let standard = articula_build::joint_names::map(&figure.skeleton, profile::builtin(), None);
     let rate_hz = source.character.clips.first().map_or(30.0, source_rate_hz);
     let sampled = bap::sample(figure, &standard.articulation, 0, rate_hz)?;
     let unsaid = unsaid(&sampled.residuals);

@@ -6,12 +6,10 @@
 use crate::error::{Context, Error, Result};
 use crate::open::{Format, Opened};
 use crate::work::Work;
-use articula_build::clip_edit::cycle::{self, CloseOptions, Cycle, FindOptions};
-use articula_build::clip_edit::key_reduction::{self, ReduceOptions, Reduced};
-use articula_build::clip_edit::root_motion::{
-    self, RootMotionMode, RootMotionOptions, TrajectoryKey,
-};
-use articula_build::clip_edit::{Subject, rate, trim};
+use articula_build::clip_edit::{self, Subject};
+use articula_build::clip_edit::{CloseOptions, Cycle, FindOptions};
+use articula_build::clip_edit::{ReduceOptions, Reduced};
+use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey};
 use articula_core::source::Clip;
 use serde::{Serialize, Serializer};
 
@@ -264,7 +262,7 @@ impl ClipEdits {
         let place = opened.name.clone();
         let subject = subject(opened).with_context(|| &place)?;
         let one = |(clip, edited): (&Clip, &mut ClipEdited)| {
-            let out = key_reduction::reduce_keys(&subject, clip, &options);
+            let out = clip_edit::reduce_keys(&subject, clip, &options);
             let out = out.with_context(|| &place)?;
             edited.reduce_keys = Some(KeysReduced::new(options.bound_metres, &out));
             Ok(out.clip)
@@ -299,13 +297,13 @@ fn subject(opened: &Opened) -> Result<Subject<'_>> {
 
 /// Cuts a clip to its loop and closes it, if it has one.
 fn looped(subject: &Subject<'_>, clip: &mut Clip, options: &CloseOptions) -> Result<Looped> {
-    let found = cycle::find(subject, clip, &FindOptions::default())?;
+    let found = clip_edit::find(subject, clip, &FindOptions::default())?;
     let is_loop = found.is_some_and(|f| f.is_loop);
     let part = found.map(|f| f.cycle);
     let mut closed = None;
     if let Some(part) = part.filter(|_| is_loop) {
-        *clip = trim::trim(clip, part.start_secs..=part.end_secs)?;
-        let out = cycle::close(subject, clip, options)?;
+        *clip = clip_edit::trim(clip, part.start_secs..=part.end_secs)?;
+        let out = clip_edit::close(subject, clip, options)?;
         *clip = out.clip;
         closed = Some(LoopClosed {
             window_secs: out.window_secs,
@@ -328,7 +326,7 @@ fn looped(subject: &Subject<'_>, clip: &mut Clip, options: &CloseOptions) -> Res
         is_loop,
         is_whole: found.is_some_and(|f| f.is_whole),
         part: part.map(told),
-        score_least: cycle::LEAST_SCORE,
+        score_least: clip_edit::LEAST_SCORE,
         closed,
     })
 }
@@ -338,7 +336,7 @@ fn root_motion(
     clip: &mut Clip,
     options: &RootMotionOptions,
 ) -> Result<RootMotionEdited> {
-    let out = root_motion::split(subject, clip, options)?;
+    let out = clip_edit::split(subject, clip, options)?;
     *clip = out.clip;
     let way = |a: &TrajectoryKey, b: &TrajectoryKey| {
         (a.x_metres - b.x_metres).hypot(a.z_metres - b.z_metres)
@@ -368,7 +366,7 @@ fn keys(clip: &Clip) -> usize {
 
 fn resample(clip: &mut Clip, rate_hz: f32) -> Result<Resampled> {
     let keys_before = keys(clip);
-    *clip = rate::resample(clip, rate_hz)?;
+    *clip = clip_edit::resample(clip, rate_hz)?;
     Ok(Resampled {
         rate_hz,
         keys_before,
@@ -380,7 +378,7 @@ impl ClipPart {
     fn trim(self, clip: &mut Clip) -> Result<Trimmed> {
         let from_secs = self.from_secs.unwrap_or(0.0);
         let to_secs = self.to_secs.unwrap_or(clip.duration_secs);
-        *clip = trim::trim(clip, from_secs..=to_secs).context("trim")?;
+        *clip = clip_edit::trim(clip, from_secs..=to_secs).context("trim")?;
         Ok(Trimmed {
             from_secs,
             to_secs,

@@ -18,9 +18,9 @@ mod reduction;
 mod same_joints;
 mod written;
 
-pub use articula_build::clip_edit::cycle::CloseOptions;
-pub use articula_build::clip_edit::key_reduction::ReduceOptions;
-pub use articula_build::clip_edit::root_motion::{RootMotionMode, RootMotionOptions};
+pub use articula_build::clip_edit::CloseOptions;
+pub use articula_build::clip_edit::ReduceOptions;
+pub use articula_build::clip_edit::{RootMotionMode, RootMotionOptions};
 pub use articula_build::retarget::{Pinning, RetargetOptions, RetargetReport};
 pub use clip_edits::{
     ClipEdited, ClipEdits, ClipPart, KeysReduced, LoopClosed, LoopPart, Looped, Resampled,

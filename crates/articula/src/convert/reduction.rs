@@ -2,12 +2,11 @@
 
 use crate::error::{Context, Error, Result};
 use crate::open::Opened;
-use articula_build::reduce::{MotionSize, motion_size, reduce};
+use articula_build::{MotionSize, motion_size, reduce};
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::selection::with_ancestors;
-use articula_core::loa::{Expression, JointSet, Selection};
-use articula_core::rig::Rig;
+use articula_core::loa::{Expression, Selection, with_ancestors};
 use articula_core::source::Clip;
+use articula_core::{JointSet, Rig};
 use serde::Serialize;
 use std::ops::AddAssign;
 

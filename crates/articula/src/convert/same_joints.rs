@@ -3,8 +3,8 @@
 //! Only then a clip of one is a clip of the other as it is: channels hold lengths and turns
 //! against the rest of their own skeleton.
 
-use articula_core::math::{Transform, angle_between};
 use articula_core::source::{Channel, Clip, Skeleton};
+use articula_core::{Transform, angle_between};
 use glam::{Affine3A, Vec3};
 use std::collections::{BTreeSet, HashMap};
 

@@ -5,7 +5,7 @@
 use super::{body, khr_character};
 use crate::error::{Error, Result};
 use crate::open::{Data, DataFormat, Format, Opened};
-use articula_build::clip::source_rate_hz;
+use articula_build::source_rate_hz;
 use articula_core::fap_table::FAPS;
 use articula_formats::gltf::Document;
 use articula_formats::mpeg4::fap::{self, FapClip};

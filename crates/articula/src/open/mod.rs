@@ -17,10 +17,12 @@ pub use format::{Format, Writes, conversions, readable};
 pub use options::OpenOptions;
 
 use crate::error::{Context, Error, Result};
-use articula_core::articulation::Articulation;
+use articula_build::joint_names::Mapping;
+use articula_core::Articulation;
+use articula_core::joint_names::Profile;
 use articula_core::source::{Character, Property};
 use articula_formats::mpeg4::bap::BapClip;
-use articula_formats::profile::{self, Mapping, Profile};
+use articula_formats::profile;
 use articula_formats::{Resolver, Warning};
 
 /// A file that was opened: its character, and what is needed to write it back.
@@ -112,7 +114,7 @@ impl Input<'_, '_> {
             name: self.name.to_owned(),
             format: self.format,
             bytes: self.bytes.len(),
-            mapping: profile::map(&character.skeleton, self.profiles, given),
+            mapping: articula_build::joint_names::map(&character.skeleton, self.profiles, given),
             character,
             clips_changed: false,
             gltf: None,
@@ -130,7 +132,11 @@ impl Opened {
             name: name.to_owned(),
             format: Format::Glb,
             bytes: 0,
-            mapping: profile::map(&character.skeleton, profile::builtin(), None),
+            mapping: articula_build::joint_names::map(
+                &character.skeleton,
+                profile::builtin(),
+                None,
+            ),
             character,
             clips_changed: false,
             gltf: None,

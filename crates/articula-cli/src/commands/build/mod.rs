@@ -131,7 +131,7 @@ impl Report {
         let (figure, made) = (&built.figure, built.mesh_levels.as_ref());
         let asset = &figure.asset;
         let articulation = asset.rig.articulation();
-        let clip = |(clip, tables): (&articula_core::clip::Clip, &ClipTables)| Clip {
+        let clip = |(clip, tables): (&articula_core::Clip, &ClipTables)| Clip {
             name: clip.name.clone(),
             frames: clip.frames(),
             segs_bytes: tables.segs.len(),

@@ -9,11 +9,10 @@ use crate::play::costs::Costs;
 use crate::play::rows::{Row, Table};
 use articula::Figure;
 use articula::convert::{AnimationSize, hold_joints};
-use articula_core::articulation::Complexity;
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::selection;
-use articula_core::rig::Rig;
+use articula_core::loa;
 use articula_core::source;
+use articula_core::{Complexity, Rig};
 use serde::Serialize;
 
 /// Everything that one run of the demo found.
@@ -86,7 +85,7 @@ pub(super) struct Level {
 impl Level {
     /// What the level leaves of some clips.
     pub(super) fn new(level: Complexity, rig: &Rig, clips: &[source::Clip]) -> Self {
-        let active = selection::complexity(rig, level);
+        let active = loa::complexity(rig, level);
         let held = hold_joints(rig, clips, &active, PassivePolicy::KeyPose);
         Self {
             name: level.name(),
@@ -102,7 +101,7 @@ impl Report {
     pub(super) fn new(folder: &Folder, figure: &Figure, tables: &[Table], found: Found) -> Self {
         let asset = &figure.asset;
         let clip = asset.clips.iter().find(|c| c.name == super::CLIP);
-        let moving = clip.map(|c| articula_build::motion_error::bounds::moving_joints(asset, c));
+        let moving = clip.map(|c| articula_build::motion_error::moving_joints(asset, c));
         Self {
             version: env!("CARGO_PKG_VERSION"),
             page: files::shown(&folder.file("index.html")),
@@ -115,7 +114,7 @@ impl Report {
             clip: super::CLIP.to_owned(),
             target_px: TARGET_PX,
             joints_moving: moving.map_or(0, |m| m.len()),
-            frames: clip.map_or(0, articula_core::clip::Clip::frames),
+            frames: clip.map_or(0, articula_core::Clip::frames),
             methods: tables
                 .iter()
                 .map(|t| MethodRows {

@@ -3,10 +3,11 @@
 use anyhow::{Context, Result};
 use articula::convert::{FittedClip, fit_clips};
 use articula::{AddClipsOptions, OpenOptions, Opened};
-use articula_build::clip::source_rate_hz;
-use articula_build::human::{self, HumanOptions};
+use articula_build::source_rate_hz;
 use articula_core::source::Clip;
 use articula_formats::mpeg4::bap;
+use articula_human;
+use articula_human::HumanOptions;
 use std::path::Path;
 
 /// Where a motion comes from.

@@ -3,12 +3,9 @@
 
 use anyhow::Result;
 use articula::Opened;
-use articula_build::clip::source_rate_hz;
-use articula_core::hierarchy::local_to_model;
-use articula_core::math::angle_between;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::rig::Rig;
+use articula_build::source_rate_hz;
 use articula_core::source::{Clip, evaluate};
+use articula_core::{LocalPose, ModelPose, Rig, angle_between, local_to_model};
 use glam::Vec3;
 use std::ops::Range;
 

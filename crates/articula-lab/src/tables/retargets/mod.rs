@@ -10,7 +10,7 @@ use anyhow::{Context, Result};
 use articula::Opened;
 use articula_build::retarget::{Origin, RetargetReport};
 use articula_flat::codec;
-use articula_flat::contact_sheet::ContactSheet;
+use articula_report::ContactSheet;
 use cases::{CASES, Case};
 use measure::Played;
 use rayon::prelude::*;

@@ -3,18 +3,14 @@
 use super::measure::Played;
 use anyhow::{Context, Result};
 use articula::Opened;
-use articula_core::mesh::Mesh;
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
-use articula_core::view::{Camera, Viewport};
-use articula_flat::appearance::Appearance;
-use articula_flat::contact_sheet::{Cell, Row, Tile};
-use articula_flat::frame::{Bounds, orbit_view};
-use articula_flat::projection::{Projection, Screen};
-use articula_flat::render::{RenderOptions, render};
-use articula_flat::skeleton::{SkeletonOptions, draw_skeleton, followed};
+use articula_core::{Camera, Mesh, ModelPose, Rig, SkinnedMesh, Viewport, palette, skin};
+use articula_flat::Appearance;
+use articula_flat::{Bounds, orbit_view};
 use articula_flat::{Ground, Picture};
+use articula_flat::{Projection, Screen};
+use articula_flat::{RenderOptions, render};
+use articula_report::{Cell, Row, Tile};
+use articula_report::{SkeletonOptions, draw_skeleton, followed};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// Size of one picture, pixels.
