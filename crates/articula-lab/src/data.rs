@@ -4,7 +4,6 @@ use anyhow::{Context, Result, bail};
 use articula_build::ClipOptions;
 use articula_build::scene::put_in_place;
 use articula_build::{Asset, character};
-use articula_formats::{Limits, gltf, profile};
 use std::path::{Path, PathBuf};
 
 /// The data folder: the one given, `ARTICULA_DATA`, or `../shared/data` beside the project.
@@ -36,19 +35,13 @@ pub(crate) fn asset_on_the_spot(data: &Path, name: &str) -> Result<Asset> {
 
 fn built(data: &Path, name: &str, place: Place) -> Result<Asset> {
     let path = data.join(name);
-    let bytes = std::fs::read(&path).with_context(|| path.display().to_string())?;
-    let folder = path.parent().unwrap_or(data).to_owned();
-    let mut beside = |uri: &str| std::fs::read(folder.join(uri)).map_err(|e| e.to_string());
-    let file = gltf::read(&bytes, &Limits::default(), &mut beside)
-        .with_context(|| path.display().to_string())?
-        .value;
-    let mapping =
-        articula_build::joint_names::map(&file.character.skeleton, profile::builtin(), None);
-    let mut source = file.character;
+    let opened = articula::fs::open(&path)?;
+    let articulation = opened.mapping.articulation;
+    let mut source = opened.character;
     if place == Place::OnTheSpot {
-        put_in_place(&mut source, mapping.articulation.clone(), &[]);
+        put_in_place(&mut source, articulation.clone(), &[]);
     }
-    character(&source, Some(mapping.articulation), &ClipOptions::default())
+    character(&source, Some(articulation), &ClipOptions::default())
         .with_context(|| path.display().to_string())
 }
 

@@ -1,5 +1,6 @@
 //! The library.
 
+pub mod convert;
 mod error;
 mod facing;
 mod figure;
@@ -13,6 +14,7 @@ mod open;
 mod prepare;
 mod work;
 
+pub use convert::{AddClipsOptions, ConvertOptions, Converted, convert};
 pub use error::{Error, Result};
 pub use facing::facing;
 pub use figure::Figure;
