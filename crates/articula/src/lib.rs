@@ -1,5 +1,7 @@
 //! The library.
 
+mod camera_path;
+pub mod crowd;
 mod error;
 mod figure;
 #[cfg(not(target_family = "wasm"))]
@@ -10,6 +12,7 @@ mod open;
 mod prepare;
 mod work;
 
+pub use camera_path::read_camera_path;
 pub use error::{Error, Result};
 pub use figure::Figure;
 pub use mesh_levels::{CodedMeshLevels, MeshLevelOptions, MeshLevelStream};

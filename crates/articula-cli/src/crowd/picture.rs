@@ -1,9 +1,8 @@
 //! A moment of a crowd as its camera sees it, every character in the colour of its level.
 
-use super::cast::Cast;
-use super::purse::Decision;
-use super::stage::{Settings, Source, Stage, Wanted};
+use super::stage::{Settings, Stage};
 use anyhow::Context;
+use articula::crowd::{Allowance, CrowdAsset, CrowdPlayer, DetailGoal, PoseSource};
 use articula_build::scene::Scene;
 use articula_core::mesh::{Mesh, Part};
 use articula_core::skin::{SkinnedMesh, skin};
@@ -38,23 +37,20 @@ pub(crate) fn color(level: usize) -> Rgba {
 
 /// Draws the scene at its beginning.
 pub(crate) fn draw(
-    cast: &Cast,
+    asset: &CrowdAsset,
     scene: &Scene,
     settings: Settings,
     size: (u32, u32),
 ) -> anyhow::Result<Picture> {
-    let mut stage = Stage::new(cast, scene, settings)?;
-    let decision = match settings.wanted {
-        Wanted::Budget { ms, .. } => Some(Decision {
-            cost: 1e6 * ms,
-            prices: None,
-        }),
+    let mut stage = Stage::new(asset, scene, settings)?;
+    let allowance = match settings.detail {
+        DetailGoal::Budget { ms, .. } => Some(Allowance::of_ns(1e6 * ms)),
         _ => None,
     };
-    stage.tick(0.0, decision.as_ref())?;
+    stage.plan(0.0, allowance.as_ref())?;
     stage.evaluate();
-    let camera = stage.camera()?;
-    let (mesh, skinned) = gathered(&stage, &camera);
+    let (player, camera) = (stage.scene.player(), stage.scene.camera()?);
+    let (mesh, skinned) = gathered(player, &camera);
     let camera = Camera {
         viewport: Viewport {
             width_px: size.0 as f32,
@@ -63,7 +59,7 @@ pub(crate) fn draw(
         },
         ..camera
     };
-    let (look, _) = Appearance::new(&materials(cast.model.levels()), &[]);
+    let (look, _) = Appearance::new(&materials(asset.levels()), &[]);
     let middle = camera.eye + camera.forward() * 30.0;
     let options = RenderOptions {
         ground: Some(Ground {
@@ -75,7 +71,7 @@ pub(crate) fn draw(
     };
     let picture = render(&mesh, &skinned, &look, &camera, &options);
     let mut picture = picture.context("drawing the crowd")?;
-    write_legend(&mut picture, &stage, mesh.parts.len());
+    write_legend(&mut picture, player, mesh.parts.len());
     Ok(picture)
 }
 
@@ -90,16 +86,16 @@ fn materials(levels: usize) -> Vec<Material> {
 }
 
 /// The skins of all who are shown, nearest first, as one mesh in the world.
-fn gathered(stage: &Stage<'_>, camera: &Camera) -> (Mesh, SkinnedMesh) {
-    let cast = stage.cast;
-    let sources = stage.sources();
+fn gathered(player: &CrowdPlayer, camera: &Camera) -> (Mesh, SkinnedMesh) {
+    let asset = player.asset();
+    let sources = player.sources();
     let shown = sources.iter().enumerate();
-    let mut draws: Vec<(f32, usize, &Source)> = shown
+    let mut draws: Vec<(f32, usize, &PoseSource)> = shown
         .filter_map(|(c, source)| Some((c, source.as_ref()?)))
-        .map(|(c, source)| (camera.eye.distance(stage.positions[c]), c, source))
+        .map(|(c, source)| (camera.eye.distance(player.positions()[c]), c, source))
         .collect();
     draws.sort_by(|a, b| a.0.total_cmp(&b.0));
-    draws.truncate((MOST_TRIANGLES / cast.asset.mesh.triangles.len().max(1)).max(1));
+    draws.truncate((MOST_TRIANGLES / asset.full().mesh.triangles.len().max(1)).max(1));
     let mut mesh = Mesh {
         influences: 1,
         ..Mesh::default()
@@ -107,14 +103,14 @@ fn gathered(stage: &Stage<'_>, camera: &Camera) -> (Mesh, SkinnedMesh) {
     let mut all = SkinnedMesh::default();
     let mut matrices = Vec::new();
     for (_, character, source) in draws {
-        let Some(level) = stage.crowd.level(character) else {
+        let Some(level) = player.crowd().level(character) else {
             continue;
         };
-        stage.shown_palette(level, source, &mut matrices);
-        let world = stage.scene.members[character].world_from_model();
+        player.skin_matrices(level, source, &mut matrices);
+        let world = player.world_from_model(character);
         append(
             (&mut mesh, &mut all),
-            &cast.meshes[level],
+            asset.mesh(level),
             level,
             &matrices,
             &world,
@@ -154,12 +150,13 @@ fn append(
 }
 
 /// Says which colour is which level, how many are shown at it, and how many of all are drawn.
-fn write_legend(picture: &mut Picture, stage: &Stage<'_>, drawn: usize) {
+fn write_legend(picture: &mut Picture, player: &CrowdPlayer, drawn: usize) {
     let style = TextStyle::default();
     let line = style.height() as i32 + 6;
-    let count = stage.scene.members.len();
-    let mut levels = vec![0; stage.cast.model.levels()];
-    for level in (0..count).filter_map(|c| stage.crowd.level(c)) {
+    let asset = player.asset();
+    let count = player.positions().len();
+    let mut levels = vec![0; asset.levels()];
+    for level in (0..count).filter_map(|c| player.crowd().level(c)) {
         levels[level] += 1;
     }
     let shown: usize = levels.iter().sum();
@@ -167,13 +164,12 @@ fn write_legend(picture: &mut Picture, stage: &Stage<'_>, drawn: usize) {
     let mut y = 8;
     let paper = [255, 255, 255, 255];
     let line_of = |(level, count): &(usize, usize)| {
-        let joints = stage.cast.ladder().kept(*level);
-        match &stage.cast.figure {
-            Some(figure) => {
-                let triangles = figure.levels[*level].triangles;
-                format!("{joints} joints, {triangles} triangles: {count}")
-            }
-            None => format!("{joints} joints: {count}"),
+        let made = asset.level(*level);
+        let joints = made.joints;
+        if asset.has_mesh_lods() {
+            format!("{joints} joints, {} triangles: {count}", made.triangles)
+        } else {
+            format!("{joints} joints: {count}")
         }
     };
     let mut lines: Vec<String> = levels.iter().map(line_of).collect();
