@@ -154,6 +154,23 @@ fn who_evaluates_changes_no_bit() {
 }
 
 #[test]
+fn a_frame_allocates_nothing() {
+    let asset = asset_of(human(), &CrowdOptions::default());
+    let (mut crowd, camera) = row(&asset, 200);
+    crowd.frame(0.0, &camera);
+    let counted = allocation_counter::measure(|| {
+        for i in 0..200 {
+            crowd.place(i, Vec3::Z * i as f32, 0.1);
+            crowd.fade_to(i, i % asset.clips().len(), 0.2);
+        }
+        crowd.frame(1.0 / 60.0, &camera);
+        let shown: usize = crowd.groups().map(|g| g.draws.len()).sum();
+        assert!(shown > 0);
+    });
+    assert_eq!(counted.count_total, 0);
+}
+
+#[test]
 fn joints_and_skin_show_the_same_vertices() {
     let skinned = |matrices, form| {
         let options = CrowdOptions {
