@@ -119,6 +119,19 @@ fn any_file_makes_a_crowd() {
 }
 
 #[test]
+fn a_named_level_of_unknown_joints_says_the_mend() {
+    let Some(data) = real_data() else { return };
+    let opened = articula::fs::open(data.join("glb/Fox.glb")).unwrap();
+    let options = CrowdOptions {
+        joints: JointLods::Named(Expression::parse("loa(Low)").unwrap()),
+        ..CrowdOptions::default()
+    };
+    let asset = asset_of(opened, &options);
+    assert!(asset.warnings().concat().contains("give a joint map"));
+    assert!(played(&asset) > 1e-3);
+}
+
+#[test]
 fn who_evaluates_changes_no_bit() {
     for (matrices, form) in [
         (PaletteMatrices::Skin, PaletteForm::Matrix),

@@ -78,6 +78,7 @@ impl CrowdAsset {
         keep(&mut asset.clips, &kept);
         keep(&mut ways, &kept);
         warnings.extend(morphs_at_rest(&figure.opened.character));
+        warnings.extend(unmapped(&asset, &options.joints));
         Self::prepared(asset, (&ways, warnings), options, work)
     }
 
@@ -284,6 +285,17 @@ fn morphs_at_rest(source: &Character) -> Option<String> {
     let stand = channels.all(|c| c.property == Property::Weights);
     stand.then(|| {
         "clips move morph targets alone, which stand still in a crowd; play the file as a single figure"
+            .to_owned()
+    })
+}
+
+/// Says that a named level means little where no joint is known by its name.
+fn unmapped(asset: &Asset, wanted: &JointLods) -> Option<String> {
+    let mut joints = asset.rig.articulation().joints.iter();
+    let is_named = matches!(wanted, JointLods::Named(_));
+    (is_named && joints.all(|j| j.hanim.is_none())).then(|| {
+        "no joint is known by its name, so the named level keeps joints by their place in the tree; \
+         give a joint map, or levels that are merged by motion"
             .to_owned()
     })
 }
