@@ -82,8 +82,7 @@ impl Console {
             }
             ControlFlow::Continue(())
         };
-        let run_jobs = |jobs: &mut [Job<'_>]| jobs.par_iter_mut().for_each(Job::run);
-        let made = make(&Work::default().on_step(&on_step).run_jobs(&run_jobs));
+        let made = make(&on_all_processors().on_step(&on_step));
         if let Some((_, bar)) = shown.into_inner().unwrap_or_else(PoisonError::into_inner) {
             bar.finish_and_clear();
         }
@@ -106,6 +105,15 @@ impl Console {
         bar.enable_steady_tick(Duration::from_millis(200));
         bar
     }
+}
+
+/// A work of the library whose jobs run on all processors; its steps show nothing.
+pub(crate) fn on_all_processors<'a>() -> Work<'a> {
+    Work::default().run_jobs(&run_jobs)
+}
+
+fn run_jobs(jobs: &mut [Job<'_>]) {
+    jobs.par_iter_mut().for_each(Job::run);
 }
 
 /// Writes to standard output. A reader that has seen enough (`| head`) is no error.

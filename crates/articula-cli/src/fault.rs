@@ -34,7 +34,27 @@ pub(crate) fn status(fault: &anyhow::Error) -> u8 {
 
 /// The whole chain of an error on one line.
 pub(crate) fn line(fault: &anyhow::Error) -> String {
-    format!("error: {}", clean(&format!("{fault:#}")))
+    format!("error: {}", clean(&text(fault)))
+}
+
+/// The whole chain of an error; where an argument of the library mends it, the flag is named.
+pub(crate) fn text(fault: &anyhow::Error) -> String {
+    let text = format!("{fault:#}");
+    let cause = fault.downcast_ref::<articula::Error>().map(|e| e.cause());
+    match cause {
+        Some(articula::Error::Unmapped(_)) => {
+            text.replace("a joint-name profile", "--profile F.json")
+        }
+        Some(articula::Error::Skeleton(_)) => {
+            let or = if text.ends_with(')') {
+                "; name one"
+            } else {
+                " or name it"
+            };
+            format!("{text}{or} with --skeleton F.asf")
+        }
+        _ => text,
+    }
 }
 
 /// Longest text of a file that is shown; a longer one is cut.

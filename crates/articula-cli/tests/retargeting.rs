@@ -346,3 +346,55 @@ fn a_capture_walks_on_a_game_character_and_an_avatar_stays_one() {
         "mixed/mh_male_cmu31.glb (it has no clip)"
     );
 }
+
+#[test]
+fn build_takes_clips_from_other_files() {
+    let here = folder("build-clips");
+    motions(&here);
+    let human = word(human());
+    let words = ["build", human, "clips/walk.bvh", "clips/wave.bvh", "o.glb"];
+    let report = json(&here, &words);
+    let own = report["clips"].as_array().unwrap().len() - 2;
+    assert_eq!(report["clips"][own]["name"], "walk 2", "{report}");
+    assert_eq!(report["added"][1]["in"], "clips/wave.bvh");
+    let found = json(&here, &["inspect", "o.glb"]);
+    assert_eq!(found["clips"].as_array().unwrap().len(), own + 2);
+    std::fs::write(here.join("bust.bvh"), BVH).unwrap();
+    let line = fault(&here, 1, &["build", human, "bust.bvh", "p.glb"]);
+    assert!(
+        line.contains("bust.bvh: joints: ") && line.contains("--profile F.json"),
+        "{line}"
+    );
+    assert!(!here.join("p.glb").exists());
+}
+
+#[test]
+fn clipless_characters_become_assets_with_clips() {
+    let Some(data) = real_data() else { return };
+    let here = folder("build-real");
+    for (character, motion, clips, retargeted) in [
+        (
+            "glb/kaykit_mannequin/manny_med_mod.gltf",
+            "glb/kaykit_mannequin/Med_MovementBasic.glb",
+            11,
+            false,
+        ),
+        (
+            "glb/mh_female_default163_arkit52.glb",
+            "bvh/cmu_12_01_walk.bvh",
+            1,
+            true,
+        ),
+    ] {
+        let (character, motion) = (data.join(character), data.join(motion));
+        let report = json(&here, &["build", word(&character), word(&motion), "o.glb"]);
+        let added = &report["added"][0];
+        assert_eq!(added["retargeted"], retargeted);
+        assert_eq!(added["clips"].as_array().unwrap().len(), clips);
+        let found = json(&here, &["inspect", "o.glb"]);
+        let moving = found["clips"].as_array().unwrap();
+        assert_eq!(moving.len(), clips);
+        let joints = |clip: &Value| clip["joints_animated"].as_u64().unwrap();
+        assert!(moving.iter().any(|clip| joints(clip) > 10), "{found}");
+    }
+}

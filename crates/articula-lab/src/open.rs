@@ -1,11 +1,10 @@
-//! Opens any file of the data folder through the libraries, told by its extension.
+//! Which files of the data folder are doors, and what the tables want of an opened one.
 
-use anyhow::{Context, Result};
-use articula_core::source::Character;
-use articula_formats::mpeg4::{bap, epf, fap, fdp};
-use articula_formats::profile::Mapping;
-use articula_formats::{Limits, Warning, acclaim, bva, bvh, gltf, profile, x3d};
-use glam::Vec3;
+use anyhow::{Context, Result, anyhow};
+use articula::convert::write_data;
+use articula::{Data, DataFormat, Format, OpenOptions, Opened, fs, open_data};
+use articula_formats::bvh::Up;
+use articula_formats::{Guess, Warning};
 use std::path::Path;
 
 /// What a file turned out to be.
@@ -13,23 +12,11 @@ pub(crate) enum Content {
     /// A character, or a motion with its skeleton.
     Figure(Box<Opened>),
     /// Numbers that move no joint by themselves.
-    Data(Data),
-}
-
-/// A character that was opened.
-pub(crate) struct Opened {
-    pub(crate) character: Character,
-    /// What its joints are.
-    pub(crate) mapping: Mapping,
-    /// The document behind a glTF file.
-    pub(crate) behind: Option<gltf::GltfFile>,
-    /// Joint and offset of end sites, of formats that have them.
-    pub(crate) end_sites: Vec<(usize, Vec3)>,
-    pub(crate) warnings: usize,
+    Data(Parameters),
 }
 
 /// A file of parameters that was opened.
-pub(crate) struct Data {
+pub(crate) struct Parameters {
     /// What is in it, in a few words.
     pub(crate) what: String,
     /// Whether what is written of it reads the same; `None` if the format is not written.
@@ -37,96 +24,67 @@ pub(crate) struct Data {
     pub(crate) warnings: usize,
 }
 
-/// The formats, by the extensions of their files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Format {
-    Glb,
-    Gltf,
-    Vrm,
-    Vrma,
-    Bvh,
-    Bva,
-    Asf,
-    Amc,
-    X3d,
-    Bap,
-    Fap,
-    Epf,
-    Fdp,
+/// What the extension of a file says that it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Figure(Format),
+    Data(DataFormat),
 }
-
-const FORMATS: [(&str, Format, &str); 14] = [
-    ("glb", Format::Glb, "GLB"),
-    ("gltf", Format::Gltf, "glTF"),
-    ("vrm", Format::Vrm, "VRM"),
-    ("vrma", Format::Vrma, "VRMA"),
-    ("bvh", Format::Bvh, "BVH"),
-    ("bva", Format::Bva, "BVA"),
-    ("asf", Format::Asf, "ASF"),
-    ("amc", Format::Amc, "AMC"),
-    ("x3d", Format::X3d, "X3D"),
-    ("wrl", Format::X3d, "X3D"),
-    ("bap", Format::Bap, "BAP"),
-    ("fap", Format::Fap, "FAP"),
-    ("epf", Format::Epf, "EPF"),
-    ("fdp", Format::Fdp, "FDP"),
-];
 
 /// Files that are no door of their own: notes, pictures, and what a door reads beside itself.
 const BESIDE: [&str; 5] = ["md", "txt", "png", "bin", "json"];
 
-impl Format {
-    /// The format of a file's name; `None` for one that lies beside others.
+impl Kind {
+    /// The kind of a file by its name; `None` for one that lies beside others.
     ///
     /// # Errors
-    /// If nothing is known of the extension: a new door needs its reader here.
+    /// If nothing is known of the extension: a new door needs its reader.
     pub(crate) fn of(path: &Path) -> Result<Option<Self>> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
         let extension = extension.to_ascii_lowercase();
         if BESIDE.contains(&extension.as_str()) {
             return Ok(None);
         }
-        let known = FORMATS.iter().find(|(name, ..)| *name == extension);
-        let known = known.with_context(|| format!("{}: an unknown extension", path.display()))?;
-        Ok(Some(known.1))
+        let name = path.display().to_string();
+        let figure = Format::of_name(&name).map(Self::Figure);
+        let known = figure.or_else(|| DataFormat::of_name(&name).map(Self::Data));
+        known
+            .map(Some)
+            .with_context(|| format!("{name}: an unknown extension"))
     }
 
     /// Whether it is glTF under one of its names.
     pub(crate) fn is_gltf(self) -> bool {
-        matches!(self, Self::Glb | Self::Gltf | Self::Vrm | Self::Vrma)
+        let gltf = [Format::Glb, Format::Gltf, Format::Vrm, Format::Vrma];
+        matches!(self, Self::Figure(format) if gltf.contains(&format))
     }
 
     /// Name as the table has it.
-    pub(crate) fn name(self) -> &'static str {
-        FORMATS
-            .iter()
-            .find(|row| row.1 == self)
-            .map_or("", |row| row.2)
+    pub(crate) fn name(self) -> String {
+        match self {
+            Self::Figure(Format::Gltf) => "glTF".to_owned(),
+            Self::Figure(Format::X3dv | Format::Wrl) => "X3D".to_owned(),
+            Self::Figure(format) => format.name().to_uppercase(),
+            Self::Data(format) => format.name().to_uppercase(),
+        }
     }
 }
 
-/// Opens a file, with what lies beside it.
+/// Opens a file, with what lies beside it. Errors say what is wrong, not with which file.
 pub(crate) fn open(path: &Path) -> Result<Content> {
-    let format = Format::of(path)?.context("this lies beside others")?;
-    let bytes = std::fs::read(path).with_context(|| path.display().to_string())?;
-    let limits = Limits::default();
-    Ok(match format {
-        Format::Fap => Content::Data(faces(&bytes, &limits)?),
-        Format::Epf => {
-            let read = epf::read(&bytes, &limits)?;
-            data(format!("{} frames", read.value.len()), None, &read.warnings)
+    match Kind::of(path)?.context("this lies beside others")? {
+        Kind::Data(format) => Ok(Content::Data(parameters(path, format)?)),
+        Kind::Figure(_) => {
+            let opened = fs::open(path).map_err(|e| cause(&e))?;
+            Ok(Content::Figure(Box::new(opened)))
         }
-        Format::Fdp => {
-            let read = fdp::read(&bytes, &limits)?;
-            let (points, faps) = (read.value.points.len(), read.value.faps());
-            data(
-                format!("{points} feature points, {faps} FAPs"),
-                None,
-                &read.warnings,
-            )
-        }
-        _ => Content::Figure(Box::new(figure(&bytes, format, path, Told::Nothing)?)),
-    })
+    }
+}
+
+/// What was odd about a file. Which skeleton a motion was read with is not the file's doing.
+pub(crate) fn warnings(opened: &Opened) -> usize {
+    let own = |w: &&Warning| w.guess != Some(Guess::Skeleton);
+    opened.warnings.iter().filter(own).count()
 }
 
 /// What a user may say of a file that names neither its unit nor its up axis.
@@ -138,127 +96,60 @@ pub(crate) enum Told {
     AsWritten,
 }
 
-impl Told {
-    fn up(self) -> bvh::Up {
-        if self == Self::Nothing {
-            bvh::Up::Auto
-        } else {
-            bvh::Up::Y
-        }
-    }
-}
-
-/// Reads the bytes of a character; `path` says where the files beside it lie.
-pub(crate) fn figure(bytes: &[u8], format: Format, path: &Path, told: Told) -> Result<Opened> {
-    let limits = Limits::default();
-    let folder = path.parent().unwrap_or(Path::new("")).to_owned();
-    let mut beside = |uri: &str| std::fs::read(folder.join(uri)).map_err(|e| e.to_string());
-    match format {
-        Format::Bvh => {
-            let options = bvh::ReadOptions {
-                scale_to_metres: (told == Told::AsWritten).then_some(0.01),
-                up: told.up(),
-            };
-            let read = bvh::read(bytes, &options, &limits)?;
-            let file = read.value;
-            Ok(opened(file.character, None, file.end_sites, &read.warnings))
-        }
-        Format::Bva => {
-            let read = bva::read(bytes, &bva::ReadOptions::default(), &limits)?;
-            Ok(opened(
-                read.value.character,
-                None,
-                Vec::new(),
-                &read.warnings,
-            ))
-        }
-        Format::Asf => pair(bytes, None, told),
-        Format::Amc => {
-            let skeleton = skeleton_of(path)?;
-            pair(&skeleton, Some(bytes), told)
-        }
-        Format::X3d => {
-            let read = x3d::read(bytes, &limits, &mut beside)?;
-            Ok(opened(
-                read.value.character,
-                None,
-                Vec::new(),
-                &read.warnings,
-            ))
-        }
-        Format::Bap => {
-            let read = bap::read(bytes, bap::Absent::default(), &limits)?;
-            let character = bap::character(&read.value);
-            Ok(opened(character, None, Vec::new(), &read.warnings))
-        }
-        _ => {
-            let read = gltf::read(bytes, &limits, &mut beside)?;
-            let file = read.value;
-            let humanoid = file.humanoid.as_deref();
-            let mut opened = opened(file.character.clone(), humanoid, Vec::new(), &read.warnings);
-            opened.behind = Some(file);
-            Ok(opened)
-        }
-    }
-}
-
-/// Reads an Acclaim skeleton and its motion.
-pub(crate) fn pair(asf: &[u8], amc: Option<&[u8]>, told: Told) -> Result<Opened> {
-    let options = acclaim::ReadOptions {
-        up: told.up(),
-        ..acclaim::ReadOptions::default()
+/// Reads the bytes of a character; `path` says where the files beside it lie. A motion needs its
+/// skeleton.
+pub(crate) fn figure(
+    (bytes, skeleton): (&[u8], Option<Vec<u8>>),
+    format: Format,
+    path: &Path,
+    told: Told,
+) -> Result<Opened> {
+    let is_told = told == Told::AsWritten;
+    let options = OpenOptions {
+        unit_metres: (is_told && format == Format::Bvh).then_some(0.01),
+        up: if is_told { Up::Y } else { Up::Auto },
+        skeleton,
+        ..OpenOptions::default()
     };
-    let read = acclaim::read(asf, amc, &options, &Limits::default())?;
-    let file = read.value;
-    Ok(opened(file.character, None, file.end_sites, &read.warnings))
+    let name = format!("written.{}", format.name());
+    let mut beside = fs::beside(path, options.limits.bytes);
+    articula::open(bytes, &name, &options, &mut beside).map_err(|e| cause(&e))
 }
 
-/// The skeleton beside a motion: `cmu_01.asf` is that of `cmu_01_01.amc`.
-fn skeleton_of(motion: &Path) -> Result<Vec<u8>> {
-    let stem = motion.file_stem().unwrap_or_default().to_string_lossy();
-    let subject = stem
-        .rsplit_once('_')
-        .map_or(stem.as_ref(), |(subject, _)| subject);
-    let path = motion.with_file_name(format!("{subject}.asf"));
-    std::fs::read(&path).with_context(|| path.display().to_string())
+/// What is wrong, without the name of the file.
+fn cause(error: &articula::Error) -> anyhow::Error {
+    anyhow!(error.cause().to_string())
 }
 
-fn opened(
-    character: Character,
-    given: Option<&[(usize, String)]>,
-    end_sites: Vec<(usize, Vec3)>,
-    warnings: &[Warning],
-) -> Opened {
-    Opened {
-        mapping: profile::map(&character.skeleton, profile::builtin(), given),
-        character,
-        behind: None,
-        end_sites,
-        warnings: warnings.len(),
-    }
-}
-
-fn data(what: String, comes_back: Option<bool>, warnings: &[Warning]) -> Content {
-    Content::Data(Data {
+fn parameters(path: &Path, format: DataFormat) -> Result<Parameters> {
+    let name = path.display().to_string();
+    let bytes = std::fs::read(path).with_context(|| name.clone())?;
+    let read = |bytes: &[u8]| {
+        let read = open_data(bytes, &name, format, &OpenOptions::default());
+        read.map_err(|e| cause(&e))
+    };
+    let opened = read(&bytes)?;
+    let (what, comes_back) = match &opened.data {
+        Data::Fap(clip) => {
+            let again = read(&write_data(&opened.data)?.bytes)?.data;
+            let moving = clip.moving().iter().filter(|m| **m).count();
+            let (frames, rate_hz) = (clip.frames.len(), clip.rate_hz);
+            let same = matches!(
+                again,
+                Data::Fap(again) if again.frames == clip.frames && again.rate_hz == rate_hz
+            );
+            let what = format!("{frames} frames at {rate_hz} Hz, {moving} FAPs move");
+            (what, Some(same))
+        }
+        Data::Epf(frames) => (format!("{} frames", frames.len()), None),
+        Data::Fdp(face) => {
+            let (points, faps) = (face.points.len(), face.faps());
+            (format!("{points} feature points, {faps} FAPs"), None)
+        }
+    };
+    Ok(Parameters {
         what,
         comes_back,
-        warnings: warnings.len(),
-    })
-}
-
-fn faces(bytes: &[u8], limits: &Limits) -> Result<Data> {
-    let absent = fap::Absent::default();
-    let read = fap::read(bytes, absent, limits)?;
-    let clip = read.value;
-    let again = fap::read(&fap::write(&clip), absent, limits)?.value;
-    let moving = clip.moving().iter().filter(|m| **m).count();
-    Ok(Data {
-        what: format!(
-            "{} frames at {} Hz, {moving} FAPs move",
-            clip.frames.len(),
-            clip.rate_hz
-        ),
-        comes_back: Some(again.frames == clip.frames && again.rate_hz == clip.rate_hz),
-        warnings: read.warnings.len(),
+        warnings: opened.warnings.len(),
     })
 }

@@ -1,15 +1,19 @@
 //! A crowd of a thousand of your own character, culled and reduced before a camera that drives by:
-//! `cargo run --release -p articula --example crowd -- my.glb`. Without a path it is a crowd of
-//! the reference human.
+//! `cargo run --release -p articula --example crowd -- my.glb [walk.bvh …]`; motions of other files
+//! are put onto it. Without a path it is a crowd of the reference human.
 #![allow(clippy::print_stdout, reason = "an example may say what it does")]
 
 use articula::crowd::{Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Viewport};
-use articula::{Error, Figure, OpenOptions, Opened, Result, Work, glam::Vec3};
+use articula::{AddClipsOptions, Error, Figure, OpenOptions, Opened, Result, Work, fs, glam::Vec3};
 
 fn main() -> Result<()> {
-    let path = std::env::args().nth(1);
-    let character = path.map_or_else(reference_human, articula::fs::open)?;
-    let figure = Figure::new(character)?;
+    let mut files = std::env::args().skip(1);
+    let mut hero = files.next().map_or_else(reference_human, fs::open)?;
+    for motion in files {
+        let clips = [fs::open(motion)?];
+        hero.add_clips(&clips, &AddClipsOptions::default(), &Work::default())?;
+    }
+    let figure = Figure::new(hero)?;
     let asset = CrowdAsset::new(&figure, &CrowdOptions::default(), &Work::default())?;
     for warning in asset.warnings() {
         println!("{warning}");

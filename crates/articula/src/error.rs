@@ -32,6 +32,10 @@ pub enum Error {
     /// A motion whose skeleton is missing: `.amc` without its `.asf`.
     #[error("{0}")]
     Skeleton(String),
+    /// Nothing says which joint is which; a joint-name profile mends it
+    /// ([`OpenOptions::profiles`](crate::OpenOptions::profiles)).
+    #[error("{0}")]
+    Unmapped(String),
     /// A format could not hold what was to be written.
     #[error(transparent)]
     Write(Box<dyn std::error::Error + Send + Sync>),
@@ -110,8 +114,10 @@ macro_rules! boxed {
 }
 
 boxed! {
+    articula_formats::acclaim::WriteError => Write,
     articula_formats::gltf::WriteError => Write,
     articula_formats::mpeg4::bap::SampleError => Write,
+    articula_formats::x3d::WriteError => Write,
     articula_flat::PictureError => Picture,
 }
 

@@ -1,6 +1,7 @@
 //! The library.
 
 mod camera_path;
+pub mod convert;
 pub mod crowd;
 mod error;
 mod figure;
@@ -13,6 +14,7 @@ mod prepare;
 mod work;
 
 pub use camera_path::read_camera_path;
+pub use convert::{AddClipsOptions, ConvertOptions, Converted, convert};
 pub use error::{Error, Result};
 pub use figure::Figure;
 pub use mesh_levels::{CodedMeshLevels, MeshLevelOptions, MeshLevelStream};

@@ -76,13 +76,30 @@ pub fn prepare(opened: Opened, options: &PrepareOptions, work: &Work<'_>) -> Res
     })
 }
 
-/// A character of another format with the document that it will be.
+/// A character with the document that shows it: its own, with the clips that it has by now, or
+/// the one that a character of another format will be.
 fn with_document(mut opened: Opened) -> Result<(Opened, GltfSource)> {
-    if let Some(gltf) = opened.gltf.take() {
+    let Some(mut gltf) = opened.gltf.take() else {
+        let document = Document::from_character(&opened.character)?;
+        return reread(opened, &document);
+    };
+    if !opened.clips_changed {
         return Ok((opened, gltf));
     }
-    let document = Document::from_character(&opened.character)?;
-    reread(opened, &document)
+    let clips = &opened.character.clips;
+    let (joints, meshes) = (&gltf.node_of_joint, &gltf.node_of_mesh);
+    gltf.document.replace_clips(clips, joints, meshes)?;
+    let (mut opened, again) = reread(opened, &gltf.document)?;
+    // Nodes that only clips moved are no joints without them.
+    let joints = &mut opened.mapping.articulation.joints;
+    let was = |node: &usize| Some(joints[joint_of(&gltf, *node)?].clone());
+    *joints = again.node_of_joint.iter().filter_map(was).collect();
+    opened.clips_changed = false;
+    Ok((opened, again))
+}
+
+fn joint_of(gltf: &GltfSource, node: usize) -> Option<usize> {
+    gltf.node_of_joint.iter().position(|n| *n == node)
 }
 
 /// A character as a document shows it.

@@ -9,7 +9,7 @@ use articula::crowd::{
     Camera, CrowdAsset, CrowdOptions, CrowdPlayer, JointLods, PaletteForm, PaletteHash,
     PaletteMatrices, PaletteSlice, RootMotion, Sight, View, Viewport,
 };
-use articula::{Figure, OpenOptions, Opened, Work};
+use articula::{AddClipsOptions, Figure, OpenOptions, Opened, Work};
 use articula_core::loa::Expression;
 use glam::Vec3;
 use std::path::{Path, PathBuf};
@@ -115,6 +115,28 @@ fn any_file_makes_a_crowd() {
         let warnings = asset.warnings().join("; ");
         assert_eq!(warnings.is_empty(), said.is_empty(), "{file}: {warnings}");
         assert!(warnings.contains(said), "{file}: {warnings}");
+    }
+}
+
+#[test]
+fn a_file_without_clips_moves_with_those_of_another() {
+    let Some(data) = real_data() else { return };
+    let motion = articula::fs::open(data.join("bvh/cmu_12_01_walk.bvh")).unwrap();
+    for file in [
+        "glb/mh_female_default163_arkit52.glb",
+        "vrm/Godette_vrm_v4.vrm",
+    ] {
+        let mut opened = articula::fs::open(data.join(file)).unwrap();
+        let motions = std::slice::from_ref(&motion);
+        opened
+            .add_clips(motions, &AddClipsOptions::default(), &Work::default())
+            .unwrap();
+        let asset = asset_of(opened, &CrowdOptions::default());
+        // A walk of some metres is played on the spot.
+        assert!(asset.travels(0), "{file}");
+        let way = played(&asset);
+        assert!(way > 0.01, "{file}: {way} m");
+        assert_eq!(asset.warnings(), [""; 0], "{file}");
     }
 }
 

@@ -14,7 +14,6 @@ pub(crate) mod costs;
 pub(crate) mod methods;
 pub(crate) mod plots;
 pub(crate) mod rows;
-pub(crate) mod saved;
 pub(crate) mod sheet;
 
 use articula::Figure;

@@ -8,27 +8,26 @@
 //!
 //! ```no_run
 //! use articula::crowd::{Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Viewport};
-//! use articula::{Figure, Result, Work, glam::Vec3};
+//! use articula::{AddClipsOptions, Figure, Result, Work, fs, glam::Vec3};
 //!
 //! fn main() -> Result<()> {
-//!     let path = std::env::args().nth(1).unwrap_or("hero.glb".into());
-//!     let figure = Figure::new(articula::fs::open(path)?)?;
-//!     let asset = CrowdAsset::new(&figure, &CrowdOptions::default(), &Work::default())?;
+//!     let mut files = std::env::args().skip(1);
+//!     let mut hero = fs::open(files.next().unwrap_or("hero.glb".into()))?;
+//!     for motion in files {
+//!         hero.add_clips(&[fs::open(motion)?], &AddClipsOptions::default(), &Work::default())?;
+//!     }
+//!     let asset = CrowdAsset::new(&Figure::new(hero)?, &CrowdOptions::default(), &Work::default())?;
 //!     let mut crowd = CrowdPlayer::new(&asset, 1000)?;
 //!     for i in 0..1000 {
-//!         let place = Vec3::new((i % 40) as f32, 0.0, (i / 40) as f32) * 2.0;
-//!         crowd.place(i, place, 0.0);
+//!         crowd.place(i, Vec3::new((i % 40) as f32, 0.0, (i / 40) as f32) * 2.0, 0.0);
 //!         crowd.play(i, i % asset.clips().len(), i as f32 * 0.37);
 //!     }
-//!     let (eye, target) = (Vec3::new(39.0, 1.7, -6.0), Vec3::new(39.0, 1.0, 20.0));
-//!     let camera = Camera::looking_at(eye, target, Viewport::default());
+//!     let target = Vec3::new(39.0, 1.0, 20.0);
+//!     let camera = Camera::looking_at(target - Vec3::Z * 26.0, target, Viewport::default());
 //!     for _frame in 0..60 {
 //!         let report = crowd.frame(1.0 / 60.0, &camera);
 //!         println!("{} visible, error at most {} px", report.visible, report.bound_px);
-//!         for group in crowd.groups() {
-//!             // One instanced draw of `group.mesh`; each of `group.draws` names a character and
-//!             // where its `group.matrices` matrices begin in `crowd.palettes()`.
-//!         }
+//!         for _group in crowd.groups() { /* one instanced draw: mesh, draws, palettes */ }
 //!     }
 //!     Ok(())
 //! }

@@ -185,6 +185,16 @@ impl Format {
         self.row().writes
     }
 
+    /// Whether a file of it holds a single clip, every joint in every frame.
+    pub fn holds_one_clip(self) -> bool {
+        self.needs_a_clip() || self == Self::Asf
+    }
+
+    /// Whether a file of it is nothing without a clip.
+    pub fn needs_a_clip(self) -> bool {
+        matches!(self, Self::Bvh | Self::Amc | Self::Bap)
+    }
+
     pub(super) fn opener(self) -> Opener {
         self.row().open
     }

@@ -34,6 +34,10 @@ pub struct Opened {
     pub bytes: usize,
     /// Skeleton, meshes, clips and expressions, in metres, +Y up, facing +Z.
     pub character: Character,
+    /// Whether the clips are other than those of the document behind a glTF file or of the
+    /// parameters of a BAP file, which are written anew then. Set it after changing
+    /// `character.clips`.
+    pub clips_changed: bool,
     /// What the joints are, by the file's own map or by their names.
     pub mapping: Mapping,
     /// What stands behind a glTF file, to be passed through; `None` for other formats.
@@ -110,6 +114,7 @@ impl Input<'_, '_> {
             bytes: self.bytes.len(),
             mapping: profile::map(&character.skeleton, self.profiles, given),
             character,
+            clips_changed: false,
             gltf: None,
             end_sites: Vec::new(),
             parameters: None,
@@ -119,6 +124,22 @@ impl Input<'_, '_> {
 }
 
 impl Opened {
+    /// A character that was made, not read; its joints are told by their names.
+    pub fn from_character(name: &str, character: Character) -> Self {
+        Self {
+            name: name.to_owned(),
+            format: Format::Glb,
+            bytes: 0,
+            mapping: profile::map(&character.skeleton, profile::builtin(), None),
+            character,
+            clips_changed: false,
+            gltf: None,
+            end_sites: Vec::new(),
+            parameters: None,
+            warnings: Vec::new(),
+        }
+    }
+
     /// H-Anim joint, level and region of every joint: what the file stores of itself, else what
     /// its names say.
     pub fn articulation(&self) -> Articulation {
@@ -132,7 +153,14 @@ impl Opened {
     /// # Errors
     /// [`Error::Argument`] if a name is that of no mesh; it lists those there are.
     pub fn keep_meshes(&mut self, only: &[String], hide: &[String]) -> Result<()> {
-        keep_meshes(&mut self.character, only, hide).context(&self.name)
+        let names = self.character.meshes.iter().map(|m| m.name.clone());
+        let names: Vec<String> = names.collect();
+        keep_meshes(&mut self.character, only, hide).context(&self.name)?;
+        if let Some(gltf) = &mut self.gltf {
+            let mut kept = names.iter().map(|name| is_kept(name, only, hide));
+            gltf.node_of_mesh.retain(|_| kept.next().unwrap_or(false));
+        }
+        Ok(())
     }
 }
 
@@ -167,12 +195,16 @@ pub fn choose<'a>(
     )))
 }
 
+fn is_kept(name: &String, only: &[String], hide: &[String]) -> bool {
+    (only.is_empty() || only.contains(name)) && !hide.contains(name)
+}
+
 fn keep_meshes(character: &mut Character, only: &[String], hide: &[String]) -> Result<()> {
     for name in only.iter().chain(hide) {
         let names = character.meshes.iter().map(|m| m.name.as_str());
         choose("mesh", name, names)?;
     }
-    let kept = |name: &String| (only.is_empty() || only.contains(name)) && !hide.contains(name);
+    let kept = |name: &String| is_kept(name, only, hide);
     let mut new_index = Vec::with_capacity(character.meshes.len());
     let mut next = 0;
     for mesh in &character.meshes {

@@ -1,4 +1,5 @@
-//! `articula build IN OUT.glb`: what is prepared once goes into the file.
+//! `articula build IN [MOTION...] OUT.glb`: what is prepared once goes into the file, with clips
+//! of other files.
 
 mod arguments;
 pub(crate) mod levels;
@@ -9,8 +10,10 @@ use crate::fault::clean;
 use crate::open;
 use crate::table::{Table, counted};
 use crate::{fault, files};
+use anyhow::Context;
 use arguments::MeshLevelArgs;
-use articula::{ClipTables, Format, PrepareOptions, Prepared, prepare};
+use articula::convert::ClipFit;
+use articula::{AddClipsOptions, ClipTables, Format, Opened, PrepareOptions, Prepared, prepare};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -18,8 +21,10 @@ use std::path::PathBuf;
 /// Arguments of `build`.
 #[derive(Debug, Args)]
 pub(crate) struct BuildArgs {
-    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh)
-    input: PathBuf,
+    /// Character file (.glb, .gltf, .vrm, .vrma, .bvh), then files whose clips it gets besides its
+    /// own (any format with clips)
+    #[arg(value_name = "IN", required = true)]
+    inputs: Vec<PathBuf>,
     /// Asset to write (.glb)
     out: PathBuf,
     #[command(flatten)]
@@ -42,6 +47,8 @@ struct Report {
     mapped: usize,
     profile: String,
     clips: Vec<Clip>,
+    /// Files whose clips were added.
+    added: Vec<Added>,
     /// Mesh levels, the finest first; none unless they are asked for.
     levels: Vec<levels::Level>,
     /// What they weigh.
@@ -64,6 +71,17 @@ struct Clip {
     keys: Vec<usize>,
 }
 
+/// What one file gave.
+#[derive(Debug, Serialize)]
+struct Added {
+    #[serde(rename = "in")]
+    input: String,
+    /// Names of its clips on the character.
+    clips: Vec<String>,
+    /// Whether they were put onto other joints, by the H-Anim map.
+    retargeted: bool,
+}
+
 /// Reads a character, works out its tables, writes the asset.
 pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     if files::format(&args.out) != Some(Format::Glb) {
@@ -74,14 +92,38 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
         seed: args.seed,
         mesh_levels: args.mesh_levels.wanted()?,
     };
-    let opened = open::character(&args.input, &args.names)?;
+    let mut files = args.inputs.iter().map(|p| open::character(p, &args.names));
+    let mut opened = files.next().context("no character was named")??;
+    let motions: Vec<Opened> = files.collect::<Result<_, _>>()?;
+    let added = added(&mut opened, &motions, console)?;
     let built = console.work(|work| prepare(opened, &options, work))?;
     files::write(&args.out, &built.glb)?;
     if let (Some(path), Some(levels)) = (&args.mesh_levels.mesh_stream, &built.mesh_levels) {
         files::write(path, &levels.stream.bytes)?;
     }
-    let report = Report::new(args, &built);
+    let mut report = Report::new(args, &built);
+    report.added = added;
+    for motion in &motions {
+        let warnings = open::warnings(motion).into_iter();
+        let warnings = warnings.map(|w| format!("{}: {w}", motion.name));
+        report.warnings.extend(warnings);
+    }
     console.result(&report, Report::text)
+}
+
+/// Gives the character the clips of other files.
+fn added(opened: &mut Opened, motions: &[Opened], console: &Console) -> anyhow::Result<Vec<Added>> {
+    if motions.is_empty() {
+        return Ok(Vec::new());
+    }
+    let options = AddClipsOptions::default();
+    let fits = console.work(|work| opened.add_clips(motions, &options, work))?;
+    let of_one = |fits: &[ClipFit]| Added {
+        input: fits[0].file.clone(),
+        clips: fits.iter().map(|fit| fit.name.clone()).collect(),
+        retargeted: fits[0].retargeted.is_some(),
+    };
+    Ok(fits.chunk_by(|a, b| a.file == b.file).map(of_one).collect())
 }
 
 impl Report {
@@ -105,6 +147,7 @@ impl Report {
             mapped: articulation.mapped(),
             profile: articulation.profile.clone(),
             clips: asset.clips.iter().zip(&built.tables).map(clip).collect(),
+            added: Vec::new(),
             levels: made.map(levels::levels).unwrap_or_default(),
             bytes: made.map(|l| levels::bytes(l, built.mesh_bytes)),
             poses_measured: made.map(|l| l.levels.measured.poses()),
@@ -134,6 +177,15 @@ impl Report {
             self.mapped,
             profile
         );
+        for added in &self.added {
+            let how = if added.retargeted {
+                "by the H-Anim map"
+            } else {
+                "the joints are the same"
+            };
+            let clips = counted(added.clips.len(), "clip", "clips");
+            text.push_str(&format!("{clips} of {} ({how})\n", clean(&added.input)));
+        }
         let mut table = Table::new(&[
             "clip",
             "frames",

@@ -1,13 +1,12 @@
 //! FAP files, rewritten with masks of what moves.
 
 use super::ConvertArgs;
-use super::report::Report;
+use super::report::{self, Report};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
+use articula::convert::write_data;
 use articula::{Data, DataFormat};
-use articula_core::fap_table::FAPS;
-use articula_formats::mpeg4::fap::{self, FapClip};
 
 /// Whether a file that is named holds data of a face, or should.
 pub(super) fn is_meant(args: &ConvertArgs) -> bool {
@@ -17,31 +16,40 @@ pub(super) fn is_meant(args: &ConvertArgs) -> bool {
 
 /// Rewrites a FAP file; anything else is refused with what can be done.
 pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
-    let clip = check(args)?;
-    let bytes = fap::write(&clip.0);
-    files::write(&args.out, &bytes)?;
-    let (clip, bytes_in, warnings) = clip;
+    let format = check(args)?;
+    let input = &args.inputs[0];
+    let opened = open::data(input, format, &args.names)?;
+    let written = write_data(&opened.data)?;
+    files::write(&args.out, &written.bytes)?;
+    let clips = match &opened.data {
+        Data::Fap(clip) => vec![clip.name.clone()],
+        _ => Vec::new(),
+    };
+    let left_out = written.left_out.iter();
+    let warnings = opened.warnings.iter();
     let report = Report {
-        input: files::shown(&args.inputs[0]),
+        input: files::shown(input),
         out: files::shown(&args.out),
-        format_in: DataFormat::Fap.name().to_owned(),
-        format_out: DataFormat::Fap.name(),
-        bytes_in,
-        bytes_out: bytes.len(),
+        format_in: format.name().to_owned(),
+        format_out: format.name(),
+        bytes_in: opened.bytes,
+        bytes_out: written.bytes.len(),
         beside: Vec::new(),
-        left_out: still(&clip).into_iter().collect(),
-        clips: vec![clip.name],
+        left_out: left_out
+            .map(|what| report::left_out(what, format.name()))
+            .collect(),
+        clips,
         onto: None,
         edits: Vec::new(),
         reduction: None,
-        warnings,
+        warnings: warnings.map(|w| format!("{}: {}", w.at, w.what)).collect(),
         failed: Vec::new(),
     };
     console.result(&report, |report| report.text(false))
 }
 
-/// The clip, the length of its file and what is odd about it.
-fn check(args: &ConvertArgs) -> anyhow::Result<(FapClip, usize, Vec<String>)> {
+/// The format, if it is one that is written and nothing else is asked for.
+fn check(args: &ConvertArgs) -> anyhow::Result<DataFormat> {
     let [input] = &args.inputs[..] else {
         return Err(fault::usage("a FAP file is written from one FAP file"));
     };
@@ -62,19 +70,5 @@ fn check(args: &ConvertArgs) -> anyhow::Result<(FapClip, usize, Vec<String>)> {
             "{place}: the flags that choose or change clips of a body say nothing of a FAP file; leave them out"
         )));
     }
-    let opened = open::data(input, format, &args.names)?;
-    let Data::Fap(clip) = opened.data else {
-        anyhow::bail!("{place}: it is no FAP file");
-    };
-    let warnings = opened.warnings.iter();
-    let warnings = warnings.map(|w| format!("{}: {}", w.at, w.what)).collect();
-    Ok((clip, opened.bytes, warnings))
-}
-
-/// Parameters that masks name, but that never move.
-fn still(clip: &FapClip) -> Option<String> {
-    let moving = clip.moving();
-    let still = (0..FAPS).filter(|fap| clip.coded[*fap] && !moving[*fap]);
-    let count = still.count();
-    (count > 0).then(|| format!("{count} of the parameters in its masks (they stay neutral)"))
+    Ok(format)
 }

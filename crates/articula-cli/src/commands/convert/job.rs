@@ -1,15 +1,15 @@
 //! One file of a conversion: read, changed as asked for, written.
 
-use super::onto::{self, Hero, NoClip};
+use super::ConvertArgs;
+use super::onto::Hero;
 use super::plan::{Input, Job};
-use super::report::{Onto, Report};
-use super::written::{self, Asked};
-use super::{ConvertArgs, reduction};
-use crate::open;
-use crate::table::counted;
-use crate::{fault, files};
-use anyhow::{Context, bail};
-use articula::{Format, Opened, Writes};
+use super::reduction::{Reduction, Selected};
+use super::report::{self, Onto, Report};
+use crate::console::on_all_processors;
+use crate::{files, open};
+use anyhow::bail;
+use articula::Opened;
+use articula::convert::ConvertOptions;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 use std::path::PathBuf;
@@ -23,204 +23,171 @@ pub(super) struct Done {
     pub(super) faults: Vec<(PathBuf, anyhow::Error)>,
 }
 
-/// What one job writes.
-struct Work {
-    opened: Opened,
-    /// Whether the clips are other than the document of the character has.
-    changed: bool,
-    /// Clips that were dropped because the format holds one.
-    dropped: usize,
-    report: Report,
+/// What all jobs are done with.
+pub(super) struct Recipe<'a> {
+    pub(super) args: &'a ConvertArgs,
+    pub(super) hero: Option<Hero>,
+    pub(super) selected: Option<Selected>,
+    /// Moves on for every file that was read.
+    pub(super) bar: ProgressBar,
 }
 
-/// Runs one job; the bar moves on for every file that was read.
-pub(super) fn run(job: &Job, args: &ConvertArgs, hero: Option<&Hero>, bar: &ProgressBar) -> Done {
-    let mut faults = Vec::new();
-    let work = match hero {
-        None => {
-            let read = read(job, args);
-            bar.inc(1);
-            read.map(Some)
-        }
-        Some(hero) => gathered(job, args, hero, bar, &mut faults),
-    };
-    let report = work.and_then(|work| work.map(|work| finished(job, args, work)).transpose());
-    let report = report.unwrap_or_else(|fault| {
-        faults.push((job.inputs[0].path.clone(), fault));
-        None
-    });
-    Done { report, faults }
-}
-
-/// One file as it is.
-fn read(job: &Job, args: &ConvertArgs) -> anyhow::Result<Work> {
-    let input = &job.inputs[0];
-    let mut opened = open::character(&input.path, &args.names)?;
-    check_pair(opened.format, job.format, args)?;
-    let place = opened.name.clone();
-    if input.found && files::same(&input.path, &job.out) {
-        bail!("{place}: it would be replaced by what is made of it; name another folder");
-    }
-    let dropped = choose_clips(args, &mut opened, job.format).context(place)?;
-    let mut report = Report::new(job, opened.name.clone());
-    report.format_in = opened.format.name().to_owned();
-    report.bytes_in = opened.bytes;
-    report.warnings = open::warnings(&opened);
-    Ok(Work {
-        changed: dropped > 0,
-        dropped: if args.clip.is_none() { dropped } else { 0 },
-        opened,
-        report,
-    })
-}
-
-/// The character with the motions of several files; none if no file could be used.
-fn gathered(
-    job: &Job,
-    args: &ConvertArgs,
-    hero: &Hero,
-    bar: &ProgressBar,
-    faults: &mut Vec<(PathBuf, anyhow::Error)>,
-) -> anyhow::Result<Option<Work>> {
-    check_pair(hero.opened.format, job.format, args)?;
-    let mut report = Report::new(job, job.named.clone());
-    report.warnings = open::warnings(&hero.opened);
-    let motions = |input: &Input| {
-        let motions = hero.motions(input, args);
-        bar.inc(1);
-        motions
-    };
-    let results: Vec<_> = job.inputs.par_iter().map(motions).collect();
-    let mut all = Vec::new();
-    for (input, motions) in job.inputs.iter().zip(results) {
-        match motions {
-            Ok(motions) => all.push(motions),
-            Err(fault) if input.found && fault.downcast_ref::<NoClip>().is_some() => {
-                let place = files::shown(&input.path);
-                report.left_out.push(format!("{place} (it has no clip)"));
+impl Recipe<'_> {
+    /// Runs one job.
+    pub(super) fn run(&self, job: &Job) -> Done {
+        let mut faults = Vec::new();
+        let made = match &self.hero {
+            None => {
+                let read = self.read(job);
+                self.bar.inc(1);
+                read.map(Some)
             }
-            Err(fault) => faults.push((input.path.clone(), fault)),
+            Some(hero) => self.gathered(job, hero, &mut faults),
+        };
+        let finished = |(opened, report)| self.finished(job, opened, report);
+        let report = made.and_then(|made| made.map(finished).transpose());
+        let report = report.unwrap_or_else(|fault| {
+            faults.push((job.inputs[0].path.clone(), fault));
+            None
+        });
+        Done { report, faults }
+    }
+
+    /// One file as it is.
+    fn read(&self, job: &Job) -> anyhow::Result<(Opened, Report)> {
+        let input = &job.inputs[0];
+        let opened = open::character(&input.path, &self.args.names)?;
+        self.options(self.args.clip.clone())
+            .check(opened.format, job.format)?;
+        let place = &opened.name;
+        if input.found && files::same(&input.path, &job.out) {
+            bail!("{place}: it would be replaced by what is made of it; name another folder");
+        }
+        let mut report = Report::new(job, opened.name.clone());
+        report.format_in = opened.format.name().to_owned();
+        report.bytes_in = opened.bytes;
+        report.warnings = open::warnings(&opened);
+        Ok((opened, report))
+    }
+
+    /// The character with the motions of several files; none if no file could be used.
+    fn gathered(
+        &self,
+        job: &Job,
+        hero: &Hero,
+        faults: &mut Vec<(PathBuf, anyhow::Error)>,
+    ) -> anyhow::Result<Option<(Opened, Report)>> {
+        self.options(None).check(hero.opened.format, job.format)?;
+        let mut report = Report::new(job, job.named.clone());
+        report.warnings = open::warnings(&hero.opened);
+        let motions = |input: &Input| {
+            let motions = hero.motions(input, self.args);
+            self.bar.inc(1);
+            motions
+        };
+        let results: Vec<_> = job.inputs.par_iter().map(motions).collect();
+        let (mut fitted, mut motions) = (Vec::new(), Vec::new());
+        let mut formats: Vec<&str> = Vec::new();
+        for (input, result) in job.inputs.iter().zip(results) {
+            match result {
+                Ok(Some(new)) => {
+                    fitted.extend(new.fitted);
+                    formats.push(new.report.format);
+                    report.bytes_in += new.report.bytes;
+                    report.warnings.extend(new.warnings);
+                    motions.push(new.report);
+                }
+                Ok(None) => {
+                    let place = files::shown(&input.path);
+                    report.left_out.push(format!("{place} (it has no clip)"));
+                }
+                Err(fault) => faults.push((input.path.clone(), fault)),
+            }
+        }
+        if motions.is_empty() {
+            return Ok(None);
+        }
+        let mut opened = hero.opened.clone();
+        let fits = opened.put_clips(fitted, self.args.keep_clips);
+        let reported = motions.iter_mut().flat_map(|m| &mut m.clips);
+        for (clip, fit) in reported.zip(&fits) {
+            clip.name.clone_from(&fit.name);
+        }
+        let clips = &mut opened.character.clips;
+        let kept = clips.len() - fits.len();
+        if job.format.holds_one_clip() {
+            // The motion is what was asked for, not what the character had before.
+            clips.rotate_left(kept);
+        }
+        formats.dedup();
+        report.format_in = formats.join(", ");
+        report.onto = Some(Onto {
+            character: hero.opened.name.clone(),
+            clips_kept: kept,
+            motions,
+        });
+        Ok(Some((opened, report)))
+    }
+
+    /// Changes what is asked for, and writes.
+    fn finished(&self, job: &Job, opened: Opened, mut report: Report) -> anyhow::Result<Report> {
+        let reduces = self.selected.is_some();
+        if reduces && opened.character.clips.is_empty() && !job.format.needs_a_clip() {
+            let place = &opened.name;
+            bail!("{place}: clips: there is none to reduce; leave --loa out");
+        }
+        let clip = self.hero.is_none().then(|| self.args.clip.clone());
+        let options = self.options(clip.flatten());
+        let made = articula::convert(opened, job.format, &options, &on_all_processors());
+        let made = made.map_err(|fault| self.placed(fault))?;
+        let mut files: Vec<(PathBuf, &[u8])> = vec![(job.out.clone(), &made.written.bytes)];
+        if let Some((format, bytes)) = &made.written.beside {
+            files.push((job.out.with_extension(format.name()), bytes));
+        }
+        for (path, bytes) in &files {
+            files::write(path, bytes)?;
+        }
+        let left_out = made.written.left_out.iter();
+        report
+            .left_out
+            .extend(left_out.map(|what| report::left_out(what, job.format.name())));
+        if reduces && job.format.holds_one_clip() {
+            let format = job.format.name();
+            report.warnings.push(format!(
+                "a .{format} file stores every joint in every frame, so it gets no smaller; write .glb to save bytes"
+            ));
+        }
+        report.edits = made.edits;
+        let reduction = self.selected.as_ref().zip(made.reduction);
+        report.reduction = reduction.map(|(selected, saved)| Reduction::new(selected, saved));
+        report.clips = made.clips;
+        report.bytes_out = files.iter().map(|(_, bytes)| bytes.len()).sum();
+        let beside = files[1..].iter();
+        report.beside = beside.map(|(path, _)| files::shown(path)).collect();
+        Ok(report)
+    }
+
+    fn options(&self, clip: Option<String>) -> ConvertOptions {
+        ConvertOptions {
+            clip,
+            edits: self.args.hygiene.edits(),
+            reduction: self.selected.as_ref().map(|s| s.reduction.clone()),
+            khr_character: self.args.khr_character,
         }
     }
-    if all.is_empty() {
-        return Ok(None);
-    }
-    let mut opened = hero.opened.clone();
-    let clips = &mut opened.character.clips;
-    if !args.keep_clips {
-        clips.clear();
-    }
-    onto::distinct(clips, &mut all);
-    let mut formats: Vec<&str> = all.iter().map(|m| m.report.format).collect();
-    formats.dedup();
-    report.format_in = formats.join(", ");
-    report.bytes_in = all.iter().map(|m| m.report.bytes).sum();
-    let kept = clips.len();
-    report
-        .warnings
-        .extend(all.iter_mut().flat_map(|m| m.warnings.drain(..)));
-    report.onto = Some(Onto {
-        character: hero.opened.name.clone(),
-        clips_kept: kept,
-        motions: Vec::new(),
-    });
-    for motions in all {
-        clips.extend(motions.clips);
-        if let Some(onto) = &mut report.onto {
-            onto.motions.push(motions.report);
+
+    /// An error of the library with the flags that it is about.
+    fn placed(&self, fault: articula::Error) -> articula::Error {
+        let mut fault = match &self.selected {
+            Some(selected) => selected.placed(fault),
+            None => fault,
+        };
+        if let articula::Error::At { cause, .. } = &mut fault
+            && let articula::Error::At { place, .. } = &mut **cause
+            && place == "trim"
+        {
+            "--trim (--clip NAME chooses one clip)".clone_into(place);
         }
+        fault
     }
-    let mut dropped = 0;
-    if written::holds_one_clip(job.format) {
-        // The motion is what was asked for, not what the character had before.
-        dropped = clips.len() - 1;
-        *clips = vec![clips.swap_remove(kept)];
-    }
-    Ok(Some(Work {
-        opened,
-        changed: true,
-        dropped,
-        report,
-    }))
-}
-
-/// Changes what is asked for, and writes.
-fn finished(job: &Job, args: &ConvertArgs, work: Work) -> anyhow::Result<Report> {
-    let Work {
-        mut opened,
-        changed,
-        dropped,
-        mut report,
-    } = work;
-    let place = opened.name.clone();
-    report.edits = args.hygiene.apply(&mut opened)?;
-    report.reduction = reduction::apply(args, &mut opened)?;
-    args.hygiene.reduce_keys(&mut opened, &mut report.edits)?;
-    let reduced = report.reduction.is_some();
-    let asked = Asked {
-        clips_changed: changed || reduced || !report.edits.is_empty(),
-        khr_character: args.khr_character,
-    };
-    let made = written::written(&opened, &job.out, job.format, asked);
-    let made = made.context(place)?;
-    for (path, bytes) in &made.files {
-        files::write(path, bytes)?;
-    }
-    report.left_out.extend(made.left_out);
-    if dropped > 0 {
-        let dropped = counted(dropped, "clip", "clips");
-        let format = job.format.name();
-        report.left_out.push(format!(
-            "{dropped} (a .{format} file holds one; --clip NAME chooses)"
-        ));
-    }
-    if reduced && written::holds_one_clip(job.format) {
-        let format = job.format.name();
-        report.warnings.push(format!(
-            "a .{format} file stores every joint in every frame, so it gets no smaller; write .glb to save bytes"
-        ));
-    }
-    let clips = opened.character.clips.iter();
-    report.clips = clips.map(|c| c.name.clone()).collect();
-    report.bytes_out = made.files.iter().map(|(_, bytes)| bytes.len()).sum();
-    let beside = made.files[1..].iter();
-    report.beside = beside.map(|(path, _)| files::shown(path)).collect();
-    Ok(report)
-}
-
-fn check_pair(input: Format, out: Format, args: &ConvertArgs) -> anyhow::Result<()> {
-    if args.khr_character && out != Format::Glb {
-        let what = "--khr-character writes into a .glb file, not into a";
-        return Err(fault::usage(format!("{what} .{}", out.name())));
-    }
-    let fits = match out.writes() {
-        Writes::Any => true,
-        Writes::Back => input == out,
-        Writes::Never => false,
-    };
-    if fits {
-        return Ok(());
-    }
-    Err(fault::usage(format!(
-        "{} to {} is not converted; converted are {}",
-        input.name(),
-        out.name(),
-        articula::conversions()
-    )))
-}
-
-/// Keeps the clips that go into the output; says how many were dropped.
-fn choose_clips(args: &ConvertArgs, opened: &mut Opened, out: Format) -> anyhow::Result<usize> {
-    let clips = &mut opened.character.clips;
-    let index = match &args.clip {
-        Some(name) => open::choose("clip", name, clips.iter().map(|c| c.name.as_str()))?,
-        None if written::holds_one_clip(out) && !clips.is_empty() => 0,
-        None if written::needs_a_clip(out) => {
-            anyhow::bail!("clips: there is none to write; give a file that has one")
-        }
-        None => return Ok(0),
-    };
-    let dropped = clips.len() - 1;
-    *clips = vec![clips.swap_remove(index)];
-    Ok(dropped)
 }

@@ -1,29 +1,26 @@
 //! `articula convert IN... OUT`: between formats, onto another character, and to a reduced
 //! animation; one file or many.
 
-mod body;
 mod face;
 mod hygiene;
 mod job;
-mod khr_character;
 mod onto;
 mod plan;
 mod reduction;
 mod report;
-mod written;
 
 use crate::arguments::{ReadArgs, finite};
 use crate::console::Console;
-use crate::play::saved;
 use crate::table::counted;
 use crate::{fault, files};
 use articula::Format;
 use articula_core::joint_state::PassivePolicy;
 use clap::Args;
-use job::Done;
+use job::{Done, Recipe};
 use onto::{Hero, Pin};
 use plan::Plan;
 use rayon::prelude::*;
+use reduction::Selected;
 use report::{Batch, Failure};
 use std::path::PathBuf;
 
@@ -68,7 +65,7 @@ pub(crate) struct ConvertArgs {
     #[arg(long, value_name = "F.json", conflicts_with = "loa")]
     loa_profile: Option<PathBuf>,
     /// What held joints show: hold, rest, key-pose, blend-to-rest:SECS [default: key-pose]
-    #[arg(long, value_name = "POLICY", value_parser = saved::passive)]
+    #[arg(long, value_name = "POLICY", value_parser = reduction::passive)]
     passive: Option<PassivePolicy>,
     /// Write the draft glTF extensions for characters: skeleton mapping and reference pose
     /// (.glb only)
@@ -89,12 +86,16 @@ pub(crate) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let plan = Plan::of(args)?;
     for job in &plan.jobs {
         args.hygiene.check(job.format)?;
+        args.check_khr_character(job.format)?;
     }
-    let hero = Hero::new(args)?;
-    let bar = console.progress("converting", plan.inputs());
-    let one = |job| job::run(job, args, hero.as_ref(), &bar);
-    let done: Vec<Done> = plan.jobs.par_iter().map(one).collect();
-    bar.finish_and_clear();
+    let recipe = Recipe {
+        args,
+        hero: Hero::new(args)?,
+        selected: Selected::of(args)?,
+        bar: console.progress("converting", plan.inputs()),
+    };
+    let done: Vec<Done> = plan.jobs.par_iter().map(|job| recipe.run(job)).collect();
+    recipe.bar.finish_and_clear();
     match &plan.folder {
         None => one_file(args, &plan, done, console),
         Some(folder) => many_files(args, files::shown(folder), done, console),
@@ -180,6 +181,14 @@ impl ConvertArgs {
             return Err(fault::usage(
                 "--passive and --close-up need --loa EXPR or --loa-profile F.json",
             ));
+        }
+        Ok(())
+    }
+
+    fn check_khr_character(&self, out: Format) -> anyhow::Result<()> {
+        if self.khr_character && out != Format::Glb {
+            let what = "--khr-character writes into a .glb file, not into a";
+            return Err(fault::usage(format!("{what} .{}", out.name())));
         }
         Ok(())
     }

@@ -1,34 +1,27 @@
-//! `convert --onto CHARACTER`: motions of other figures, put onto one character.
-//!
-//! Source characters → retargeted clips → clips of the character, whose own document carries
-//! them out. What the motion of a face drives goes along by name.
-
-mod face;
+//! `convert --onto CHARACTER`: motions of other figures, put onto one character, and how good they
+//! are there.
 
 use super::ConvertArgs;
-use super::plan::{Input, stem};
+use super::plan::{Input, reads_many};
 use crate::fault::clean;
 use crate::open;
 use crate::table::Table;
-use anyhow::{Context, bail};
+use anyhow::Context;
 use articula::Opened;
-use articula_build::expression::bake;
-use articula_build::retarget::{
-    self, Figure, Origin, Pinning, RetargetOptions, RetargetReport, Retargeter,
+use articula::convert::{
+    AddClipsOptions, ClipFit, FittedClip, Pinning, RetargetOptions, RetargetReport, fit_clips,
 };
-use articula_core::articulation::Articulation;
-use articula_core::source::{Clip, Skeleton};
+use articula_build::retarget::{self, Origin};
+use articula_core::source::Skeleton;
 use clap::ValueEnum;
 use serde::Serialize;
-use std::collections::HashSet;
-use std::fmt;
 use std::path::Path;
 
 /// The character that receives motions.
 #[derive(Debug)]
 pub(super) struct Hero {
     pub(super) opened: Opened,
-    articulation: Articulation,
+    options: AddClipsOptions,
 }
 
 /// Which ends of limbs stay in place while the source's rest.
@@ -55,7 +48,7 @@ impl Pin {
 /// The motions of one file, on the character.
 #[derive(Debug)]
 pub(super) struct Motions {
-    pub(super) clips: Vec<Clip>,
+    pub(super) fitted: Vec<FittedClip>,
     pub(super) warnings: Vec<String>,
     pub(super) report: Motion,
 }
@@ -173,22 +166,6 @@ pub(super) struct Share {
     pub(super) share: f32,
 }
 
-/// A file that holds no clip, found in a folder among others.
-#[derive(Debug)]
-pub(super) struct NoClip(String);
-
-impl fmt::Display for NoClip {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{}: clips: there is none to put onto the character",
-            self.0
-        )
-    }
-}
-
-impl std::error::Error for NoClip {}
-
 impl Hero {
     /// Reads the character; it must be a human figure.
     pub(super) fn new(args: &ConvertArgs) -> anyhow::Result<Option<Self>> {
@@ -196,70 +173,66 @@ impl Hero {
             return Ok(None);
         };
         let opened = open::character(path, &args.names)?;
-        check_human(&opened)?;
-        Ok(Some(Self {
-            articulation: opened.articulation(),
-            opened,
+        opened.check_human()?;
+        let options = AddClipsOptions {
+            clip: args.clip.clone(),
+            file_in_names: reads_many(args),
+            by_names: false,
+            retarget: RetargetOptions {
+                pinning: args.pin.unwrap_or(Pin::Feet).pinning(),
+                floor_metres: args.floor_metres,
+                ..RetargetOptions::default()
+            },
+            ..AddClipsOptions::default()
+        };
+        Ok(Some(Self { opened, options }))
+    }
+
+    /// Reads a file of motions and makes them the character's; `None` if it has no clip and was
+    /// found in a folder among others.
+    pub(super) fn motions(
+        &self,
+        input: &Input,
+        args: &ConvertArgs,
+    ) -> anyhow::Result<Option<Motions>> {
+        let source = open::character(&input.path, &args.names)?;
+        if input.found && source.character.clips.is_empty() {
+            return Ok(None);
+        }
+        let fitted = fit_clips(&source, &self.opened, &self.options)?;
+        let report = fitted.iter().rev().find_map(|f| f.fit.retargeted.as_ref());
+        let report = report.context("no clip was retargeted")?;
+        let warnings = open::warnings(&source);
+        let warnings = warnings
+            .into_iter()
+            .map(|w| format!("{}: {w}", source.name));
+        let clips = fitted.iter().filter_map(|f| self.one(f)).collect();
+        Ok(Some(Motions {
+            warnings: warnings.collect(),
+            report: self.motion(&source, report, clips),
+            fitted,
         }))
     }
 
-    /// Reads a file of motions and puts them onto the character.
-    pub(super) fn motions(&self, input: &Input, args: &ConvertArgs) -> anyhow::Result<Motions> {
-        let source = open::character(&input.path, &args.names)?;
-        let place = || source.name.clone();
-        let clips = chosen(&source, args).with_context(place)?;
-        check_human(&source)?;
-        let articulation = source.articulation();
-        let from = Figure {
-            skeleton: &source.character.skeleton,
-            articulation: &articulation,
-        };
-        let onto = Figure {
-            skeleton: &self.opened.character.skeleton,
-            articulation: &self.articulation,
-        };
-        let retargeter = Retargeter::new(from, onto).with_context(place)?;
-        let options = RetargetOptions {
-            pinning: args.pin.unwrap_or(Pin::Feet).pinning(),
-            floor_metres: args.floor_metres,
-            ..RetargetOptions::default()
-        };
-        let mut made = Vec::new();
-        let mut reports = Vec::new();
-        let mut last = None;
-        for clip in &clips {
-            let at = || format!("{}: clip \"{}\"", place(), clip.name);
-            let retargeted = retargeter.retarget(clip, &options).with_context(at)?;
-            let mut new = retargeted.clip;
-            new.name = name_of(&source, clip, args);
-            let face = face::channels(&source.character, clip, &self.opened.character);
-            reports.push(self.one(&new, clip, &retargeted.report, face.len()));
-            new.channels.extend(face);
-            let baked = bake(&self.opened.character, &new).with_context(at)?;
-            made.push(baked.into_owned());
-            last = Some(retargeted.report);
-        }
-        let warnings = open::warnings(&source);
-        let warnings = warnings.into_iter().map(|w| format!("{}: {w}", place()));
-        let report = last.context("no clip was chosen")?;
-        Ok(Motions {
-            clips: made,
-            warnings: warnings.collect(),
-            report: self.motion(&source, &report, reports),
-        })
-    }
-
-    fn one(&self, new: &Clip, from: &Clip, report: &RetargetReport, face: usize) -> OneClip {
+    fn one(&self, fitted: &FittedClip) -> Option<OneClip> {
         let names = &self.opened.character.skeleton;
-        OneClip {
-            name: new.name.clone(),
-            from: from.name.clone(),
-            duration_secs: new.duration_secs,
-            face,
+        let ClipFit {
+            name: new,
+            from,
+            morph_channels,
+            retargeted,
+            ..
+        } = &fitted.fit;
+        let report = retargeted.as_ref()?;
+        Some(OneClip {
+            name: new.clone(),
+            from: from.clone(),
+            duration_secs: fitted.clip.duration_secs,
+            face: *morph_channels,
             joint_speed_max_deg_per_s: report.fastest.map(|(_, speed)| speed.to_degrees()),
             joint_fastest: report.fastest.map(|(joint, _)| name(names, joint)),
             quality: Quality::new(&report.quality),
-        }
+        })
     }
 
     fn motion(&self, source: &Opened, report: &RetargetReport, clips: Vec<OneClip>) -> Motion {
@@ -370,61 +343,6 @@ impl Motion {
         }
         text
     }
-}
-
-/// Gives every clip a name of its own, counting on where one is taken; `kept` come first.
-pub(super) fn distinct(kept: &[Clip], all: &mut [Motions]) {
-    let mut taken: HashSet<String> = kept.iter().map(|c| c.name.clone()).collect();
-    for motions in all {
-        let reports = motions.report.clips.iter_mut();
-        for (clip, report) in motions.clips.iter_mut().zip(reports) {
-            let wanted = clip.name.clone();
-            let mut count = 1;
-            while !taken.insert(clip.name.clone()) {
-                count += 1;
-                clip.name = format!("{wanted} {count}");
-            }
-            report.name.clone_from(&clip.name);
-        }
-    }
-}
-
-/// The clips of a file that are wanted.
-fn chosen(source: &Opened, args: &ConvertArgs) -> anyhow::Result<Vec<Clip>> {
-    let clips = &source.character.clips;
-    if clips.is_empty() {
-        return Err(anyhow::Error::new(NoClip(source.name.clone())));
-    }
-    let Some(name) = &args.clip else {
-        return Ok(clips.clone());
-    };
-    let index = open::choose("clip", name, clips.iter().map(|c| c.name.as_str()))?;
-    Ok(vec![clips[index].clone()])
-}
-
-/// The file's name for its only clip; the clip's own where a file has several, with the file's
-/// before it where there are several files.
-fn name_of(source: &Opened, clip: &Clip, args: &ConvertArgs) -> String {
-    let stem = stem(Path::new(&source.name));
-    let stem = stem.to_string_lossy();
-    if source.character.clips.len() == 1 {
-        return stem.into_owned();
-    }
-    if super::plan::reads_many(args) {
-        format!("{stem} {}", clip.name)
-    } else {
-        clip.name.clone()
-    }
-}
-
-fn check_human(opened: &Opened) -> anyhow::Result<()> {
-    if opened.mapping.humanoid || opened.character.articulation.is_some() {
-        return Ok(());
-    }
-    bail!(
-        "{}: joints: hips, legs and arms are not told by their names; say what they are with --profile F.json",
-        opened.name.clone()
-    )
 }
 
 fn name(skeleton: &Skeleton, joint: usize) -> String {

@@ -1,82 +1,88 @@
-//! `convert --loa`: the animation that a level of articulation leaves, and what that saves.
+//! `convert --loa`: which joints move, from the flags, and what that saved, for people.
 
 use super::ConvertArgs;
-use crate::play::methods::joints;
-use crate::play::saved::{self, Amount, Saving};
 use crate::{fault, files};
 use anyhow::Context;
-use articula::Opened;
+use articula::convert::{JointReduction, JointsReduced, MovingJoints};
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::JointSet;
-use articula_core::loa::selection::with_ancestors;
-use articula_core::rig::Rig;
+use articula_core::loa::Expression;
 use articula_formats::{Limits, loa_profile};
 use serde::Serialize;
+
+/// The selection that is asked for.
+#[derive(Debug)]
+pub(super) struct Selected {
+    /// As the command line has it.
+    named: String,
+    /// What stands in front of an error about it.
+    place: String,
+    pub(super) reduction: JointReduction,
+}
+
+impl Selected {
+    /// Reads the flags, and the file that they name.
+    pub(super) fn of(args: &ConvertArgs) -> anyhow::Result<Option<Self>> {
+        let (named, place, moving) = match (&args.loa, &args.loa_profile) {
+            (Some(text), _) => {
+                let place = format!("--loa \"{text}\"");
+                let expression = Expression::parse(text).map_err(|e| fault::usage(e.to_string()));
+                let expression = expression.with_context(|| place.clone())?;
+                (text.clone(), place, MovingJoints::Expression(expression))
+            }
+            (None, Some(path)) => {
+                let place = files::shown(path);
+                let limits = Limits::default();
+                let bytes = files::read(path, limits.bytes)?;
+                let profile = loa_profile::read(&bytes, &limits);
+                let selection = profile.with_context(|| place.clone())?.selection;
+                (place.clone(), place, MovingJoints::Selection(selection))
+            }
+            (None, None) => return Ok(None),
+        };
+        Ok(Some(Self {
+            named,
+            place,
+            reduction: JointReduction {
+                moving,
+                close_up: args.close_up,
+                passive: args.passive.unwrap_or(PassivePolicy::KeyPose),
+            },
+        }))
+    }
+
+    /// An error of the library with the selection as the user wrote it.
+    pub(super) fn placed(&self, mut fault: articula::Error) -> articula::Error {
+        if let articula::Error::At { place, .. } = &mut fault
+            && place == "selection"
+        {
+            place.clone_from(&self.place);
+        }
+        fault
+    }
+}
 
 /// What was held, and what that saved.
 #[derive(Debug, Serialize)]
 pub(super) struct Reduction {
     selection: String,
     passive: String,
-    joints: usize,
-    joints_active: usize,
-    before: Amount,
-    after: Amount,
-    /// Share of the animation's bytes that is gone, 0 to 1.
-    saved: f64,
-}
-
-/// Reduces all clips of a character if the command asks for it.
-pub(super) fn apply(args: &ConvertArgs, opened: &mut Opened) -> anyhow::Result<Option<Reduction>> {
-    if args.loa.is_none() && args.loa_profile.is_none() {
-        return Ok(None);
-    }
-    let place = opened.name.clone();
-    if opened.character.clips.is_empty() {
-        anyhow::bail!("{place}: clips: there is none to reduce; leave --loa out");
-    }
-    let rig = Rig::new(&opened.character.skeleton, opened.articulation()).context(place)?;
-    let (selection, mut active) = selected(args, &rig)?;
-    if args.close_up {
-        active = with_ancestors(&rig, &active);
-    }
-    let policy = args.passive.unwrap_or(PassivePolicy::KeyPose);
-    let saving = Saving::new(&rig, &opened.character.clips, &active, policy);
-    let reduction = Reduction {
-        selection,
-        passive: saved::name(policy),
-        joints: rig.skin_joints().len(),
-        joints_active: active.intersection(rig.skin_joints()).len(),
-        before: saving.before,
-        after: saving.after,
-        saved: saving.share(),
-    };
-    opened.character.clips = saving.clips;
-    Ok(Some(reduction))
-}
-
-fn selected(args: &ConvertArgs, rig: &Rig) -> anyhow::Result<(String, JointSet)> {
-    if let Some(text) = &args.loa {
-        return Ok((text.clone(), joints(text, rig)?));
-    }
-    let Some(path) = &args.loa_profile else {
-        return Err(fault::usage("--loa EXPR or --loa-profile F.json is needed"));
-    };
-    let place = files::shown(path);
-    let limits = Limits::default();
-    let bytes = files::read(path, limits.bytes)?;
-    let profile = loa_profile::read(&bytes, &limits).with_context(|| place.clone())?;
-    let set = profile
-        .selection
-        .joints(rig)
-        .with_context(|| place.clone())?;
-    Ok((place, set))
+    #[serde(flatten)]
+    reduced: JointsReduced,
 }
 
 impl Reduction {
+    /// What became of a selection.
+    pub(super) fn new(selected: &Selected, reduced: JointsReduced) -> Self {
+        Self {
+            selection: selected.named.clone(),
+            passive: name(selected.reduction.passive),
+            reduced,
+        }
+    }
+
     /// The share that is saved, for a table.
     pub(super) fn percent(&self) -> String {
-        format!("{:.1}%", 100.0 * self.saved)
+        format!("{:.1}%", 100.0 * self.reduced.saved)
     }
 
     /// The saving for people.
@@ -84,14 +90,14 @@ impl Reduction {
         let line = |what: &str, before: usize, after: usize| {
             format!("  {what:<18} {before:>10} -> {after:>10}\n")
         };
-        let (before, after) = (&self.before, &self.after);
+        let (before, after) = (&self.reduced.before, &self.reduced.after);
         format!(
             "{}: {} of {} joints active, the others: {}; {:.1}% of the animation saved\n{}{}{}{}",
             self.selection,
-            self.joints_active,
-            self.joints,
+            self.reduced.joints_active,
+            self.reduced.joints,
             self.passive,
-            100.0 * self.saved,
+            100.0 * self.reduced.saved,
             line(
                 "animation bytes",
                 before.animation_bytes,
@@ -105,5 +111,56 @@ impl Reduction {
                 after.joints_animated
             ),
         )
+    }
+}
+
+/// Reads `hold`, `rest`, `key-pose` or `blend-to-rest:SECS`.
+pub(super) fn passive(text: &str) -> Result<PassivePolicy, String> {
+    let wrong = || "expected hold, rest, key-pose or blend-to-rest:SECS".to_owned();
+    match text.split_once(':') {
+        None => match text {
+            "hold" => Ok(PassivePolicy::HoldLast),
+            "rest" => Ok(PassivePolicy::Rest),
+            "key-pose" => Ok(PassivePolicy::KeyPose),
+            _ => Err(wrong()),
+        },
+        Some(("blend-to-rest", secs)) => {
+            let secs = secs.parse::<f32>().ok();
+            let secs = secs.filter(|s| s.is_finite() && *s > 0.0);
+            secs.map(|secs| PassivePolicy::BlendToRest { secs })
+                .ok_or_else(wrong)
+        }
+        Some(_) => Err(wrong()),
+    }
+}
+
+/// The policy as the command line spells it.
+fn name(policy: PassivePolicy) -> String {
+    match policy {
+        PassivePolicy::HoldLast => "hold".into(),
+        PassivePolicy::Rest => "rest".into(),
+        PassivePolicy::KeyPose => "key-pose".into(),
+        PassivePolicy::BlendToRest { secs } => format!("blend-to-rest:{secs}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn policies_are_spelled_in_one_way() {
+        for text in ["hold", "rest", "key-pose", "blend-to-rest:0.5"] {
+            assert_eq!(name(passive(text).unwrap()), text);
+        }
+        for bad in [
+            "",
+            "blend-to-rest",
+            "blend-to-rest:-1",
+            "blend-to-rest:NaN",
+            "hold:1",
+        ] {
+            assert!(passive(bad).is_err(), "{bad}");
+        }
     }
 }

@@ -1,12 +1,13 @@
 //! What a conversion says of itself, for programs and for people.
 
-use super::hygiene::Edits;
+use super::hygiene;
 use super::onto::Motion;
 use super::plan::Job;
 use super::reduction::Reduction;
-use crate::fault::clean;
+use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
+use articula::convert::{ClipEdited, LeftOut};
 use serde::Serialize;
 use std::path::Path;
 
@@ -29,7 +30,7 @@ pub(super) struct Report {
     pub(super) clips: Vec<String>,
     pub(super) onto: Option<Onto>,
     /// What was done with each clip; empty if nothing was asked for.
-    pub(super) edits: Vec<Edits>,
+    pub(super) edits: Vec<ClipEdited>,
     pub(super) reduction: Option<Reduction>,
     /// What the format of the output cannot hold.
     pub(super) left_out: Vec<String>,
@@ -68,12 +69,48 @@ impl Failure {
     /// The reason without the file's name in front of it.
     pub(super) fn new(path: &Path, fault: &anyhow::Error) -> Self {
         let input = files::shown(path);
-        let why = format!("{fault:#}");
+        let why = fault::text(fault);
         let why = why.strip_prefix(&format!("{input}: ")).unwrap_or(&why);
         Self {
             why: clean(why),
             input,
         }
+    }
+}
+
+/// What a file does not hold, in words; `format` is the name of its format.
+pub(super) fn left_out(what: &LeftOut, format: &str) -> String {
+    match what {
+        LeftOut::Meshes(count) => {
+            let why = match format {
+                "bap" => "BAP holds one clip of a body",
+                "bvh" => "BVH holds joints and one clip",
+                _ => "ASF and AMC hold joints and one clip",
+            };
+            format!("{} ({why})", counted(*count, "mesh", "meshes"))
+        }
+        LeftOut::EndSites(count) => {
+            let sites = counted(*count, "end site", "end sites");
+            format!("{sites} (GLB has no such thing)")
+        }
+        LeftOut::Clips(count) => {
+            let dropped = counted(*count, "clip", "clips");
+            format!("{dropped} (a .{format} file holds one; --clip NAME chooses)")
+        }
+        LeftOut::Turns {
+            joints,
+            most,
+            max_radians,
+        } => format!(
+            "turns of {} of up to {:.1} degrees, most at {most} (BAP has no parameter for them)",
+            counted(*joints, "joint", "joints"),
+            max_radians.to_degrees(),
+        ),
+        LeftOut::StillParameters(count) => {
+            format!("{count} of the parameters in its masks (they stay neutral)")
+        }
+        LeftOut::Note(note) => note.clone(),
+        other => format!("{other:?}"),
     }
 }
 
@@ -117,7 +154,7 @@ impl Report {
             text.push_str(&onto.text(map));
         }
         for edits in &self.edits {
-            text.push_str(&edits.text());
+            text.push_str(&hygiene::text(edits));
         }
         if let Some(reduction) = &self.reduction {
             text.push_str(&reduction.text());

@@ -7,8 +7,8 @@ use crate::commands::flatten::report as flatten;
 use crate::files;
 use crate::play::costs::Costs;
 use crate::play::rows::{Row, Table};
-use crate::play::saved::{Amount, Saving};
 use articula::Figure;
+use articula::convert::{AnimationSize, hold_joints};
 use articula_core::articulation::Complexity;
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::selection;
@@ -78,7 +78,7 @@ pub(super) struct ClipRows {
 pub(super) struct Level {
     pub(super) name: &'static str,
     pub(super) joints: usize,
-    pub(super) stored: Amount,
+    pub(super) stored: AnimationSize,
     /// Share of the animation's bytes that is gone, 0 to 1.
     pub(super) saved: f64,
 }
@@ -87,12 +87,12 @@ impl Level {
     /// What the level leaves of some clips.
     pub(super) fn new(level: Complexity, rig: &Rig, clips: &[source::Clip]) -> Self {
         let active = selection::complexity(rig, level);
-        let saving = Saving::new(rig, clips, &active, PassivePolicy::KeyPose);
+        let held = hold_joints(rig, clips, &active, PassivePolicy::KeyPose);
         Self {
             name: level.name(),
             joints: active.intersection(rig.skin_joints()).len(),
-            stored: saving.after,
-            saved: saving.share(),
+            stored: held.after,
+            saved: held.saved(),
         }
     }
 }

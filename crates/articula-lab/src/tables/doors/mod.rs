@@ -8,8 +8,9 @@ mod page;
 mod written;
 
 use super::Run;
-use crate::open::{self, Content, Data, Format, Opened};
+use crate::open::{self, Content, Kind, Parameters};
 use anyhow::{Context, Result};
+use articula::Opened;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use written::Trip;
@@ -25,7 +26,7 @@ struct Door {
     path: PathBuf,
     /// Path below the data folder.
     name: String,
-    format: Format,
+    kind: Kind,
     /// What was found, or the reason why it was refused.
     found: Result<Found>,
     trips: Vec<Trip>,
@@ -34,7 +35,7 @@ struct Door {
 /// What is in a file that opens.
 enum Found {
     Figure(Counts),
-    Data(Data),
+    Data(Parameters),
 }
 
 /// What is in a file.
@@ -83,13 +84,13 @@ impl Counts {
             triangles: primitives().map(|p| p.triangles.len()).sum(),
             morphs: character.meshes.iter().map(|m| m.morph_weights.len()).sum(),
             expressions: character.expressions.len(),
-            warnings: opened.warnings,
+            warnings: open::warnings(opened),
         }
     }
 }
 
 /// The files of the data folder that a reader is for, in order.
-fn files(data: &Path) -> Result<Vec<(PathBuf, Format)>> {
+fn files(data: &Path) -> Result<Vec<(PathBuf, Kind)>> {
     let mut all = Vec::new();
     let mut open = vec![data.to_owned()];
     while let Some(folder) = open.pop() {
@@ -99,18 +100,18 @@ fn files(data: &Path) -> Result<Vec<(PathBuf, Format)>> {
             if path.is_dir() && !NO_DOORS.contains(&name.as_ref()) {
                 open.push(path);
             } else if path.is_file()
-                && let Some(format) = Format::of(&path)?
+                && let Some(kind) = Kind::of(&path)?
             {
-                all.push((path, format));
+                all.push((path, kind));
             }
         }
     }
-    all.sort();
+    all.sort_by(|a, b| a.0.cmp(&b.0));
     Ok(all)
 }
 
 /// Opens one file, and writes it in every way into a folder.
-fn door(data: &Path, path: &Path, format: Format, folder: &Path) -> Result<Door> {
+fn door(data: &Path, path: &Path, kind: Kind, folder: &Path) -> Result<Door> {
     let name = path
         .strip_prefix(data)
         .unwrap_or(path)
@@ -129,7 +130,7 @@ fn door(data: &Path, path: &Path, format: Format, folder: &Path) -> Result<Door>
     Ok(Door {
         path: path.to_owned(),
         name,
-        format,
+        kind,
         found,
         trips,
     })
@@ -142,7 +143,7 @@ fn doors(run: &Run, folder: &Path) -> Result<Vec<Door>> {
         files.retain(|(path, _)| path.metadata().is_ok_and(|m| m.len() <= SMALL_BYTES));
     }
     let all = files.par_iter();
-    all.map(|(path, format)| door(&run.data, path, *format, folder))
+    all.map(|(path, kind)| door(&run.data, path, *kind, folder))
         .collect()
 }
 

@@ -3,7 +3,7 @@
 use super::judge::Errors;
 use super::written::{Trip, Writer};
 use super::{Door, Found};
-use crate::open::Data;
+use crate::open::Parameters;
 use anyhow::Result;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -12,9 +12,7 @@ use std::path::{Path, PathBuf};
 pub(super) fn judged(doors: &[Door]) -> Vec<PathBuf> {
     let written = doors.iter().flat_map(|d| &d.trips);
     let mut all: Vec<PathBuf> = written.filter_map(|t| t.path.clone()).collect();
-    let sources = doors
-        .iter()
-        .filter(|d| d.format.is_gltf() && d.found.is_ok());
+    let sources = doors.iter().filter(|d| d.kind.is_gltf() && d.found.is_ok());
     all.extend(sources.map(|d| d.path.clone()));
     all
 }
@@ -23,20 +21,17 @@ pub(super) fn judged(doors: &[Door]) -> Vec<PathBuf> {
 pub(super) fn page(doors: &[Door], errors: Option<&Errors>) -> Result<String> {
     let mut page = String::from(HEAD);
     for Door {
-        name,
-        format,
-        found,
-        ..
+        name, kind, found, ..
     } in doors
     {
-        let format = format.name();
+        let format = kind.name();
         match found {
             Ok(Found::Figure(counts)) => {
                 let numbers = counts.columns().map(|n| n.to_string()).join(" | ");
                 writeln!(page, "| {name} | {format} | yes | {numbers} |")?;
             }
             Ok(Found::Data(data)) => {
-                let Data { what, warnings, .. } = data;
+                let Parameters { what, warnings, .. } = data;
                 let again = match data.comes_back {
                     None => "",
                     Some(true) => "; written and read again the same",
@@ -111,13 +106,10 @@ pub(super) fn csv(doors: &[Door]) -> Result<String> {
         "file,format,opened,joints,mapped,clips,meshes,triangles,morphs,expressions,warnings,why\n",
     );
     for Door {
-        name,
-        format,
-        found,
-        ..
+        name, kind, found, ..
     } in doors
     {
-        let format = format.name();
+        let format = kind.name();
         match found {
             Ok(Found::Figure(counts)) => {
                 let numbers = counts.columns().map(|n| n.to_string()).join(",");

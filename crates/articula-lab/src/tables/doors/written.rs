@@ -1,13 +1,13 @@
 //! Every writer's output, opened again: how far it lies from what was written.
 
 use super::compare::{Apart, Kept, apart};
-use crate::open::{self, Format, Opened, Told};
+use crate::open::{self, Told};
 use anyhow::{Context, Result};
-use articula_build::clip::source_rate_hz;
+use articula::convert::{Written, write};
+use articula::{Format, Opened};
 use articula_build::expression::bake;
 use articula_core::source::{Character, Clip};
-use articula_formats::gltf::Document;
-use articula_formats::{acclaim, bvh, x3d};
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 /// Farthest that a joint or vertex of a GLB may be from where it was, millimetres: its numbers
@@ -31,12 +31,6 @@ pub(super) enum Writer {
     Acclaim,
     /// An H-Anim figure in X3D.
     X3d,
-}
-
-/// What a writer made.
-enum Bytes {
-    One(Vec<u8>),
-    Pair(Vec<u8>, Option<Vec<u8>>),
 }
 
 /// A written file that was opened again.
@@ -105,54 +99,40 @@ impl Writer {
         if self.is_glb() { GLB_MM } else { TEXT_MM }
     }
 
+    /// The format that it writes.
+    fn format(self) -> Format {
+        match self {
+            Self::Through | Self::Clips | Self::Anew => Format::Glb,
+            Self::Bvh => Format::Bvh,
+            Self::Acclaim => Format::Asf,
+            Self::X3d => Format::X3d,
+        }
+    }
+
     /// The bytes; `None` if this writer has nothing to write of the character.
-    fn bytes(self, opened: &Opened) -> Result<Option<Bytes>> {
-        let character = &opened.character;
-        let clip = character.clips.first();
-        let rate_hz = clip.map_or(30.0, source_rate_hz);
-        let end_sites = opened.end_sites.clone();
-        Ok(match (self, &opened.behind) {
-            (Self::Through, Some(file)) => Some(Bytes::One(file.document.write_glb()?)),
-            (Self::Clips, Some(file)) if clip.is_some() => {
-                let mut document = file.document.clone();
-                let (joints, meshes) = (&file.node_of_joint, &file.node_of_mesh);
-                let clips = baked(character)?;
-                document.replace_clips(&clips, joints, meshes)?;
-                Some(Bytes::One(document.write_glb()?))
-            }
-            (Self::Anew, _) => {
-                let baked = Character {
-                    clips: baked(character)?,
-                    ..character.clone()
-                };
-                let document = Document::from_character(&baked)?;
-                Some(Bytes::One(document.write_glb()?))
-            }
-            (Self::Bvh, _) if clip.is_some() => {
-                let options = bvh::WriteOptions {
-                    rate_hz,
-                    end_sites,
-                    ..bvh::WriteOptions::default()
-                };
-                Some(Bytes::One(bvh::write(character, 0, &options)?))
-            }
+    fn written(self, opened: &Opened) -> Result<Option<Written>> {
+        let clips = !opened.character.clips.is_empty();
+        let has = match self {
+            Self::Through => opened.gltf.is_some(),
+            Self::Clips => opened.gltf.is_some() && clips,
             // A skeleton alone does not say how high its root is.
-            (Self::Acclaim, _) if clip.is_some() => {
-                let options = acclaim::WriteOptions { rate_hz, end_sites };
-                let made = acclaim::write(character, Some(0), &options)?;
-                Some(Bytes::Pair(made.asf, made.amc))
-            }
-            (Self::X3d, _) => {
-                let baked = Character {
-                    clips: baked(character)?,
-                    ..character.clone()
-                };
-                let articulation = &opened.mapping.articulation;
-                let made = x3d::write(&baked, articulation, &x3d::WriteOptions::default())?;
-                Some(Bytes::One(made.bytes))
-            }
-            _ => None,
-        })
+            Self::Bvh | Self::Acclaim => clips,
+            Self::Anew | Self::X3d => true,
+        };
+        if !has {
+            return Ok(None);
+        }
+        let mut opened = Cow::Borrowed(opened);
+        if matches!(self, Self::Clips | Self::Anew | Self::X3d) {
+            let baked = baked(&opened.character)?;
+            let opened = opened.to_mut();
+            opened.character.clips = baked;
+            opened.clips_changed = true;
+        }
+        if self == Self::Anew {
+            opened.to_mut().gltf = None;
+        }
+        Ok(Some(write(&opened, self.format())?))
     }
 }
 
@@ -168,15 +148,15 @@ fn baked(character: &Character) -> Result<Vec<Clip>> {
 pub(super) fn trips(opened: &Opened, path: &Path, stem: &Path) -> Result<Vec<Trip>> {
     let mut trips = Vec::new();
     for (number, writer) in Writer::ALL.into_iter().enumerate() {
-        let bytes = match writer.bytes(opened) {
+        let written = match writer.written(opened) {
             Ok(None) => continue,
-            Ok(Some(bytes)) => Ok(bytes),
+            Ok(Some(written)) => Ok(written),
             Err(fault) => Err(fault),
         };
         let mut kept = None;
-        if let (Ok(Bytes::One(bytes)), true) = (&bytes, writer.is_glb()) {
+        if let (Ok(written), true) = (&written, writer.is_glb()) {
             let path = stem.with_extension(format!("{number}.glb"));
-            std::fs::write(&path, bytes).with_context(|| path.display().to_string())?;
+            std::fs::write(&path, &written.bytes).with_context(|| path.display().to_string())?;
             kept = Some(path);
         }
         let clips = opened.character.clips.len();
@@ -188,7 +168,7 @@ pub(super) fn trips(opened: &Opened, path: &Path, stem: &Path) -> Result<Vec<Tri
             } else {
                 clips.min(1)
             },
-            apart: bytes.and_then(|bytes| again(opened, writer, &bytes, path)),
+            apart: written.and_then(|written| again(opened, writer, written, path)),
             path: kept,
         });
     }
@@ -196,16 +176,14 @@ pub(super) fn trips(opened: &Opened, path: &Path, stem: &Path) -> Result<Vec<Tri
 }
 
 /// Reads what was written, and compares.
-fn again(was: &Opened, writer: Writer, bytes: &Bytes, path: &Path) -> Result<Apart> {
-    let is = match bytes {
-        Bytes::One(bytes) if writer.is_glb() => {
-            open::figure(bytes, Format::Glb, path, Told::Nothing)?
-        }
-        Bytes::One(bytes) if writer == Writer::X3d => {
-            open::figure(bytes, Format::X3d, path, Told::Nothing)?
-        }
-        Bytes::One(bytes) => open::figure(bytes, Format::Bvh, path, Told::AsWritten)?,
-        Bytes::Pair(asf, amc) => open::pair(asf, amc.as_deref(), Told::AsWritten)?,
+fn again(was: &Opened, writer: Writer, written: Written, path: &Path) -> Result<Apart> {
+    let (told, format) = match writer {
+        Writer::Bvh | Writer::Acclaim => (Told::AsWritten, writer.format()),
+        _ => (Told::Nothing, writer.format()),
+    };
+    let is = match written.beside {
+        None => open::figure((&written.bytes, None), format, path, told)?,
+        Some((beside, bytes)) => open::figure((&bytes, Some(written.bytes)), beside, path, told)?,
     };
     let kept = match writer {
         _ if writer.is_glb() => Kept::All,

@@ -1,14 +1,12 @@
 //! Which motions are put onto which characters.
 
-use crate::open::{self, Content};
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result};
+use articula::convert::{FittedClip, fit_clips};
+use articula::{AddClipsOptions, OpenOptions, Opened};
 use articula_build::clip::source_rate_hz;
-use articula_build::human::{HumanOptions, human};
-use articula_build::retarget::{Figure, RetargetOptions, Retargeted, retarget};
-use articula_core::articulation::Articulation;
-use articula_core::source::{Character, Clip};
+use articula_build::human::{self, HumanOptions};
+use articula_core::source::Clip;
 use articula_formats::mpeg4::bap;
-use articula_formats::profile;
 use std::path::Path;
 
 /// Where a motion comes from.
@@ -139,47 +137,20 @@ impl Case {
     }
 }
 
-/// A character and what its joints are.
-#[derive(Debug, Clone)]
-pub(super) struct Actor {
-    pub(super) character: Character,
-    pub(super) articulation: Articulation,
+fn open(data: &Path, name: &str) -> Result<Opened> {
+    Ok(articula::fs::open(data.join(name))?)
 }
 
-impl Actor {
-    pub(super) fn figure(&self) -> Figure<'_> {
-        Figure {
-            skeleton: &self.character.skeleton,
-            articulation: &self.articulation,
-        }
-    }
-
-    fn open(data: &Path, name: &str) -> Result<Self> {
-        let path = data.join(name);
-        match open::open(&path).with_context(|| name.to_owned())? {
-            Content::Figure(opened) => Ok(Self {
-                articulation: opened.mapping.articulation,
-                character: opened.character,
-            }),
-            Content::Data(_) => bail!("{name}: no character"),
-        }
-    }
-
-    fn human() -> Result<Self> {
-        let character = human(&HumanOptions { triangles: 12_000 })?;
-        let map = profile::map(&character.skeleton, profile::builtin(), None);
-        Ok(Self {
-            articulation: map.articulation,
-            character,
-        })
-    }
+fn human() -> Result<Opened> {
+    let character = human::human(&HumanOptions { triangles: 12_000 })?;
+    Ok(Opened::from_character("human", character))
 }
 
 /// The motion of a case, alone in its character.
-pub(super) fn source(data: &Path, case: &Case) -> Result<Actor> {
+pub(super) fn source(data: &Path, case: &Case) -> Result<Opened> {
     let mut actor = match case.source {
         Source::File(name, wanted) => {
-            let mut actor = Actor::open(data, name)?;
+            let mut actor = open(data, name)?;
             let clips = &mut actor.character.clips;
             let index = clips
                 .iter()
@@ -197,10 +168,10 @@ pub(super) fn source(data: &Path, case: &Case) -> Result<Actor> {
 }
 
 /// The character of a case.
-pub(super) fn target(data: &Path, case: &Case) -> Result<Actor> {
+pub(super) fn target(data: &Path, case: &Case) -> Result<Opened> {
     match case.target {
         Target::File(name) => {
-            let mut actor = Actor::open(data, name)?;
+            let mut actor = open(data, name)?;
             if case.target == KNIGHT.1 {
                 // Without the arms and shields that it may carry, which hide its limbs.
                 let meshes = &mut actor.character.meshes;
@@ -208,33 +179,34 @@ pub(super) fn target(data: &Path, case: &Case) -> Result<Actor> {
             }
             Ok(actor)
         }
-        Target::Human => Actor::human(),
+        Target::Human => human(),
     }
+}
+
+/// The first clip of a figure on another, by what their joints are.
+pub(super) fn retargeted(from: &Opened, onto: &Opened) -> Result<FittedClip> {
+    let options = AddClipsOptions {
+        by_names: false,
+        clip: from.character.clips.first().map(|c| c.name.clone()),
+        ..AddClipsOptions::default()
+    };
+    let fitted = fit_clips(from, onto, &options)?.pop();
+    fitted.context("no clip")
 }
 
 /// The motion of a file told in body animation parameters: put onto our human, sampled,
 /// written, read.
-fn bap_of(data: &Path, name: &str) -> Result<Actor> {
-    let mut from = Actor::open(data, name)?;
+fn bap_of(data: &Path, name: &str) -> Result<Opened> {
+    let mut from = open(data, name)?;
     skip(&mut from.character.clips[0], 0.009);
-    let mut human = Actor::human()?;
-    let clip = &from.character.clips[0];
-    let options = RetargetOptions::default();
-    let Retargeted { clip, .. } = retarget(from.figure(), human.figure(), clip, &options)?;
-    human.character.clips = vec![clip];
-    let told = bap::sample(&human.character, &human.articulation, 0, 30.0)?;
+    let mut human = human()?;
+    let fitted = retargeted(&from, &human)?;
+    human.character.clips = vec![fitted.clip];
+    let told = bap::sample(&human.character, &human.articulation(), 0, 30.0)?;
     let text = bap::write(&told.clip);
-    let read = bap::read(
-        &text,
-        bap::Absent::default(),
-        &articula_formats::Limits::default(),
-    )?;
-    let character = bap::character(&read.value);
-    let map = profile::map(&character.skeleton, profile::builtin(), None);
-    Ok(Actor {
-        articulation: map.articulation,
-        character,
-    })
+    let mut nothing = |_: &str| Err("nothing lies beside it".to_owned());
+    let read = articula::open(&text, "told.bap", &OpenOptions::default(), &mut nothing);
+    Ok(read?)
 }
 
 /// Leaves out the beginning of a clip; its keys are those of one rate.

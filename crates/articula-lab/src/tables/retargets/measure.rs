@@ -1,8 +1,8 @@
 //! Quality of a motion as seen from outside: poses are evaluated and looked at, nothing is asked
 //! of what made them.
 
-use super::cases::Actor;
 use anyhow::Result;
+use articula::Opened;
 use articula_build::clip::source_rate_hz;
 use articula_core::hierarchy::local_to_model;
 use articula_core::math::angle_between;
@@ -39,9 +39,9 @@ pub(super) type Contact = (String, Range<usize>);
 
 impl Played {
     /// Evaluates a clip at a rate.
-    pub(super) fn new(actor: &Actor, clip: &Clip, rate_hz: f32) -> Result<Self> {
+    pub(super) fn new(actor: &Opened, clip: &Clip, rate_hz: f32) -> Result<Self> {
         let skeleton = &actor.character.skeleton;
-        let rig = Rig::new(skeleton, actor.articulation.clone())?;
+        let rig = Rig::new(skeleton, actor.articulation())?;
         let frames = (clip.duration_secs * rate_hz).round() as usize + 1;
         let (mut locals, mut models) = (Vec::new(), Vec::new());
         for frame in 0..frames {
@@ -61,7 +61,7 @@ impl Played {
     }
 
     /// The same at the clip's own rate.
-    pub(super) fn of(actor: &Actor, clip: &Clip) -> Result<Self> {
+    pub(super) fn of(actor: &Opened, clip: &Clip) -> Result<Self> {
         Self::new(actor, clip, source_rate_hz(clip))
     }
 

@@ -7,10 +7,11 @@ mod sheet;
 
 use super::Run;
 use anyhow::{Context, Result};
-use articula_build::retarget::{Origin, RetargetOptions, RetargetReport, Retargeter};
+use articula::Opened;
+use articula_build::retarget::{Origin, RetargetReport};
 use articula_flat::codec;
 use articula_flat::contact_sheet::ContactSheet;
-use cases::{Actor, CASES, Case};
+use cases::{CASES, Case};
 use measure::Played;
 use rayon::prelude::*;
 use std::fmt::Write as _;
@@ -19,8 +20,8 @@ use std::path::{Path, PathBuf};
 /// What a case came to.
 struct Row {
     case: Case,
-    source: Actor,
-    target: Actor,
+    source: Opened,
+    target: Opened,
     /// The motion, and what became of it.
     before: Played,
     after: Played,
@@ -46,12 +47,12 @@ impl Row {
         let source = cases::source(data, &case)?;
         let target = cases::target(data, &case)?;
         let clip = source.character.clips.first().context("no clip")?;
-        let retargeter = Retargeter::new(source.figure(), target.figure())?;
-        let made = retargeter.retarget(clip, &RetargetOptions::default())?;
+        let made = cases::retargeted(&source, &target)?;
+        let report = made.fit.retargeted.context("not retargeted")?;
         let before = Played::of(&source, clip)?;
         let after = Played::new(&target, &made.clip, before.rate_hz)?;
         let contacts = before.contacts(&after);
-        let scale = made.report.scale;
+        let scale = report.scale;
         let seen = Seen {
             contacts: contacts.len(),
             slide_source_mm: before.slide_mm(&contacts).map(|mm| scale * mm),
@@ -66,7 +67,7 @@ impl Row {
             target,
             before,
             after,
-            report: made.report,
+            report,
             seen,
         })
     }

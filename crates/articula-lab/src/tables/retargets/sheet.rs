@@ -1,8 +1,8 @@
 //! A motion and what became of it, side by side at some moments.
 
-use super::cases::Actor;
 use super::measure::Played;
 use anyhow::{Context, Result};
+use articula::Opened;
 use articula_core::mesh::Mesh;
 use articula_core::pose::ModelPose;
 use articula_core::rig::Rig;
@@ -38,7 +38,7 @@ pub(super) struct Artist<'a> {
 
 impl<'a> Artist<'a> {
     /// Frames the camera on the moments; it follows the root over the ground.
-    pub(super) fn new(actor: &Actor, played: &'a Played, moments: &[usize]) -> Result<Self> {
+    pub(super) fn new(actor: &Opened, played: &'a Played, moments: &[usize]) -> Result<Self> {
         let character = &actor.character;
         let (look, _) = Appearance::new(&character.materials, &character.images);
         let mesh = Mesh::new(&character.meshes, played.rig.len())?;

@@ -1,6 +1,7 @@
-//! `convert --khr-character`: the draft extensions for characters, written into a GLB.
+//! The draft glTF extensions for characters, written into a GLB.
 
-use articula::Opened;
+use crate::error::Result;
+use crate::open::Opened;
 use articula_formats::gltf::{Document, pose_kind};
 use articula_formats::profile::vrm_bones;
 
@@ -10,7 +11,7 @@ pub(super) fn write(
     opened: &Opened,
     document: &mut Document,
     node_of_joint: &[usize],
-) -> anyhow::Result<()> {
+) -> Result<()> {
     let given = opened.gltf.as_ref().and_then(|b| b.humanoid.clone());
     let bones = given.unwrap_or_else(|| vrm_bones(&opened.articulation()));
     let character = &opened.character;

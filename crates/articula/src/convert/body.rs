@@ -1,8 +1,8 @@
 //! BAP files: any humanoid's motion as body animation parameters.
 
-use super::written::left;
-use crate::table::counted;
-use articula::Opened;
+use super::written::{LeftOut, Written, meshes};
+use crate::error::Result;
+use crate::open::Opened;
 use articula_build::clip::source_rate_hz;
 use articula_build::retarget::{self, Figure, RetargetOptions};
 use articula_core::source::Character;
@@ -10,15 +10,16 @@ use articula_formats::mpeg4::bap::{self, Residual};
 use articula_formats::profile;
 
 /// A BAP file of the first clip; parameters that were read are written as they were.
-pub(super) fn written(
-    opened: &Opened,
-    clips_changed: bool,
-) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
+pub(super) fn written(opened: &Opened) -> Result<Written> {
     if let Some(parameters) = &opened.parameters {
-        if !clips_changed {
-            return Ok((bap::write(parameters), Vec::new()));
+        if !opened.clips_changed {
+            return Ok(Written {
+                bytes: bap::write(parameters),
+                beside: None,
+                left_out: Vec::new(),
+            });
         }
-        return parameters_of(&opened.character, &opened.character);
+        return parameters_of(&opened.character, opened);
     }
     let mut figure = bap::figure();
     let standard = profile::map(&figure.skeleton, profile::builtin(), None);
@@ -33,30 +34,28 @@ pub(super) fn written(
     };
     let moved = retarget::retarget(source, target, clip, &RetargetOptions::default())?;
     figure.clips.push(moved.clip);
-    parameters_of(&figure, &opened.character)
+    parameters_of(&figure, opened)
 }
 
 /// What the standard humanoid does as a BAP file; `source` has what no BAP file holds.
-fn parameters_of(figure: &Character, source: &Character) -> anyhow::Result<(Vec<u8>, Vec<String>)> {
+fn parameters_of(figure: &Character, source: &Opened) -> Result<Written> {
     let standard = profile::map(&figure.skeleton, profile::builtin(), None);
-    let rate_hz = source.clips.first().map_or(30.0, source_rate_hz);
+    let rate_hz = source.character.clips.first().map_or(30.0, source_rate_hz);
     let sampled = bap::sample(figure, &standard.articulation, 0, rate_hz)?;
-    let meshes = source.meshes.len();
-    let meshes = left((meshes, "mesh", "meshes"), "BAP holds one clip of a body");
     let unsaid = unsaid(&sampled.residuals);
-    Ok((
-        bap::write(&sampled.clip),
-        meshes.into_iter().chain(unsaid).collect(),
-    ))
+    Ok(Written {
+        bytes: bap::write(&sampled.clip),
+        beside: None,
+        left_out: meshes(source).into_iter().chain(unsaid).collect(),
+    })
 }
 
 /// Turns that no parameter says.
-fn unsaid(residuals: &[Residual]) -> Option<String> {
+fn unsaid(residuals: &[Residual]) -> Option<LeftOut> {
     let worst = residuals.first()?;
-    Some(format!(
-        "turns of {} of up to {:.1} degrees, most at {} (BAP has no parameter for them)",
-        counted(residuals.len(), "joint", "joints"),
-        worst.max_radians.to_degrees(),
-        worst.joint
-    ))
+    Some(LeftOut::Turns {
+        joints: residuals.len(),
+        most: worst.joint.to_owned(),
+        max_radians: worst.max_radians,
+    })
 }

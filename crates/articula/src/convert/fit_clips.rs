@@ -1,0 +1,285 @@
+//! Clips of one file on the character of another.
+//!
+//! By the names of the joints where the skeleton is the same, else by what the joints are in the
+//! H-Anim map. What the motion of a face drives goes along by name.
+
+use super::morphs;
+use super::same_joints::Twins;
+use crate::error::{Context, Error, Result};
+use crate::open::{Opened, choose};
+use crate::work::Work;
+use articula_build::expression::bake;
+use articula_build::retarget::{Figure, RetargetOptions, RetargetReport, Retargeter};
+use articula_core::source::Clip;
+use std::borrow::Cow;
+use std::collections::HashSet;
+use std::path::Path;
+
+/// How clips come from other files.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AddClipsOptions {
+    /// Whether the character keeps the clips that it has.
+    pub keep_own: bool,
+    /// The clip that is taken of each file; all without a name.
+    pub clip: Option<String>,
+    /// Stands in front of the names of new clips.
+    pub prefix: String,
+    /// Whether the name of its file stands in front of a clip's name where the file has several;
+    /// a single clip is always named after its file.
+    pub file_in_names: bool,
+    /// Whether clips of the same skeleton go over as they are; else all are retargeted.
+    pub by_names: bool,
+    /// How clips of other skeletons are put onto the character.
+    pub retarget: RetargetOptions,
+}
+
+impl Default for AddClipsOptions {
+    fn default() -> Self {
+        Self {
+            keep_own: true,
+            clip: None,
+            prefix: String::new(),
+            file_in_names: false,
+            by_names: true,
+            retarget: RetargetOptions::default(),
+        }
+    }
+}
+
+/// A clip of one file that was made for the character of another.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FittedClip {
+    /// The clip: its channels drive joints and meshes of the character.
+    pub clip: Clip,
+    /// Where it comes from.
+    pub fit: ClipFit,
+}
+
+/// Where a clip comes from, and how it came.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ClipFit {
+    /// Name of the clip on the character.
+    pub name: String,
+    /// What errors and reports call the file that it comes from.
+    pub file: String,
+    /// Name of the clip in that file.
+    pub from: String,
+    /// Channels of morph targets and expressions that came along by name.
+    pub morph_channels: usize,
+    /// How it was retargeted; `None` if the skeleton is the same, so that it moves as it did.
+    pub retargeted: Option<RetargetReport>,
+}
+
+impl Opened {
+    /// Puts the clips of other files onto this character, and gives each a name of its own.
+    ///
+    /// Where the skeleton is the same, the clips go over as they are; else they are retargeted by
+    /// the H-Anim map. Morph targets and expressions that both have, by name, follow too. Jobs
+    /// are the files.
+    ///
+    /// ```no_run
+    /// use articula::convert::AddClipsOptions;
+    /// use articula::{Work, fs};
+    ///
+    /// # fn main() -> articula::Result<()> {
+    /// let mut hero = fs::open("hero.glb")?;
+    /// let clips = [fs::open("walk.bvh")?, fs::open("idle.glb")?];
+    /// hero.add_clips(&clips, &AddClipsOptions::default(), &Work::default())?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// An [`Error`] that names the file: it has no clip (or not the one that is wanted), or nothing
+    /// says which of its joints is which of the character's ([`Error::Unmapped`]).
+    pub fn add_clips(
+        &mut self,
+        files: &[Self],
+        options: &AddClipsOptions,
+        work: &Work<'_>,
+    ) -> Result<Vec<ClipFit>> {
+        let options = AddClipsOptions {
+            file_in_names: options.file_in_names || files.len() > 1,
+            ..options.clone()
+        };
+        let fit = |file: &Self| fit_clips(file, self, &options);
+        let fitted = work.map("fitting clips", files.iter().collect(), fit)?;
+        let fitted = fitted.into_iter().flatten().collect();
+        Ok(self.put_clips(fitted, options.keep_own))
+    }
+
+    /// Puts clips that [`fit_clips`] made for it onto this character. A name that is taken is
+    /// counted on; the fits have the names as they are then.
+    pub fn put_clips(&mut self, fitted: Vec<FittedClip>, keep_own: bool) -> Vec<ClipFit> {
+        let clips = &mut self.character.clips;
+        if !keep_own {
+            clips.clear();
+        }
+        let mut taken: HashSet<String> = clips.iter().map(|c| c.name.clone()).collect();
+        let mut fits = Vec::with_capacity(fitted.len());
+        for FittedClip { mut clip, mut fit } in fitted {
+            let wanted = clip.name.clone();
+            let mut count = 1;
+            while !taken.insert(clip.name.clone()) {
+                count += 1;
+                clip.name = format!("{wanted} {count}");
+            }
+            fit.name.clone_from(&clip.name);
+            clips.push(clip);
+            fits.push(fit);
+        }
+        self.clips_changed = true;
+        fits
+    }
+
+    /// Whether it is told which of its joints are the hips, the legs and the arms: by the file
+    /// itself, or by their names.
+    ///
+    /// # Errors
+    /// [`Error::Unmapped`] that names the file and the mend.
+    pub fn check_human(&self) -> Result<()> {
+        if self.is_human() {
+            return Ok(());
+        }
+        let what = "joints: hips, legs and arms are not told by their names; say what they are with a joint-name profile";
+        Err(Error::Unmapped(what.into())).context(&self.name)
+    }
+
+    fn is_human(&self) -> bool {
+        self.mapping.humanoid || self.character.articulation.is_some()
+    }
+}
+
+/// Makes clips of a file for the character of another, which stays as it is;
+/// [`Opened::put_clips`] takes them.
+///
+/// # Errors
+/// See [`Opened::add_clips`].
+pub fn fit_clips(
+    file: &Opened,
+    character: &Opened,
+    options: &AddClipsOptions,
+) -> Result<Vec<FittedClip>> {
+    let clips = chosen(file, options).with_context(|| &file.name)?;
+    let (from, onto) = (&file.character.skeleton, &character.character.skeleton);
+    let same = || Twins::of(from, &clips, onto);
+    let articulations = (file.articulation(), character.articulation());
+    let way = if let Some(twins) = options.by_names.then(same).flatten() {
+        Way::Names(twins)
+    } else {
+        check_mapped(file, character, options.by_names)?;
+        let from = Figure {
+            skeleton: from,
+            articulation: &articulations.0,
+        };
+        let onto = Figure {
+            skeleton: onto,
+            articulation: &articulations.1,
+        };
+        let retargeter = Retargeter::new(from, onto).with_context(|| &file.name)?;
+        Way::Map(Box::new(retargeter))
+    };
+    let fitted = clips.into_iter().map(|clip| {
+        let place = || format!("{}: clip \"{}\"", file.name, clip.name);
+        let (mut new, retargeted) = way.joints(clip, options).with_context(place)?;
+        new.name = name(file, clip, options);
+        let morphs = morphs::channels(&file.character, clip, &character.character);
+        let morph_channels = morphs.len();
+        new.channels.extend(morphs);
+        if new.channels.is_empty() {
+            let what = "it moves nothing that the character has; give a clip of its joints or morph targets";
+            return Err(Error::unsuited(what)).with_context(place);
+        }
+        let clip_there = match bake(&character.character, &new).with_context(place)? {
+            Cow::Owned(baked) => baked,
+            Cow::Borrowed(_) => new,
+        };
+        Ok(FittedClip {
+            fit: ClipFit {
+                name: clip_there.name.clone(),
+                file: file.name.clone(),
+                from: clip.name.clone(),
+                morph_channels,
+                retargeted,
+            },
+            clip: clip_there,
+        })
+    });
+    fitted.collect()
+}
+
+/// How joints of a file drive those of the character.
+enum Way<'a> {
+    Names(Twins),
+    Map(Box<Retargeter<'a>>),
+}
+
+impl Way<'_> {
+    /// The motion of the joints; without name.
+    fn joints(
+        &self,
+        clip: &Clip,
+        options: &AddClipsOptions,
+    ) -> Result<(Clip, Option<RetargetReport>)> {
+        match self {
+            Self::Names(twins) => {
+                let channels = clip.channels.iter().filter_map(|c| twins.channel(c));
+                let moved = Clip {
+                    name: String::new(),
+                    duration_secs: clip.duration_secs,
+                    channels: channels.collect(),
+                };
+                Ok((moved, None))
+            }
+            Self::Map(retargeter) => {
+                let made = retargeter.retarget(clip, &options.retarget)?;
+                Ok((made.clip, Some(made.report)))
+            }
+        }
+    }
+}
+
+/// Whether the map can help; `by_names` if the names were tried before.
+fn check_mapped(file: &Opened, character: &Opened, by_names: bool) -> Result<()> {
+    if !by_names {
+        file.check_human()?;
+        return character.check_human();
+    }
+    let Some(unknown) = [character, file].into_iter().find(|o| !o.is_human()) else {
+        return Ok(());
+    };
+    let what = format!(
+        "joints: they are not the joints of {} by name and rest pose, and hips, legs and arms of {} are not told by their names; say what they are with a joint-name profile",
+        character.name, unknown.name
+    );
+    Err(Error::Unmapped(what)).context(&file.name)
+}
+
+/// The clips of a file that are wanted.
+fn chosen<'a>(file: &'a Opened, options: &AddClipsOptions) -> Result<Vec<&'a Clip>> {
+    let clips = &file.character.clips;
+    if clips.is_empty() {
+        let what = "clips: there is none to put onto the character";
+        return Err(Error::unsuited(what));
+    }
+    let Some(name) = &options.clip else {
+        return Ok(clips.iter().collect());
+    };
+    let index = choose("clip", name, clips.iter().map(|c| c.name.as_str()))?;
+    Ok(vec![&clips[index]])
+}
+
+/// The file's name for its only clip; the clip's own where a file has several, with the file's
+/// before it where that is wanted.
+fn name(file: &Opened, clip: &Clip, options: &AddClipsOptions) -> String {
+    let stem = Path::new(&file.name).file_stem().unwrap_or_default();
+    let stem = stem.to_string_lossy();
+    let prefix = &options.prefix;
+    if file.character.clips.len() == 1 {
+        format!("{prefix}{stem}")
+    } else if options.file_in_names {
+        format!("{prefix}{stem} {}", clip.name)
+    } else {
+        format!("{prefix}{}", clip.name)
+    }
+}

@@ -1,0 +1,160 @@
+//! The animation that a selection of joints leaves, and what that saves.
+
+use crate::error::{Context, Error, Result};
+use crate::open::Opened;
+use articula_build::reduce::{MotionSize, motion_size, reduce};
+use articula_core::joint_state::PassivePolicy;
+use articula_core::loa::selection::with_ancestors;
+use articula_core::loa::{Expression, JointSet, Selection};
+use articula_core::rig::Rig;
+use articula_core::source::Clip;
+use serde::Serialize;
+use std::ops::AddAssign;
+
+/// Which joints of all clips move, and what the others show.
+#[derive(Debug, Clone)]
+pub struct JointReduction {
+    /// The joints that move.
+    pub moving: MovingJoints,
+    /// Whether every joint above one that moves, moves too.
+    pub close_up: bool,
+    /// What held joints show.
+    pub passive: PassivePolicy,
+}
+
+/// A selection of joints, which is resolved against a character's own.
+#[derive(Debug, Clone)]
+pub enum MovingJoints {
+    /// What an expression names, such as `loa(Low) + zone(hands)`.
+    Expression(Expression),
+    /// What a saved selection names.
+    Selection(Selection),
+}
+
+/// How much animation there is, morph weights left out.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
+pub struct AnimationSize {
+    /// Joints with a channel of more than one key in any clip.
+    pub joints_animated: usize,
+    /// Channels that drive joints.
+    pub channels: usize,
+    /// Keys of these channels.
+    pub keys: usize,
+    /// Times and values of all keys as 32-bit floats.
+    pub animation_bytes: usize,
+}
+
+/// What holding joints saved.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct JointsReduced {
+    /// Joints of the skins.
+    pub joints: usize,
+    /// Those of them that move.
+    pub joints_active: usize,
+    /// The animation as it was.
+    pub before: AnimationSize,
+    /// The animation that is left.
+    pub after: AnimationSize,
+    /// Share of the animation's bytes that is gone, 0 to 1.
+    pub saved: f64,
+}
+
+/// Clips before and after joints were held.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointsHeld {
+    /// The clips, in their order.
+    pub clips: Vec<Clip>,
+    /// Size of the clips that were given.
+    pub before: AnimationSize,
+    /// Size of `clips`.
+    pub after: AnimationSize,
+}
+
+impl AddAssign<MotionSize> for AnimationSize {
+    fn add_assign(&mut self, size: MotionSize) {
+        self.channels += size.channels;
+        self.keys += size.keys;
+        self.animation_bytes += size.bytes;
+    }
+}
+
+/// Holds every joint that is not active, as the policy says. Nodes that are no joints follow the
+/// clip.
+pub fn hold_joints(
+    rig: &Rig,
+    clips: &[Clip],
+    active: &JointSet,
+    policy: PassivePolicy,
+) -> JointsHeld {
+    let plain = rig.all().difference(rig.skin_joints());
+    let active = active.union(&plain);
+    let (mut before, mut after) = (AnimationSize::default(), AnimationSize::default());
+    let reduced = clips.iter().map(|clip| {
+        before += motion_size(clip);
+        let out = reduce(rig, clip, &active, policy);
+        after += motion_size(&out);
+        out
+    });
+    let reduced: Vec<Clip> = reduced.collect();
+    before.joints_animated = animated(clips);
+    after.joints_animated = animated(&reduced);
+    JointsHeld {
+        clips: reduced,
+        before,
+        after,
+    }
+}
+
+impl JointsHeld {
+    /// Share of the animation's bytes that is gone, 0 to 1.
+    pub fn saved(&self) -> f64 {
+        let bytes = |size: AnimationSize| size.animation_bytes as f64;
+        1.0 - bytes(self.after) / bytes(self.before).max(1.0)
+    }
+}
+
+fn animated(clips: &[Clip]) -> usize {
+    let channels = clips.iter().flat_map(|c| &c.channels);
+    let moving = channels.filter(|c| c.property.is_of_joint() && c.times_secs.len() > 1);
+    moving.map(|c| c.target).collect::<JointSet>().len()
+}
+
+impl JointReduction {
+    /// Reduces all clips of a character.
+    pub(super) fn apply(&self, opened: &mut Opened) -> Result<JointsReduced> {
+        let place = opened.name.clone();
+        if opened.character.clips.is_empty() {
+            let what = "clips: there is none to reduce";
+            return Err(Error::unsuited(what)).context(place);
+        }
+        let rig = Rig::new(&opened.character.skeleton, opened.articulation()).context(place)?;
+        let mut active = self.moving.joints(&rig).context("selection")?;
+        if self.close_up {
+            active = with_ancestors(&rig, &active);
+        }
+        let held = hold_joints(&rig, &opened.character.clips, &active, self.passive);
+        let reduced = JointsReduced {
+            joints: rig.skin_joints().len(),
+            joints_active: active.intersection(rig.skin_joints()).len(),
+            before: held.before,
+            after: held.after,
+            saved: held.saved(),
+        };
+        opened.character.clips = held.clips;
+        opened.clips_changed = true;
+        Ok(reduced)
+    }
+}
+
+impl MovingJoints {
+    fn joints(&self, rig: &Rig) -> Result<JointSet> {
+        match self {
+            Self::Expression(expression) => expression
+                .joints(rig)
+                .map_err(|e| Error::argument(e.to_string())),
+            Self::Selection(selection) => selection
+                .joints(rig)
+                .map_err(|e| Error::unsuited(e.to_string())),
+        }
+    }
+}

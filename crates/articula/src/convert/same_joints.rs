@@ -1,0 +1,235 @@
+//! Whether two skeletons are one: joints of the same names, in the same tree, with the same rest.
+//!
+//! Only then a clip of one is a clip of the other as it is: channels hold lengths and turns
+//! against the rest of their own skeleton.
+
+use articula_core::math::{Transform, angle_between};
+use articula_core::source::{Channel, Clip, Skeleton};
+use glam::{Affine3A, Vec3};
+use std::collections::{BTreeSet, HashMap};
+
+/// Of the joints that clips move, at least so many must be there: others may be what one of the
+/// files has besides, such as a slot for a weapon.
+const SHARE: f32 = 0.75;
+/// Farthest that rest positions may be apart, of the size of the skeleton.
+const LENGTH: f32 = 0.01;
+/// Widest angle between rest rotations.
+const RADIANS: f32 = 0.02;
+/// Most that rest scales may differ.
+const SCALE: f32 = 0.01;
+
+/// For each joint of one skeleton the joint of the other that it is.
+#[derive(Debug)]
+pub(super) struct Twins(Vec<Option<usize>>);
+
+impl Twins {
+    /// Finds them, if the joints that the clips move are the same in both skeletons. Clips that
+    /// move no joint fit every skeleton.
+    pub(super) fn of(from: &Skeleton, clips: &[&Clip], onto: &Skeleton) -> Option<Self> {
+        let channels = clips.iter().flat_map(|c| &c.channels);
+        let of_joints = channels.filter(|c| c.property.is_of_joint());
+        let moved: BTreeSet<usize> = of_joints.map(|c| c.target).collect();
+        let twins = named(from, onto);
+        let there = moved.iter().filter(|j| twins[**j].is_some()).count();
+        if (there as f32) < SHARE * moved.len() as f32 {
+            return None;
+        }
+        let rests = Rests::new(from, onto);
+        let same = |joint: &usize| match twins[*joint] {
+            Some(twin) => rests.agree(*joint, twin, &twins),
+            None => true,
+        };
+        moved.iter().all(same).then_some(Self(twins))
+    }
+
+    /// The channel for the other skeleton; `None` if it has no such joint, or no joint is driven.
+    pub(super) fn channel(&self, channel: &Channel) -> Option<Channel> {
+        let joint = channel.property.is_of_joint().then_some(channel.target)?;
+        Some(Channel {
+            target: self.0[joint]?,
+            ..channel.clone()
+        })
+    }
+}
+
+/// Joints of the same name, where it is the name of a single joint in both.
+fn named(from: &Skeleton, onto: &Skeleton) -> Vec<Option<usize>> {
+    let (own, other) = (unique(from), unique(onto));
+    let twin = |(j, name): (usize, &str)| {
+        own.get(name).filter(|at| **at == Some(j))?;
+        *other.get(name)?
+    };
+    let names = from.joints.iter().map(|j| j.name.as_str());
+    names.enumerate().map(twin).collect()
+}
+
+/// Where each name stands; `None` if it stands twice.
+fn unique(skeleton: &Skeleton) -> HashMap<&str, Option<usize>> {
+    let mut at = HashMap::new();
+    for (j, joint) in skeleton.joints.iter().enumerate() {
+        if !joint.name.is_empty() {
+            at.entry(joint.name.as_str())
+                .and_modify(|at| *at = None)
+                .or_insert(Some(j));
+        }
+    }
+    at
+}
+
+/// Both skeletons at rest.
+struct Rests<'a> {
+    from: &'a Skeleton,
+    onto: &'a Skeleton,
+    from_model: Vec<Affine3A>,
+    onto_model: Vec<Affine3A>,
+    far_metres: f32,
+}
+
+impl<'a> Rests<'a> {
+    fn new(from: &'a Skeleton, onto: &'a Skeleton) -> Self {
+        let onto_model = model(onto);
+        let places = || onto_model.iter().map(|m| Vec3::from(m.translation));
+        let low = places().fold(Vec3::INFINITY, Vec3::min);
+        let high = places().fold(Vec3::NEG_INFINITY, Vec3::max);
+        Self {
+            from,
+            onto,
+            from_model: model(from),
+            far_metres: LENGTH * (high - low).length(),
+            onto_model,
+        }
+    }
+
+    /// Whether a joint rests on its parent as its twin does, and both parents are twins or rest
+    /// at the same place.
+    fn agree(&self, joint: usize, twin: usize, twins: &[Option<usize>]) -> bool {
+        let (a, b) = (&self.from.joints[joint], &self.onto.joints[twin]);
+        let parents = match (a.parent, b.parent) {
+            (Some(p), Some(q)) if twins[p] == Some(q) => true,
+            (None, None) => true,
+            _ => {
+                let (a, b) = (self.from_model[joint], self.onto_model[twin]);
+                match (
+                    Transform::from_matrix(a.into()),
+                    Transform::from_matrix(b.into()),
+                ) {
+                    (Some(a), Some(b)) => self.alike(a, b),
+                    _ => false,
+                }
+            }
+        };
+        parents && self.alike(a.rest, b.rest)
+    }
+
+    fn alike(&self, a: Transform, b: Transform) -> bool {
+        a.translation.distance(b.translation) <= self.far_metres
+            && angle_between(a.rotation, b.rotation) <= RADIANS
+            && a.scale.distance(b.scale) <= SCALE * b.scale.length()
+    }
+}
+
+/// Every joint at rest in the space of the model; parents stand before children.
+fn model(skeleton: &Skeleton) -> Vec<Affine3A> {
+    let mut model: Vec<Affine3A> = Vec::with_capacity(skeleton.joints.len());
+    for joint in &skeleton.joints {
+        let above = joint.parent.and_then(|p| model.get(p)).copied();
+        let above = above.unwrap_or(Affine3A::IDENTITY);
+        model.push(above * joint.rest.to_affine());
+    }
+    model
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use articula_core::source::{Interpolation, Joint, Property};
+
+    fn skeleton(joints: &[(&str, Option<usize>, f32)]) -> Skeleton {
+        let joint = |(name, parent, y): &(&str, Option<usize>, f32)| Joint {
+            name: (*name).into(),
+            parent: *parent,
+            rest: Transform::from_translation(Vec3::Y * *y),
+            in_skin: true,
+        };
+        Skeleton {
+            joints: joints.iter().map(joint).collect(),
+        }
+    }
+
+    fn turning(joints: &[usize]) -> Clip {
+        let channel = |joint: &usize| Channel {
+            target: *joint,
+            property: Property::Rotation,
+            interpolation: Interpolation::Linear,
+            times_secs: vec![0.0],
+            values: vec![0.0, 0.0, 0.0, 1.0],
+        };
+        Clip {
+            channels: joints.iter().map(channel).collect(),
+            ..Clip::default()
+        }
+    }
+
+    #[test]
+    fn the_same_joints_are_found_in_any_order() {
+        let from = skeleton(&[
+            ("hips", None, 1.0),
+            ("spine", Some(0), 0.2),
+            ("head", Some(1), 0.4),
+        ]);
+        let onto = skeleton(&[
+            ("rig", None, 0.0),
+            ("hips", Some(0), 1.0),
+            ("leg", Some(1), -0.5),
+            ("spine", Some(1), 0.2),
+            ("head", Some(3), 0.4),
+        ]);
+        let clip = turning(&[0, 1, 2]);
+        let twins = Twins::of(&from, &[&clip], &onto).unwrap();
+        assert_eq!(twins.0, [Some(1), Some(3), Some(4)]);
+        assert_eq!(twins.channel(&clip.channels[2]).unwrap().target, 4);
+    }
+
+    #[test]
+    fn another_rest_or_tree_is_another_skeleton() {
+        let onto = skeleton(&[
+            ("hips", None, 1.0),
+            ("spine", Some(0), 0.2),
+            ("head", Some(1), 0.4),
+        ]);
+        let clip = turning(&[0, 1, 2]);
+        for from in [
+            skeleton(&[
+                ("hips", None, 1.0),
+                ("spine", Some(0), 0.3),
+                ("head", Some(1), 0.4),
+            ]),
+            skeleton(&[
+                ("hips", None, 1.0),
+                ("spine", Some(0), 0.2),
+                ("head", Some(0), 0.4),
+            ]),
+            skeleton(&[
+                ("hips", None, 1.0),
+                ("neck", Some(0), 0.2),
+                ("skull", Some(1), 0.4),
+            ]),
+            skeleton(&[
+                ("hips", None, 1.0),
+                ("head", Some(0), 0.2),
+                ("head", Some(1), 0.4),
+            ]),
+        ] {
+            assert!(Twins::of(&from, &[&clip], &onto).is_none(), "{from:?}");
+        }
+    }
+
+    #[test]
+    fn a_joint_that_stands_still_need_not_be_there() {
+        let from = skeleton(&[("hips", None, 1.0), ("slot", Some(0), 0.2)]);
+        let onto = skeleton(&[("hips", None, 1.0)]);
+        let twins = Twins::of(&from, &[&turning(&[0])], &onto).unwrap();
+        assert_eq!(twins.0, [Some(0), None]);
+        assert!(Twins::of(&from, &[&turning(&[0, 1])], &onto).is_none());
+    }
+}

@@ -1,0 +1,195 @@
+//! A character as the bytes of a file, format by format.
+//!
+//! **A new format is one arm of [`written`] and one function below it.**
+
+use super::{body, khr_character};
+use crate::error::{Error, Result};
+use crate::open::{Data, DataFormat, Format, Opened};
+use articula_build::clip::source_rate_hz;
+use articula_core::fap_table::FAPS;
+use articula_formats::gltf::Document;
+use articula_formats::mpeg4::fap::{self, FapClip};
+use articula_formats::x3d::{self, Site};
+use articula_formats::{acclaim, bvh};
+
+/// The bytes of a file, and what they do not hold.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Written {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// The file that must lie beside it: the skeleton of a motion, or the motion of a skeleton.
+    pub beside: Option<(Format, Vec<u8>)>,
+    /// What the format cannot hold.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Something that the format of a written file cannot hold.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum LeftOut {
+    /// So many meshes.
+    Meshes(usize),
+    /// So many end sites of joints.
+    EndSites(usize),
+    /// So many clips behind the first.
+    Clips(usize),
+    /// Turns for which BAP has no parameter.
+    Turns {
+        /// How many joints turn so.
+        joints: usize,
+        /// H-Anim name of the joint with the greatest angle.
+        most: String,
+        /// That angle.
+        max_radians: f32,
+    },
+    /// So many parameters of a FAP file that its masks name, but that never move.
+    StillParameters(usize),
+    /// What the writer of the format says of a part of the character.
+    Note(String),
+}
+
+/// Writes a character; of formats that hold one clip, with its first.
+///
+/// A document that stands behind a glTF file passes through.
+///
+/// # Errors
+/// An [`Error`] that says what does not fit the format; see
+/// [`ConvertOptions::check`](super::ConvertOptions::check) for the formats that are written.
+pub fn write(opened: &Opened, format: Format) -> Result<Written> {
+    super::ConvertOptions::default().check(opened.format, format)?;
+    if format.needs_a_clip() && opened.character.clips.is_empty() {
+        let what = "clips: there is none to write; give a file that has one";
+        return Err(Error::unsuited(what));
+    }
+    written(opened, format, false)
+}
+
+/// Writes a file without a character in it; of FAP files, masks name what moves.
+///
+/// # Errors
+/// [`Error::Unsuited`] for formats that are only read.
+pub fn write_data(data: &Data) -> Result<Written> {
+    let format = match data {
+        Data::Fap(clip) => {
+            return Ok(Written {
+                bytes: fap::write(clip),
+                beside: None,
+                left_out: still(clip).into_iter().collect(),
+            });
+        }
+        Data::Epf(_) => DataFormat::Epf,
+        Data::Fdp(_) => DataFormat::Fdp,
+    };
+    Err(Error::unsuited(format.advice()))
+}
+
+/// The same for a format that is known to be written and a character that has the clip for it.
+pub(super) fn written(opened: &Opened, format: Format, khr_character: bool) -> Result<Written> {
+    match format {
+        Format::Bvh => motion(opened),
+        Format::Bap => body::written(opened),
+        Format::X3d => humanoid(opened),
+        Format::Asf | Format::Amc => acclaim_pair(opened, format),
+        _ => container(opened, khr_character),
+    }
+}
+
+/// Parameters that masks name, but that never move.
+fn still(clip: &FapClip) -> Option<LeftOut> {
+    let moving = clip.moving();
+    let still = (0..FAPS).filter(|fap| clip.coded[*fap] && !moving[*fap]);
+    counted(still.count(), LeftOut::StillParameters)
+}
+
+/// A skeleton and, if there is a clip, a motion; the one that was asked for comes first.
+fn acclaim_pair(opened: &Opened, format: Format) -> Result<Written> {
+    let clips = &opened.character.clips;
+    let options = acclaim::WriteOptions {
+        rate_hz: clips.first().map_or(30.0, source_rate_hz),
+        end_sites: opened.end_sites.clone(),
+    };
+    let clip = (!clips.is_empty()).then_some(0);
+    let made = acclaim::write(&opened.character, clip, &options)?;
+    let (bytes, beside) = match (format, made.amc) {
+        (Format::Amc, Some(motion)) => (motion, Some((Format::Asf, made.asf))),
+        (_, motion) => (made.asf, motion.map(|motion| (Format::Amc, motion))),
+    };
+    let notes = made.left_out.into_iter().map(LeftOut::Note);
+    Ok(Written {
+        bytes,
+        beside,
+        left_out: meshes(opened).into_iter().chain(notes).collect(),
+    })
+}
+
+/// A BVH file of the first clip.
+fn motion(opened: &Opened) -> Result<Written> {
+    let rate_hz = opened.character.clips.first().map_or(30.0, source_rate_hz);
+    let options = bvh::WriteOptions {
+        rate_hz,
+        end_sites: opened.end_sites.clone(),
+        ..bvh::WriteOptions::default()
+    };
+    Ok(Written {
+        bytes: bvh::write(&opened.character, 0, &options)?,
+        beside: None,
+        left_out: meshes(opened).into_iter().collect(),
+    })
+}
+
+/// An H-Anim figure with everything that X3D holds.
+fn humanoid(opened: &Opened) -> Result<Written> {
+    let site = |(joint, offset): &(usize, glam::Vec3)| Site {
+        joint: *joint,
+        name: String::new(),
+        offset: *offset,
+    };
+    let options = x3d::WriteOptions {
+        sites: opened.end_sites.iter().map(site).collect(),
+    };
+    let written = x3d::write(&opened.character, &opened.articulation(), &options)?;
+    let notes = written.warnings.into_iter();
+    let notes = notes.map(|note| LeftOut::Note(format!("{}: {}", note.at, note.what)));
+    Ok(Written {
+        bytes: written.bytes,
+        beside: None,
+        left_out: notes.collect(),
+    })
+}
+
+/// The document as it was but for its clips, or a new one.
+fn container(opened: &Opened, khr_character: bool) -> Result<Written> {
+    let (mut document, nodes, left_out) = match &opened.gltf {
+        None => {
+            let document = Document::from_character(&opened.character)?;
+            let sites = counted(opened.end_sites.len(), LeftOut::EndSites);
+            let nodes = (0..opened.character.skeleton.joints.len()).collect();
+            (document, nodes, sites)
+        }
+        Some(behind) => {
+            let mut document = behind.document.clone();
+            if opened.clips_changed {
+                let (joints, meshes) = (&behind.node_of_joint, &behind.node_of_mesh);
+                document.replace_clips(&opened.character.clips, joints, meshes)?;
+            }
+            (document, behind.node_of_joint.clone(), None)
+        }
+    };
+    if khr_character {
+        khr_character::write(opened, &mut document, &nodes)?;
+    }
+    Ok(Written {
+        bytes: document.write_glb()?,
+        beside: None,
+        left_out: left_out.into_iter().collect(),
+    })
+}
+
+/// The meshes, which a format of joints cannot hold.
+pub(super) fn meshes(opened: &Opened) -> Option<LeftOut> {
+    counted(opened.character.meshes.len(), LeftOut::Meshes)
+}
+
+fn counted(count: usize, left_out: fn(usize) -> LeftOut) -> Option<LeftOut> {
+    (count > 0).then(|| left_out(count))
+}
