@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 use articula::Figure;
-use articula_build::character::Asset;
+use articula_build::Asset;
 use articula_build::scene::put_in_place;
 use std::path::{Path, PathBuf};
 

@@ -49,7 +49,7 @@ fn main() -> Result<()> {
 
 /// The figure that is made rather than read, as a file in memory.
 fn reference_human() -> Result<Opened> {
-    use articula_build::human::{HumanOptions, human};
+    use articula_human::{HumanOptions, human};
     let character = human(&HumanOptions::default()).map_err(|e| Error::Unsuited(e.to_string()))?;
     let glb = articula_formats::gltf::Document::from_character(&character)?.write_glb()?;
     let nothing_beside: &mut articula_formats::Resolver<'_> = &mut |_| Err("nothing".into());

@@ -28,8 +28,8 @@ fn real_data() -> Option<PathBuf> {
 }
 
 fn human() -> Opened {
-    let options = articula_build::human::HumanOptions { triangles: 2000 };
-    let character = articula_build::human::human(&options).unwrap();
+    let options = articula_human::HumanOptions { triangles: 2000 };
+    let character = articula_human::human(&options).unwrap();
     let document = articula_formats::gltf::Document::from_character(&character).unwrap();
     let glb = document.write_glb().unwrap();
     let nothing: &mut articula_formats::Resolver<'_> = &mut |_| Err("nothing".into());
@@ -49,7 +49,7 @@ fn row(asset: &CrowdAsset, count: usize) -> (CrowdPlayer, Camera) {
         crowd.play(i, i % asset.clips().len(), 0.1 * i as f32);
     }
     let bounds = asset.model().bounds();
-    let radius = |c: &articula_core::motion_bounds::ClipBounds| c.whole().sphere.radius;
+    let radius = |c: &articula_core::ClipBounds| c.whole().sphere.radius;
     let reach = bounds.clips.iter().map(radius).fold(1.0, f32::max);
     let eye = Vec3::new(0.0, reach, 4.0 * reach + 4.0 * count as f32);
     (

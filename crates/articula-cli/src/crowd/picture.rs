@@ -4,15 +4,13 @@ use super::stage::{Settings, Stage};
 use anyhow::Context;
 use articula::crowd::{Allowance, CrowdAsset, CrowdPlayer, DetailGoal, PoseSource};
 use articula_build::scene::Scene;
-use articula_core::mesh::{Mesh, Part};
-use articula_core::skin::{SkinnedMesh, skin};
 use articula_core::source::Material;
-use articula_core::view::{Camera, Viewport};
-use articula_flat::appearance::Appearance;
-use articula_flat::paint::TextStyle;
-use articula_flat::picture::{Rgba, linear_table};
-use articula_flat::render::{RenderOptions, render};
+use articula_core::{Camera, Mesh, Part, SkinnedMesh, Viewport, skin};
+use articula_flat::Appearance;
 use articula_flat::{Ground, Picture};
+use articula_flat::{RenderOptions, render};
+use articula_flat::{Rgba, linear_table};
+use articula_report::TextStyle;
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 /// Most triangles that are drawn; who is farther away than they reach is left out.

@@ -10,13 +10,11 @@ use super::rows::{ErrorPx, Row};
 use crate::files;
 use anyhow::Context;
 use articula_build::evaluate::{CameraKey, PathFrame, PathRun, Stage, play_camera_path};
-use articula_core::drift::DriftOptions;
 use articula_core::joint_state::JointState;
-use articula_core::loa::JointSet;
-use articula_core::rig::Rig;
-use articula_flat::plot::{PlotOptions, Series, line_plot};
-use articula_flat::skeleton::JointMark;
+use articula_core::{DriftOptions, JointSet, Rig};
 use articula_formats::Limits;
+use articula_report::JointMark;
+use articula_report::{PlotOptions, Series, line_plot};
 use serde::Serialize;
 use std::path::Path;
 

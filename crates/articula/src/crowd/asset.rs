@@ -6,23 +6,18 @@ use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::open::choose;
 use crate::work::Work;
-use articula_build::character::{Asset, character};
-use articula_build::clip::ClipOptions;
-use articula_build::ladder::{
+use articula_build::ClipOptions;
+use articula_build::motion_bounds;
+use articula_build::scene::{Way, put_in_place, root_path};
+use articula_build::{Asset, character};
+use articula_build::{CacheOptions, cached_poses};
+use articula_build::{
     LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
     named_ladder, skin_of,
 };
-use articula_build::motion_bounds::motion_bounds;
-use articula_build::pose_cache::{CacheOptions, cached_poses};
-use articula_build::scene::{Way, put_in_place, root_path};
-use articula_core::clip::{Clip, Tracks};
-use articula_core::clip_set::ClipSet;
 use articula_core::crowd::{CrowdModel, CrowdParts};
-use articula_core::ladder::Ladder;
-use articula_core::mesh::Mesh;
-use articula_core::motion_bounds::MotionBounds;
-use articula_core::palette::PaletteMap;
 use articula_core::source::{Character, Property};
+use articula_core::{Clip, ClipSet, Ladder, Mesh, MotionBounds, PaletteMap, Tracks};
 use std::sync::Arc;
 
 const PREPARING: &str = "preparing levels";

@@ -9,15 +9,11 @@
 use super::asset::CrowdAsset;
 use super::mesh_lods::Watch;
 use super::player::CrowdPlayer;
-use articula_core::blend::blend;
 use articula_core::crowd::Voice;
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{palette, skin_points};
-use articula_core::sphere::Sphere;
-use articula_core::view::Camera;
 use articula_core::visibility::{Bodies, LEAST_DEPTH_METRES, Seen, View, Visibility, see};
+use articula_core::{
+    Camera, LocalPose, ModelPose, Sphere, Wrap, blend, local_to_model, palette, sample, skin_points,
+};
 use glam::{Affine3A, Vec3};
 use serde::Serialize;
 

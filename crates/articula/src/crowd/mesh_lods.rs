@@ -1,13 +1,13 @@
 //! Mesh levels of a crowd's character, chosen together with those of its joints.
 
 use crate::error::{Context, Result};
-use articula_build::character::Asset;
-use articula_build::figure_levels::{FigureLevel, figure_levels};
-use articula_build::ladder::{LevelOptions, MergedLevels};
-use articula_build::poses::{PoseOptions, poses, positions};
-use articula_build::simplify::{SimplifyOptions, simplify};
+use articula_build::Asset;
 use articula_build::surface_distance::{SkinPoint, attach, corners};
-use articula_core::mesh::Mesh;
+use articula_build::{FigureLevel, figure_levels};
+use articula_build::{LevelOptions, MergedLevels};
+use articula_build::{PoseOptions, poses, positions};
+use articula_build::{SimplifyOptions, simplify};
+use articula_core::Mesh;
 use glam::Vec3;
 
 /// Most mesh levels that can be asked for.

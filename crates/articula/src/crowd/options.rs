@@ -1,9 +1,7 @@
 //! How the character of a crowd is prepared.
 
-use articula_core::Backend;
-use articula_core::clip_set::Storage;
 use articula_core::loa::Expression;
-use articula_core::palette::PaletteForm;
+use articula_core::{Backend, PaletteForm, Storage};
 
 /// Which joint LODs a crowd has.
 #[derive(Debug, Clone, Default, PartialEq)]

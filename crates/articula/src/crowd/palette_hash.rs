@@ -2,7 +2,7 @@
 
 use super::palettes::PaletteSlice;
 use super::player::CrowdPlayer;
-use articula_core::pose_cache::BlendRecord;
+use articula_core::BlendRecord;
 
 /// Offset and factor of the 64-bit hash of Fowler, Noll and Vo, variant 1a.
 const FNV_OFFSET: u64 = 0xcbf2_9ce4_8422_2325;
@@ -73,7 +73,7 @@ impl PaletteHash {
 mod tests {
     use super::*;
     use crate::crowd::palettes::Palettes;
-    use articula_core::palette::{PaletteForm, PaletteRows};
+    use articula_core::{PaletteForm, PaletteRows};
 
     #[test]
     fn every_bit_counts() {

@@ -1,7 +1,6 @@
 //! The memory that palettes are written to, made once, and reading them again.
 
-use articula_core::f32_from_half;
-use articula_core::palette::{PaletteForm, PaletteRows};
+use articula_core::{PaletteForm, PaletteRows, f32_from_half};
 use glam::{Affine3A, Mat3, Quat, Vec3, Vec4};
 
 /// Palettes as they were written: rows of four numbers, [`PaletteForm::rows`] for each matrix.

@@ -12,12 +12,8 @@ use articula_core::budget::{CostModel, Policy};
 use articula_core::crowd::{
     CacheUse, Crowd, CrowdModel, CrowdReport, Detail, Draw, Frame, Notice, Sight, Voice,
 };
-use articula_core::mesh::Mesh;
-use articula_core::palette::PaletteRows;
-use articula_core::pose_cache::BlendRecord;
-use articula_core::skin::{SkinnedMesh, skin};
-use articula_core::view::Camera;
 use articula_core::visibility::View;
+use articula_core::{BlendRecord, Camera, Mesh, PaletteRows, SkinnedMesh, skin};
 use glam::{Affine3A, Quat, Vec3};
 use std::ops::Range;
 

@@ -7,8 +7,7 @@ use crate::camera_path::{Key, checked, ensure, malformed};
 use crate::error::{Context, Error, Result};
 use crate::open::choose;
 use articula_build::scene::{CrossFade, Member, Play, Scene};
-use articula_core::clip::Clip;
-use articula_core::view::Viewport;
+use articula_core::{Clip, Viewport};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
@@ -195,7 +194,7 @@ pub fn write_scene(scene: &Scene, clips: &[Clip]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::clip::Tracks;
+    use articula_core::Tracks;
 
     fn clips() -> Vec<Clip> {
         let clip = |name: &str| Clip::new(name, 30.0, 31, 1, Tracks::default()).unwrap();

@@ -8,10 +8,9 @@ use super::budget::Allowance;
 use super::player::CrowdPlayer;
 use crate::error::{Error, Result};
 use articula_build::scene::{CrossFade, Play, Scene};
-use articula_core::clip_set::ClipSet;
 use articula_core::crowd::{CacheUse, CrowdReport, Detail, Player, Sight, Voice};
-use articula_core::view::Camera;
 use articula_core::visibility::View;
+use articula_core::{Camera, ClipSet};
 
 /// How far ahead the camera's way is looked at, so that characters wake before they are seen.
 const AHEAD_SECS: f64 = 0.25;

@@ -17,10 +17,10 @@ use articula::crowd::{
     MOST_MESH_LEVELS, PaletteForm, PaletteMatrices, RootMotion, Storage, read_scene, write_scene,
 };
 use articula_build::scene::{PLAZA_COUNT, Phases, Scene, plaza, plaza_2};
-use articula_core::clip::Clip;
+use articula_core::Clip;
 use articula_core::loa::Expression;
 use articula_flat::codec;
-use articula_flat::plot::{PlotOptions, Series, line_plot};
+use articula_report::{PlotOptions, Series, line_plot};
 use clap::{Args, ValueEnum};
 use report::Report;
 use std::path::{Path, PathBuf};

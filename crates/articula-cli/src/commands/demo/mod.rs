@@ -22,8 +22,8 @@ use crate::{fault, files};
 use anyhow::Context;
 use articula::{Figure, MeshLevelOptions, PrepareOptions, prepare, stored_tables};
 use articula_build::evaluate::{MethodOptions, Setup};
-use articula_build::human::HumanOptions;
 use articula_formats::gltf::Document;
+use articula_human::HumanOptions;
 use clap::Args;
 use mesh_levels::MeshLevels;
 use report::{ClipRows, Found, Level, Report};
@@ -157,7 +157,7 @@ fn over_clips(
 fn levels_of(figure: &Figure) -> Vec<Level> {
     let rig = &figure.asset.rig;
     let clips = &figure.opened.character.clips;
-    articula_core::articulation::Complexity::ALL
+    articula_core::Complexity::ALL
         .into_iter()
         .rev()
         .map(|level| Level::new(level, rig, clips))

@@ -9,13 +9,9 @@ use articula::crowd::{
     Sight, View,
 };
 use articula_build::scene::{Member, Scene};
-use articula_core::blend::blend;
 use articula_core::budget::{CostModel, Policy};
 use articula_core::crowd::{Crowd, Player, Voice};
-use articula_core::hierarchy::local_to_model;
-use articula_core::pose::ModelPose;
-use articula_core::sample::{Wrap, sample};
-use articula_core::skin::{palette, skin_points};
+use articula_core::{ModelPose, Wrap, blend, local_to_model, palette, sample, skin_points};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// Time from frame to frame.
