@@ -72,19 +72,9 @@ pub(crate) fn advised(warning: &Warning) -> String {
     format!("{}; give {flag} if that is wrong", warning.what)
 }
 
-/// Finds a name among others, or says which there are.
-pub(crate) fn choose<'a>(
-    what: &str,
-    wanted: &str,
-    names: impl Iterator<Item = &'a str> + Clone,
-) -> anyhow::Result<usize> {
-    Ok(articula::choose(what, wanted, names)?)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fault;
 
     #[test]
     fn a_guess_names_its_flag() {
@@ -96,11 +86,5 @@ mod tests {
         let said = "inches; give --amc-rate-hz HZ if that is wrong";
         assert_eq!(guessed(Guess::Rate), said);
         assert_eq!(advised(&Warning::new("file", "odd")), "odd");
-    }
-
-    #[test]
-    fn a_wrong_name_is_wrong_usage() {
-        let why = choose("clip", "fly", ["walk"].into_iter()).unwrap_err();
-        assert_eq!(fault::status(&why), 2);
     }
 }

@@ -1,9 +1,9 @@
 //! Where the real characters lie, and how one becomes an asset.
 
-use anyhow::{Context, Result, bail};
-use articula_build::ClipOptions;
+use anyhow::{Result, bail};
+use articula::Figure;
+use articula_build::Asset;
 use articula_build::scene::put_in_place;
-use articula_build::{Asset, character};
 use std::path::{Path, PathBuf};
 
 /// The data folder: the one given, `ARTICULA_DATA`, or `../shared/data` beside the project.
@@ -23,33 +23,15 @@ pub(crate) fn folder(given: Option<&Path>) -> Result<Option<PathBuf>> {
     Ok(None)
 }
 
-/// Reads a character of the data folder, maps its joints by name, and builds it.
+/// Opens a character of the data folder, maps its joints by name, and builds it.
 pub(crate) fn asset(data: &Path, name: &str) -> Result<Asset> {
-    built(data, name, Place::AsAuthored)
+    Ok(Figure::new(articula::fs::open(data.join(name))?)?.asset)
 }
 
 /// The same with clips that travel played on the spot.
 pub(crate) fn asset_on_the_spot(data: &Path, name: &str) -> Result<Asset> {
-    built(data, name, Place::OnTheSpot)
-}
-
-fn built(data: &Path, name: &str, place: Place) -> Result<Asset> {
-    let path = data.join(name);
-    let opened = articula::fs::open(&path)?;
-    let articulation = opened.mapping.articulation;
-    let mut source = opened.character;
-    if place == Place::OnTheSpot {
-        put_in_place(&mut source, articulation.clone(), &[]);
-    }
-    character(&source, Some(articulation), &ClipOptions::default())
-        .with_context(|| path.display().to_string())
-}
-
-/// What becomes of clips that travel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Place {
-    /// They travel.
-    AsAuthored,
-    /// They are played on the spot.
-    OnTheSpot,
+    let mut opened = articula::fs::open(data.join(name))?;
+    let articulation = opened.articulation();
+    put_in_place(&mut opened.character, articulation, &opened.end_sites);
+    Ok(Figure::new(opened)?.asset)
 }

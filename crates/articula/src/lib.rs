@@ -1,6 +1,8 @@
 //! The library.
 
+mod camera_path;
 pub mod convert;
+pub mod crowd;
 mod error;
 mod facing;
 mod figure;
@@ -14,6 +16,7 @@ mod open;
 mod prepare;
 mod work;
 
+pub use camera_path::read_camera_path;
 pub use convert::{AddClipsOptions, ConvertOptions, Converted, convert};
 pub use error::{Error, Result};
 pub use facing::facing;

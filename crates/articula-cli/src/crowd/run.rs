@@ -3,17 +3,15 @@
 //! The second pass decides every frame as the first did, so it shows the same palettes; whatever it
 //! measures takes no time and no cache from what is timed.
 
-use super::cast::Cast;
-use super::output::Hash;
-use super::pixel_error::{Lens, Looked, Summary};
-use super::purse::{Decision, Purse};
-use super::stage::{DISPLAY_HZ, Settings, Stage, Wanted};
-use super::tiers::{Tally, Tier};
+use super::stage::{DISPLAY_HZ, Settings, Stage};
 use super::timing::{Spread, thread_ns};
 use crate::console::Console;
+use articula::crowd::{
+    Allowance, BudgetAllocator, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter,
+    ErrorSample, ErrorSummary, LevelTally, LevelUse, PaletteHash,
+};
 use articula_build::scene::Scene;
 use articula_core::budget::FrameReport;
-use articula_core::crowd::{Crowd, CrowdReport};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -52,13 +50,13 @@ pub(crate) struct Run {
     pub(crate) poses: Poses,
     /// Greatest error that levels and shared poses were chosen for, pixels.
     pub(crate) bound_px: Option<f32>,
-    pub(crate) tiers: Vec<Tier>,
-    pub(crate) error: Summary,
+    pub(crate) tiers: Vec<LevelUse>,
+    pub(crate) error: ErrorSummary,
     pub(crate) hash: String,
     /// Time of the scene, and what a frame took there.
     pub(crate) over_time: Vec<(f64, f64)>,
     /// The moments that were looked at.
-    pub(crate) looks: Vec<Looked>,
+    pub(crate) looks: Vec<ErrorSample>,
 }
 
 /// Poses that a frame evaluates, on average.
@@ -109,21 +107,21 @@ pub(crate) struct BudgetFound {
 
 /// Plays a scene twice: for its time, and for what is seen.
 pub(crate) fn run(
-    cast: &Cast,
+    asset: &CrowdAsset,
     scene: &Scene,
     settings: Settings,
     seed: u64,
     console: &Console,
 ) -> anyhow::Result<Run> {
-    let (times, decisions) = timed(cast, scene, settings, console)?;
-    let mut found = looked_at(cast, scene, settings, &decisions, (seed, console))?;
+    let (times, allowances) = timed(asset, scene, settings, console)?;
+    let mut found = looked_at(asset, scene, settings, &allowances, (seed, console))?;
     let ms = |of: &dyn Fn(&FrameTime) -> f64| Spread::of(times.iter().map(|t| of(t) / 1e6));
     found.frame_ms = ms(&|t| t.cpu_ns);
     found.wall_ms = ms(&|t| t.wall_ns);
     found.tick_ms = ms(&|t| t.tick_ns);
     let frame = |(i, t): (usize, &FrameTime)| (i as f64 / DISPLAY_HZ, t.cpu_ns / 1e6);
     found.over_time = times.iter().enumerate().map(frame).collect();
-    if let Wanted::Budget { ms, .. } = settings.wanted {
+    if let DetailGoal::Budget { ms, .. } = settings.detail {
         let over = |t: &FrameTime| (t.cpu_ns / 1e6 / f64::from(ms) - 1.0).max(0.0);
         found.overrun_p95 = Some(Spread::of(times.iter().map(over)).p95);
     }
@@ -141,31 +139,31 @@ fn step_secs(frame: usize) -> f64 {
 }
 
 fn timed(
-    cast: &Cast,
+    asset: &CrowdAsset,
     scene: &Scene,
     settings: Settings,
     console: &Console,
-) -> anyhow::Result<(Vec<FrameTime>, Vec<Decision>)> {
-    let mut stage = Stage::new(cast, scene, settings)?;
-    let mut purse = match settings.wanted {
-        Wanted::Budget { ms, .. } => Some(Purse::new(ms)),
+) -> anyhow::Result<(Vec<FrameTime>, Vec<Allowance>)> {
+    let mut stage = Stage::new(asset, scene, settings)?;
+    let mut budget = match settings.detail {
+        DetailGoal::Budget { ms, .. } => Some(BudgetAllocator::new(ms)),
         _ => None,
     };
-    let mut decisions = Vec::new();
+    let mut allowances = Vec::new();
     let mut times = Vec::with_capacity(settings.frames);
     let bar = console.progress("playing", 1);
     for frame in 0..WARM_UP_FRAMES + settings.frames {
         let (clock, start) = (Instant::now(), thread_ns());
-        let decision = purse.as_mut().map(Purse::decide);
-        let report = stage.tick(step_secs(frame), decision.as_ref())?;
+        let allowance = budget.as_mut().map(BudgetAllocator::decide);
+        let report = stage.plan(step_secs(frame), allowance.as_ref())?;
         let tick_ns = (thread_ns() - start) as f64;
         let evaluate_ns = stage.evaluate() as f64;
         let start = thread_ns();
-        if let Some(purse) = &mut purse {
-            purse.observe(&report.work, tick_ns, evaluate_ns);
+        if let Some(budget) = &mut budget {
+            budget.observe(&report.work, tick_ns, evaluate_ns);
         }
         let tick_ns = tick_ns + (thread_ns() - start) as f64;
-        decisions.extend(decision);
+        allowances.extend(allowance);
         if frame >= WARM_UP_FRAMES {
             times.push(FrameTime {
                 cpu_ns: tick_ns + evaluate_ns,
@@ -175,40 +173,40 @@ fn timed(
         }
     }
     bar.finish_and_clear();
-    Ok((times, decisions))
+    Ok((times, allowances))
 }
 
 fn looked_at(
-    cast: &Cast,
+    asset: &CrowdAsset,
     scene: &Scene,
     settings: Settings,
-    decisions: &[Decision],
+    allowances: &[Allowance],
     (seed, console): (u64, &Console),
 ) -> anyhow::Result<Run> {
-    let mut stage = Stage::new(cast, scene, settings)?;
-    let mut lens = Lens::new(cast, seed);
-    let mut tally = Tally::new(cast);
-    let mut hash = Hash::new();
+    let mut stage = Stage::new(asset, scene, settings)?;
+    let mut meter = ErrorMeter::new(asset, seed);
+    let mut tally = LevelTally::new(asset);
+    let mut hash = PaletteHash::default();
     let mut reports = Vec::with_capacity(settings.frames);
     let looks = settings.frames.min(LOOKS);
     let mut looked = Vec::with_capacity(looks);
     let bar = console.progress("looking", looks);
     for frame in 0..WARM_UP_FRAMES + settings.frames {
-        let report = stage.tick(step_secs(frame), decisions.get(frame))?;
+        let report = stage.plan(step_secs(frame), allowances.get(frame))?;
         let Some(counted) = frame.checked_sub(WARM_UP_FRAMES) else {
             continue;
         };
         stage.evaluate();
-        let matrices = stage.crowd.matrices();
-        stage.output.hash(matrices, &mut hash);
-        let records = stage.crowd.records();
-        hash.add_records(records);
-        tally.add(&stage);
-        let bytes = matrices * cast.model.form().bytes() + size_of_val(records);
+        let player = stage.scene.player();
+        hash.add(player);
+        tally.add(player);
+        let crowd = player.crowd();
+        let palettes = crowd.matrices() * asset.model().form().bytes();
+        let bytes = palettes + size_of_val(crowd.records());
         reports.push((report, bytes));
         // The first frame, then evenly on.
         if counted * looks / settings.frames >= looked.len() && looked.len() < looks {
-            looked.push(lens.look(&stage)?);
+            looked.push(meter.measure(player, stage.scene.secs(), &stage.scene.camera()?));
             bar.inc(1);
         }
     }
@@ -226,12 +224,12 @@ fn looked_at(
         wall_ms: Spread::default(),
         tick_ms: Spread::default(),
         overrun_p95: None,
-        budget: budget_of(&reports, decisions),
+        budget: budget_of(&reports, allowances),
         written_mb: Spread::of(reports.iter().map(|r| r.1 as f64 / 1e6)),
         memory: Memory {
-            clips_bytes: cast.model.clips().bytes(),
+            clips_bytes: asset.model().clips().bytes(),
             output_bytes: reports.iter().map(|r| r.1).max().unwrap_or(0),
-            cache_bytes: cast.model.cache().map_or(0, |c| c.bytes()),
+            cache_bytes: asset.model().cache().map_or(0, |c| c.bytes()),
             state_bytes: Crowd::BYTES_PER_CHARACTER * scene.members.len(),
             state_bytes_per_character: Crowd::BYTES_PER_CHARACTER,
         },
@@ -243,9 +241,9 @@ fn looked_at(
             cached: mean(&|r| r.cached),
         },
         // Nothing is chosen by its error where everyone is seen in full detail.
-        bound_px: (settings.wanted != Wanted::Full).then_some(bound),
-        tiers: tally.tiers(cast, &looked),
-        error: Summary::of(&looked),
+        bound_px: (settings.detail != DetailGoal::Full).then_some(bound),
+        tiers: tally.levels(asset, &looked),
+        error: ErrorSummary::of(&looked),
         hash: hash.text(),
         over_time: Vec::new(),
         looks: looked,
@@ -253,15 +251,15 @@ fn looked_at(
 }
 
 /// What the budget made of the frames that count.
-fn budget_of(reports: &[(CrowdReport, usize)], decisions: &[Decision]) -> Option<BudgetFound> {
+fn budget_of(reports: &[(CrowdReport, usize)], allowances: &[Allowance]) -> Option<BudgetFound> {
     let found: Vec<FrameReport> = reports.iter().filter_map(|r| r.0.budget).collect();
     if found.is_empty() {
         return None;
     }
     let count = found.len() as f64;
     let mean = |value: &dyn Fn(&FrameReport) -> f64| found.iter().map(value).sum::<f64>() / count;
-    let allowed = decisions.iter().skip(WARM_UP_FRAMES);
-    let allowed: f64 = allowed.map(|d| f64::from(d.cost)).sum();
+    let allowed = allowances.iter().skip(WARM_UP_FRAMES);
+    let allowed: f64 = allowed.map(|a| f64::from(a.cost_ns)).sum();
     Some(BudgetFound {
         allowed_ms: allowed / count / 1e6,
         used_ms: mean(&|r| r.used) / 1e6,

@@ -7,40 +7,18 @@
 use super::Scene;
 use super::rows::{ErrorPx, Row};
 use crate::files;
-use anyhow::{Context, bail, ensure};
+use anyhow::Context;
 use articula_build::evaluate::{CameraKey, PathFrame, PathRun, Stage, play_camera_path};
 use articula_core::joint_state::JointState;
 use articula_core::{DriftOptions, JointSet, Rig};
 use articula_formats::Limits;
 use articula_report::{JointMark, Plot, PlotOptions, Series, line_plot};
-use glam::Vec3;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use std::path::Path;
 
-/// Most display frames that are played.
-const MOST_FRAMES: f64 = 36_000.0;
 /// Tolerances between which a calibration searches, pixels, and its halvings.
 const SEARCHED_PX: (f32, f32) = (0.02, 64.0);
 const HALVINGS: usize = 12;
-
-/// A key frame as files have it.
-#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Key {
-    t: f64,
-    eye: [f32; 3],
-    target: [f32; 3],
-}
-
-impl From<&CameraKey> for Key {
-    fn from(key: &CameraKey) -> Self {
-        Self {
-            t: key.secs,
-            eye: key.eye.to_array(),
-            target: key.target.to_array(),
-        }
-    }
-}
 
 /// A path and how it is played.
 #[derive(Debug, Clone)]
@@ -52,57 +30,8 @@ pub(crate) struct CameraPath {
 
 /// Reads the key frames of a path.
 pub(crate) fn read(path: &Path, display_hz: f64) -> anyhow::Result<Vec<CameraKey>> {
-    let place = files::shown(path);
     let bytes = files::read(path, Limits::default().bytes)?;
-    let keys: Vec<Key> = serde_json::from_slice(&bytes)
-        .map_err(|e| {
-            let form = "expected a list of {\"t\", \"eye\": [x, y, z], \"target\": [x, y, z]}";
-            anyhow::anyhow!("line {} column {}: {e}; {form}", e.line(), e.column())
-        })
-        .with_context(|| place.clone())?;
-    checked(&keys, display_hz).context(place)
-}
-
-/// Key frames of a file, checked.
-pub(crate) fn checked(keys: &[Key], display_hz: f64) -> anyhow::Result<Vec<CameraKey>> {
-    check(keys, display_hz)?;
-    let key = |key: &Key| CameraKey {
-        secs: key.t,
-        eye: Vec3::from(key.eye),
-        target: Vec3::from(key.target),
-    };
-    Ok(keys.iter().map(key).collect())
-}
-
-fn check(keys: &[Key], display_hz: f64) -> anyhow::Result<()> {
-    let (Some(first), Some(last)) = (keys.first(), keys.last()) else {
-        bail!("no key frame; give at least one");
-    };
-    for (i, key) in keys.iter().enumerate() {
-        let finite = key.t.is_finite() && key.eye.iter().chain(&key.target).all(|v| v.is_finite());
-        ensure!(
-            finite,
-            "[{i}]: a number is not finite; give seconds and metres"
-        );
-        ensure!(
-            key.eye != key.target,
-            "[{i}]: eye and target are one point; move the target to what is looked at"
-        );
-        let before = keys
-            .get(i.wrapping_sub(1))
-            .map_or(f64::NEG_INFINITY, |k| k.t);
-        ensure!(
-            key.t >= before,
-            "[{i}].t: {} comes after {before}; sort the key frames by time",
-            key.t
-        );
-    }
-    let frames = (last.t - first.t) * display_hz;
-    ensure!(
-        frames <= MOST_FRAMES,
-        "{frames:.0} frames at {display_hz} Hz, the limit is {MOST_FRAMES}; shorten the path"
-    );
-    Ok(())
+    articula::read_camera_path(&bytes, display_hz).with_context(|| files::shown(path))
 }
 
 /// What a run along a path found.
@@ -267,27 +196,4 @@ pub(crate) fn plots(run: &PathRun, bound_px: f32, heading: &str) -> Vec<Plot> {
             &|f| f64::from(f.error_px),
         ),
     ]
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn key(t: f64) -> Key {
-        Key {
-            t,
-            eye: [0.0, 1.0, 5.0],
-            target: [0.0; 3],
-        }
-    }
-
-    #[test]
-    fn paths_are_checked_at_the_door() {
-        let why = |keys: &[Key]| check(keys, 60.0).unwrap_err().to_string();
-        assert!(why(&[]).contains("at least one"));
-        assert!(why(&[key(1.0), key(0.0)]).contains("[1].t"));
-        assert!(why(&[key(f64::NAN)]).contains("[0]"));
-        assert!(why(&[key(0.0), key(1e9)]).contains("limit"));
-        assert!(check(&[key(0.0), key(0.0), key(2.0)], 60.0).is_ok());
-    }
 }

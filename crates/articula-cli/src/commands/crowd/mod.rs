@@ -4,22 +4,20 @@ mod report;
 
 use crate::arguments::{CharacterArgs, field_of_view, not_negative, positive, size};
 use crate::console::Console;
-use crate::crowd::cast::{Cast, CastOptions, Levels, Matrices};
-use crate::crowd::figure::MOST_MESH_LEVELS;
+use crate::crowd::picture;
 use crate::crowd::run::{self, Run};
-use crate::crowd::stage::{DISPLAY_HZ, Settings, Wanted};
-use crate::crowd::{picture, scene_file};
+use crate::crowd::stage::{DISPLAY_HZ, Settings};
 use crate::open;
 use crate::play::camera_path;
 use crate::{fault, files};
 use anyhow::Context;
-use articula::Figure;
-use articula::Opened;
-use articula_build::Asset;
-use articula_build::scene::{PLAZA_COUNT, Phases, Scene, Way, plaza, plaza_2, put_in_place};
-use articula_core::crowd::CacheUse;
+use articula::crowd::{
+    Backend, CacheUse, CrowdAsset, CrowdOptions, DetailGoal, ErrorSummary, JointLods, MOST_MEMBERS,
+    MOST_MESH_LEVELS, PaletteForm, PaletteMatrices, RootMotion, Storage, read_scene, write_scene,
+};
+use articula_build::scene::{PLAZA_COUNT, Phases, Scene, plaza, plaza_2};
+use articula_core::Clip;
 use articula_core::loa::Expression;
-use articula_core::{Backend, PaletteForm, Storage};
 use articula_flat::codec;
 use articula_report::{Plot, PlotOptions, Series, line_plot, stacked};
 use clap::{Args, ValueEnum};
@@ -37,6 +35,9 @@ const MOST_FRAMES: f64 = 36_000.0;
 
 /// Most threads.
 const MOST_THREADS: usize = 256;
+
+/// Bytes of the largest scene file.
+const MOST_SCENE_BYTES: u64 = 512 << 20;
 
 /// Size of the picture that `--picture` writes.
 const PICTURE_PX: (u32, u32) = (1280, 720);
@@ -177,7 +178,7 @@ impl StorageArgs {
 
 /// What is played: everything that was asked for, read and checked.
 struct Piece {
-    cast: Cast,
+    asset: CrowdAsset,
     scene: Scene,
     scene_name: String,
     in_place: Vec<String>,
@@ -186,50 +187,37 @@ struct Piece {
 
 /// Plays the crowd and prints the report.
 pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
-    let wanted = args.wanted()?;
+    let detail = args.detail()?;
     args.check_outputs()?;
     args.check_cache()?;
     args.check_mesh_levels()?;
-    let mut figure = open::figure(&args.character)?;
+    let figure = open::figure(&args.character)?;
     let place = figure.opened.name.clone();
     let mut warnings = open::warnings(&figure.opened);
-    let articulation = figure.opened.articulation();
-    let Opened {
-        character,
-        end_sites,
-        ..
-    } = &mut figure.opened;
-    let (ways, faults) = put_in_place(character, articulation, end_sites);
-    warnings.extend(faults);
-    if ways.iter().any(Option::is_some) {
-        figure = Figure::new(figure.opened)?;
-    }
-    let (asset, ways) = args.asset(figure, ways).context(place.clone())?;
-    let options = args.options()?;
-    let paths = if args.root_steps { &ways[..] } else { &[] };
-    let cast = Cast::new(asset, paths, &options, console).context(place.clone())?;
-    warnings.extend(cast.warnings.iter().cloned());
-    if args.picture.is_some() && !cast.has_mesh {
+    let options = args.options(&figure.asset.clips)?;
+    let asset = console.work(|work| CrowdAsset::new(&figure, &options, work))?;
+    warnings.extend_from_slice(asset.warnings());
+    if args.picture.is_some() && !asset.has_mesh() {
         anyhow::bail!("{place}: no mesh, so there is nothing to draw; leave --picture out");
     }
-    let scene = args.scene(&cast)?;
+    let scene = args.scene(&asset)?;
     let settings = Settings {
-        wanted,
+        detail,
         share: args.share,
         cache: args.storage.cache(),
         threads: args.threads,
         frames: args.frames(&scene)?,
     };
-    let travels = cast.asset.clips.iter().zip(&ways);
-    let travels = travels.filter(|(_, way)| way.is_some());
+    let clips = asset.clips().iter().enumerate();
+    let in_place = clips.filter(|(c, _)| asset.travels(*c));
     let piece = Piece {
-        in_place: travels.map(|(clip, _)| clip.name.clone()).collect(),
-        cast,
+        in_place: in_place.map(|(_, clip)| clip.name.clone()).collect(),
+        asset,
         scene,
         scene_name: args.scene.clone(),
         settings,
     };
-    let found = run::run(&piece.cast, &piece.scene, settings, args.seed, console)?;
+    let found = run::run(&piece.asset, &piece.scene, settings, args.seed, console)?;
     let mut report = Report::new(args, &piece, &found, place);
     report.warnings.extend(warnings);
     args.write(&piece, &found, &mut report)?;
@@ -238,19 +226,19 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
 
 impl CrowdArgs {
     /// How much detail is asked for.
-    fn wanted(&self) -> anyhow::Result<Wanted> {
+    fn detail(&self) -> anyhow::Result<DetailGoal> {
         match (self.level.as_str(), self.budget_ms) {
-            ("auto", None) => Ok(Wanted::Tolerance(self.epsilon_px)),
-            ("auto", Some(ms)) => Ok(Wanted::Budget {
+            ("auto", None) => Ok(DetailGoal::Tolerance(self.epsilon_px)),
+            ("auto", Some(ms)) => Ok(DetailGoal::Budget {
                 ms,
                 cap_px: self.epsilon_px,
             }),
             (level, Some(_)) => Err(fault::usage(format!(
                 "--budget-ms chooses levels itself; leave --level {level} out"
             ))),
-            ("full", None) => Ok(Wanted::Full),
+            ("full", None) => Ok(DetailGoal::Full),
             // Level 0 is every joint, the named level comes after it.
-            (_, None) => Ok(Wanted::Level(1)),
+            (_, None) => Ok(DetailGoal::Level(1)),
         }
     }
 
@@ -272,44 +260,36 @@ impl CrowdArgs {
         Ok(())
     }
 
-    /// The character with the clips that are played, in the order of the file.
-    fn asset(
-        &self,
-        figure: Figure,
-        mut ways: Vec<Option<Way>>,
-    ) -> anyhow::Result<(Asset, Vec<Option<Way>>)> {
-        let mut asset = figure.asset;
-        let names: Vec<String> = asset.clips.iter().map(|c| c.name.clone()).collect();
-        let names = || names.iter().map(String::as_str);
-        let all = |name: &String| name == "all" && !names().any(|n| n == "all");
-        if self.clip.is_empty() || self.clip.iter().any(all) {
-            return Ok((asset, ways));
+    /// Names of the clips that are played; none where all are.
+    fn clips(&self, clips: &[Clip]) -> Vec<String> {
+        let is_all = |name: &String| name == "all" && !clips.iter().any(|c| c.name == "all");
+        if self.clip.iter().any(is_all) {
+            Vec::new()
+        } else {
+            self.clip.clone()
         }
-        let mut kept = vec![false; asset.clips.len()];
-        for name in &self.clip {
-            kept[open::choose("clip", name, names())?] = true;
-        }
-        let mut each = kept.iter().copied();
-        asset.clips.retain(|_| each.next().unwrap_or(false));
-        let mut each = kept.iter().copied();
-        ways.retain(|_| each.next().unwrap_or(false));
-        Ok((asset, ways))
     }
 
-    fn options(&self) -> anyhow::Result<CastOptions> {
-        let levels = match self.level.as_str() {
-            "full" => Levels::Whole,
-            "auto" => Levels::Merged,
+    fn options(&self, clips: &[Clip]) -> anyhow::Result<CrowdOptions> {
+        let joints = match self.level.as_str() {
+            "full" => JointLods::Whole,
+            "auto" => JointLods::Merged,
             text => {
                 let parsed = Expression::parse(text).map_err(|e| fault::usage(e.to_string()));
-                Levels::Named(parsed.with_context(|| format!("--level \"{text}\""))?)
+                JointLods::Named(parsed.with_context(|| format!("--level \"{text}\""))?)
             }
         };
-        Ok(CastOptions {
-            levels,
+        Ok(CrowdOptions {
+            clips: self.clips(clips),
+            root_motion: if self.root_steps {
+                RootMotion::Extracted
+            } else {
+                RootMotion::OnTheSpot
+            },
+            joints,
             matrices: match self.storage.palette() {
-                MatricesName::Joints => Matrices::Joints,
-                MatricesName::Skin => Matrices::Skin,
+                MatricesName::Joints => PaletteMatrices::Joints,
+                MatricesName::Skin => PaletteMatrices::Skin,
             },
             form: match self.storage.form {
                 FormName::Matrix => PaletteForm::Matrix,
@@ -323,7 +303,7 @@ impl CrowdArgs {
             },
             backend: self.storage.backend.unwrap_or_else(Backend::best),
             seed: self.seed,
-            is_cached: self.storage.cache() != CacheUse::Never,
+            pose_cache: self.storage.cache() != CacheUse::Never,
             mesh_levels: self.mesh_levels,
         })
     }
@@ -354,15 +334,15 @@ impl CrowdArgs {
         Err(fault::usage(format!("--cache {mend}")))
     }
 
-    fn scene(&self, cast: &Cast) -> anyhow::Result<Scene> {
-        let clips = &cast.asset.clips;
+    fn scene(&self, asset: &CrowdAsset) -> anyhow::Result<Scene> {
+        let clips = asset.clips();
         let count = self.count.unwrap_or(PLAZA_COUNT);
         let moving = |phases| plaza_2(count, clips.len(), self.seed, phases);
         let mut scene = match self.scene.as_str() {
             "plaza" => plaza(count, clips.len(), self.seed),
             "plaza-2" => moving(Phases::Distinct),
             "plaza-2-in-step" => moving(Phases::Equal),
-            path => self.scene_file(Path::new(path), cast)?,
+            path => self.scene_file(Path::new(path), clips)?,
         };
         if let Some((width, height)) = self.viewport {
             scene.viewport.width_px = width as f32;
@@ -378,12 +358,21 @@ impl CrowdArgs {
         Ok(scene)
     }
 
-    fn scene_file(&self, path: &Path, cast: &Cast) -> anyhow::Result<Scene> {
+    fn scene_file(&self, path: &Path, clips: &[Clip]) -> anyhow::Result<Scene> {
         if path.extension().is_none() && !path.exists() {
             let known = "give plaza, plaza-2, plaza-2-in-step or a .json file";
             return Err(fault::usage(format!("--scene {}: {known}", self.scene)));
         }
-        let mut scene = scene_file::read(path, &cast.asset.clips, DISPLAY_HZ)?;
+        let bytes = files::read(path, MOST_SCENE_BYTES)?;
+        let mut scene = read_scene(&bytes, clips, DISPLAY_HZ)
+            .map_err(|e| match e {
+                // Not JSON, or another form: a path into a scene that is one is told as it is.
+                articula::Error::Read(e) => {
+                    anyhow::anyhow!("{e}, --save-scene writes one to start from")
+                }
+                other => other.into(),
+            })
+            .with_context(|| files::shown(path))?;
         let there = scene.members.len();
         match self.count {
             Some(count) if count > there => Err(fault::usage(format!(
@@ -418,7 +407,7 @@ impl CrowdArgs {
     /// Writes what was asked for beside the report.
     fn write(&self, piece: &Piece, found: &Run, report: &mut Report) -> anyhow::Result<()> {
         if let Some(path) = &self.save_scene {
-            scene_file::save(path, &piece.scene, &piece.cast.asset.clips)?;
+            files::write(path, &write_scene(&piece.scene, piece.asset.clips()))?;
             report.written.push(files::shown(path));
         }
         if let Some(path) = &self.plot {
@@ -427,7 +416,7 @@ impl CrowdArgs {
             report.written.push(files::shown(path));
         }
         if let Some(path) = &self.picture {
-            let picture = picture::draw(&piece.cast, &piece.scene, piece.settings, PICTURE_PX)?;
+            let picture = picture::draw(&piece.asset, &piece.scene, piece.settings, PICTURE_PX)?;
             let png = codec::png(&picture).with_context(|| files::shown(path))?;
             files::write(path, &png)?;
             report.written.push(files::shown(path));
@@ -450,14 +439,14 @@ pub(crate) fn plots(found: &Run, budget_ms: Option<f32>) -> Vec<Plot> {
         points: found.over_time.clone(),
         ..Series::default()
     };
-    let line = |name: &str, of: &dyn Fn(&crate::crowd::pixel_error::Summary) -> f64| Series {
+    let line = |name: &str, of: &dyn Fn(&ErrorSummary) -> f64| Series {
         name: name.into(),
         points: found
             .looks
             .iter()
             .map(|l| {
                 let one = std::slice::from_ref(l);
-                (l.secs, of(&crate::crowd::pixel_error::Summary::of(one)))
+                (l.secs, of(&ErrorSummary::of(one)))
             })
             .collect(),
         dashed: name != "p95 of visible",
@@ -483,7 +472,7 @@ pub(crate) fn plots(found: &Run, budget_ms: Option<f32>) -> Vec<Plot> {
 }
 
 fn count(text: &str) -> Result<usize, String> {
-    let most = scene_file::MOST_MEMBERS;
+    let most = MOST_MEMBERS;
     let number = text.parse::<usize>().ok();
     let number = number.filter(|n| (1..=most).contains(n));
     number.ok_or_else(|| format!("expected a whole number of 1 to {most}"))

@@ -1,12 +1,11 @@
 //! The report of `crowd`: its fields are a promise to scripts (`docs/commands.md`).
 
 use super::{CrowdArgs, Piece};
-use crate::crowd::pixel_error::Summary;
 use crate::crowd::run::{BudgetFound, Memory, Poses, Run};
-use crate::crowd::tiers::{Renderer, Tier};
 use crate::crowd::timing::Spread;
 use crate::fault::clean;
 use crate::table::Table;
+use articula::crowd::{DrawCost, ErrorSummary, LevelUse};
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
 
@@ -48,15 +47,15 @@ pub(super) struct Report {
     pub(super) written_mb: Spread,
     pub(super) working_set: Memory,
     pub(super) poses: Poses,
-    pub(super) error_px: Summary,
+    pub(super) error_px: ErrorSummary,
     pub(super) error_bound_px: Option<f32>,
     pub(super) budget_ms: Option<f32>,
     /// Share of the budget that a frame took beyond it.
     pub(super) overrun_p95: Option<f64>,
     pub(super) budget: Option<BudgetFound>,
     #[serde(serialize_with = "by_level")]
-    pub(super) tiers: Vec<Tier>,
-    pub(super) renderer: Renderer,
+    pub(super) tiers: Vec<LevelUse>,
+    pub(super) renderer: DrawCost,
     pub(super) palette_hash: String,
     /// Files that were written.
     pub(super) written: Vec<String>,
@@ -64,7 +63,7 @@ pub(super) struct Report {
 }
 
 /// Tiers by name, in the order of the levels.
-fn by_level<S: Serializer>(tiers: &[Tier], out: S) -> Result<S::Ok, S::Error> {
+fn by_level<S: Serializer>(tiers: &[LevelUse], out: S) -> Result<S::Ok, S::Error> {
     out.collect_map(tiers.iter().map(|t| (format!("level_{}", t.level), t)))
 }
 
@@ -81,7 +80,7 @@ impl Report {
         let visible = run.visible.median.round() as usize;
         let near = run.near.median.round() as usize;
         let viewport = piece.scene.viewport;
-        let clips = piece.cast.asset.clips.iter();
+        let clips = piece.asset.clips().iter();
         Self {
             file,
             scene: piece.scene_name.clone(),
@@ -128,7 +127,7 @@ impl Report {
             overrun_p95: run.overrun_p95,
             budget: run.budget,
             tiers: run.tiers.clone(),
-            renderer: Renderer::sum(&run.tiers),
+            renderer: DrawCost::sum(&run.tiers),
             palette_hash: run.hash.clone(),
             written: Vec::new(),
             warnings: Vec::new(),

@@ -2,15 +2,16 @@
 
 use super::Folder;
 use crate::console::Console;
-use crate::crowd::cast::{Cast, CastOptions, Levels, Matrices};
+use crate::crowd::picture;
 use crate::crowd::run::{self, Run};
-use crate::crowd::stage::{Settings, Wanted};
-use crate::crowd::{picture, tiers::Tier};
+use crate::crowd::stage::Settings;
 use anyhow::Context;
-use articula_build::Asset;
+use articula::Figure;
+use articula::crowd::{
+    CacheUse, CrowdAsset, CrowdOptions, DetailGoal, JointLods, LevelUse, PaletteMatrices,
+    RootMotion,
+};
 use articula_build::scene::{Scene, plaza};
-use articula_core::crowd::CacheUse;
-use articula_core::{Backend, PaletteForm, Storage};
 use articula_flat::codec;
 use serde::Serialize;
 
@@ -29,7 +30,7 @@ pub(super) struct Crowd {
     pub(super) epsilon_px: f32,
     pub(super) ways: Vec<Way>,
     /// Levels of the second way.
-    pub(super) levels: Vec<Tier>,
+    pub(super) levels: Vec<LevelUse>,
 }
 
 /// One way to show it.
@@ -44,16 +45,16 @@ pub(super) struct Way {
 
 /// Plays the crowd in three ways and draws it.
 pub(super) fn of(
-    asset: &Asset,
+    figure: &Figure,
     epsilon_px: f32,
     folder: &Folder,
     console: &Console,
 ) -> anyhow::Result<Crowd> {
-    let scene = plaza(COUNT, asset.clips.len(), SEED);
-    let cast = |levels| Cast::new(asset.clone(), &[], &options(levels), console);
-    let (whole, merged) = (cast(Levels::Whole)?, cast(Levels::Merged)?);
-    let tolerance = Wanted::Tolerance(epsilon_px);
-    let full = play(&whole, &scene, settings(Wanted::Full, false), console)?;
+    let scene = plaza(COUNT, figure.asset.clips.len(), SEED);
+    let asset = |joints| console.work(|work| CrowdAsset::new(figure, &options(joints), work));
+    let (whole, merged) = (asset(JointLods::Whole)?, asset(JointLods::Merged)?);
+    let tolerance = DetailGoal::Tolerance(epsilon_px);
+    let full = play(&whole, &scene, settings(DetailGoal::Full, false), console)?;
     let seen = play(&merged, &scene, settings(tolerance, false), console)?;
     let shared = play(&merged, &scene, settings(tolerance, true), console)?;
     let picture = picture::draw(&merged, &scene, settings(tolerance, false), PICTURE_PX)?;
@@ -71,22 +72,19 @@ pub(super) fn of(
     })
 }
 
-fn options(levels: Levels) -> CastOptions {
-    CastOptions {
-        levels,
-        matrices: Matrices::Joints,
-        form: PaletteForm::Matrix,
-        storage: Storage::Float,
-        backend: Backend::best(),
+fn options(joints: JointLods) -> CrowdOptions {
+    CrowdOptions {
+        joints,
+        root_motion: RootMotion::AsAuthored,
+        matrices: PaletteMatrices::Joints,
         seed: SEED,
-        is_cached: false,
-        mesh_levels: 1,
+        ..CrowdOptions::default()
     }
 }
 
-fn settings(wanted: Wanted, share: bool) -> Settings {
+fn settings(detail: DetailGoal, share: bool) -> Settings {
     Settings {
-        wanted,
+        detail,
         share,
         cache: CacheUse::Never,
         threads: 1,
@@ -94,8 +92,13 @@ fn settings(wanted: Wanted, share: bool) -> Settings {
     }
 }
 
-fn play(cast: &Cast, scene: &Scene, settings: Settings, console: &Console) -> anyhow::Result<Run> {
-    run::run(cast, scene, settings, SEED, console)
+fn play(
+    asset: &CrowdAsset,
+    scene: &Scene,
+    settings: Settings,
+    console: &Console,
+) -> anyhow::Result<Run> {
+    run::run(asset, scene, settings, SEED, console)
 }
 
 fn way(label: &'static str, run: &Run) -> Way {

@@ -69,7 +69,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     plot(&folder, &scene, &tables, &costs)?;
     mesh_levels::draw(&folder, &scene)?;
     let flat = flatten::of(&folder, &scene, console)?;
-    let crowd = crowd::of(&figure.asset, TARGET_PX, &folder, console)?;
+    let crowd = crowd::of(&figure, TARGET_PX, &folder, console)?;
     let found = Found {
         clips,
         levels,

@@ -3,20 +3,16 @@
 use super::Bench;
 use crate::measure::thread_ns;
 use anyhow::{Context, Result};
-use articula_build::motion_bounds;
+use articula::Work;
+use articula::crowd::{
+    CacheUse, Camera, CrowdAsset, CrowdOptions, CrowdPlayer, CrowdReport, Detail, PoseSource,
+    Sight, View,
+};
 use articula_build::scene::{Member, Scene};
-use articula_build::{CacheOptions, cached_poses};
-use articula_build::{LevelOptions, merged_levels};
 use articula_core::budget::{CostModel, Policy};
-use articula_core::crowd::{
-    CacheUse, Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, Player, Sight, Voice,
-};
-use articula_core::visibility::View;
-use articula_core::{
-    Backend, CachedRows, Camera, ClipSet, Mesh, PaletteForm, PaletteRows, PosedMesh, Storage, Wrap,
-    blend, percentile_at_or_above, sample, skin_points,
-};
-use glam::{Affine3A, Quat, Vec2, Vec3};
+use articula_core::crowd::{Crowd, Player, Voice};
+use articula_core::{PosedMesh, Wrap, blend, percentile_at_or_above, sample, skin_points};
+use glam::{Vec2, Vec3};
 
 /// Time from frame to frame.
 const STEP_SECS: f32 = 1.0 / 60.0;
@@ -44,9 +40,7 @@ const NOBODY_WAITS: Policy = Policy {
 /// What all runs on scenes share.
 pub(super) struct Stage<'a> {
     bench: &'a Bench,
-    model: CrowdModel,
-    /// The mesh of each level.
-    meshes: Vec<Mesh>,
+    asset: CrowdAsset,
     vertices: Vec<u32>,
 }
 
@@ -101,9 +95,8 @@ pub(super) struct Play {
 struct Shown<'a> {
     /// Which of the frames that are looked at.
     number: usize,
-    crowd: &'a Crowd,
+    player: &'a CrowdPlayer,
     camera: Camera,
-    rows: &'a [[f32; 4]],
 }
 
 /// Errors of the characters that were looked at, pixels.
@@ -131,118 +124,89 @@ impl<'a> Stage<'a> {
     /// Levels, skins, errors and bounds of the bench's character with all its clips.
     pub(super) fn new(bench: &'a Bench) -> Result<Self> {
         let asset = &bench.asset;
-        let levels = merged_levels(asset, &LevelOptions::default())?;
-        let count = levels.ladder.levels();
-        let meshes = (0..count).map(|l| levels.skins.mesh(l, &asset.mesh));
         let step = (asset.mesh.len() / POINTS).max(1);
-        let clips = ClipSet::new(
-            &asset.rig,
-            levels.ladder.clone(),
-            &asset.clips,
-            Storage::Float,
-        )?;
-        let cached = cached_poses(asset, &levels, &clips, &CacheOptions::default())?;
-        let model = CrowdModel::new(CrowdParts {
-            clips,
-            palette: levels.skins.palette.clone(),
-            form: PaletteForm::Matrix,
-            backend: Backend::best(),
-            errors: levels.errors.clone(),
-            bounds: motion_bounds(asset, 0.0)?,
-        })?;
+        let options = CrowdOptions {
+            pose_cache: true,
+            ..CrowdOptions::default()
+        };
         Ok(Self {
             bench,
-            meshes: meshes.collect(),
             vertices: (0..asset.mesh.len() as u32).step_by(step).collect(),
-            model: model.with_cache(cached.cache)?,
+            asset: CrowdAsset::of_asset(asset.clone(), &options, &Work::default())?,
         })
     }
 
     /// Joints that each level keeps.
     pub(super) fn kept(&self) -> Vec<usize> {
-        let ladder = self.model.clips().ladder();
-        (0..ladder.levels()).map(|l| ladder.kept(l)).collect()
+        let all = 0..self.asset.levels();
+        all.map(|l| self.asset.level(l).joints).collect()
     }
 
     /// Plays a scene from its beginning.
     pub(super) fn play(&self, scene: &Scene, play: Play) -> Result<Outcome> {
         let count = scene.members.len();
-        let mut crowd = self.crowd(scene);
+        let model = self.asset.model();
+        let mut player = self.player(scene)?;
+        player.share = play.share;
+        player.cache = play.cache;
         let mut costs = CostModel::default();
-        if matches!(play.detail, Detail::Budget { .. }) {
-            crowd.set_budget(&self.model, NOBODY_WAITS, &costs)?;
+        let is_budget = matches!(play.detail, Detail::Budget { .. });
+        if is_budget {
+            let crowd = player.crowd_mut();
+            crowd.set_budget(model, NOBODY_WAITS, &costs)?;
         }
-        let positions: Vec<Vec3> = scene.members.iter().map(|m| m.position).collect();
-        let turn = |m: &Member| Quat::from_rotation_y(m.yaw_radians);
-        let rotations: Vec<Quat> = scene.members.iter().map(turn).collect();
-        let mut rows = Vec::new();
-        let mut scratch = self.model.evaluator().scratch();
+        let mut most_bytes = 0;
         let mut outcome = Outcome::default();
         let mut errors = Errors::default();
         for number in 0..WARM_UP + play.frames {
             let secs = number as f64 * f64::from(STEP_SECS);
-            self.follow_fades(scene, &mut crowd);
+            self.follow_fades(scene, player.crowd_mut());
             let camera = scene.camera_at(secs).context("the scene has a camera")?;
             let views = [View::of(&camera)];
-            let frame = Frame {
-                dt_secs: if number == 0 { 0.0 } else { STEP_SECS },
-                positions: &positions,
-                rotations: &rotations,
-                scales: &[],
-                wake_metres: &[],
-                importance: &[],
-                sight: Sight::Views(&views),
-                detail: within(play.detail, &costs),
-                share: play.share,
-                cache: play.cache,
-            };
+            let dt_secs = if number == 0 { 0.0 } else { STEP_SECS };
+            player.detail = within(play.detail, &costs);
             let start = thread_ns();
-            let report = crowd.tick(&self.model, &frame, &mut |_| {});
+            let report = player.plan(dt_secs, Sight::Views(&views), &mut |_| {});
             let selected = thread_ns();
-            let wanted = crowd.matrices() * PaletteForm::Matrix.rows();
-            if rows.len() < wanted {
-                rows.resize(wanted, [0.0; 4]);
-            }
-            let ready = thread_ns();
-            let batches = 0..crowd.batches().len();
-            let out = PaletteRows::Float(&mut rows[..wanted]);
-            crowd.evaluate(&self.model, batches, out, &mut scratch);
+            player.evaluate();
             let evaluated = thread_ns();
-            costs.observe(&report.work, (evaluated - ready) as f64);
-            if matches!(play.detail, Detail::Budget { .. }) && number % WARM_UP == WARM_UP - 1 {
-                crowd.reprice(&self.model, &costs);
+            let bytes = player.crowd().matrices() * model.form().bytes();
+            most_bytes = most_bytes.max(bytes);
+            costs.observe(&report.work, (evaluated - selected) as f64);
+            if is_budget && number % WARM_UP == WARM_UP - 1 {
+                player.crowd_mut().reprice(model, &costs);
             }
             if number < WARM_UP {
                 continue;
             }
             outcome.select_ms.push(1e-6 * (selected - start) as f64);
-            outcome.evaluate_ms.push(1e-6 * (evaluated - ready) as f64);
-            let records = size_of_val(crowd.records());
-            outcome.add(&report, 16 * wanted + records, play.frames);
+            let evaluate_ns = evaluated - selected;
+            outcome.evaluate_ms.push(1e-6 * evaluate_ns as f64);
+            let records = size_of_val(player.crowd().records());
+            outcome.add(&report, bytes + records, play.frames);
             if number.is_multiple_of(8) {
                 let now = Shown {
                     number: number / 8,
-                    crowd: &crowd,
+                    player: &player,
                     camera,
-                    rows: &rows,
                 };
-                self.look(scene, &now, play.look_at_one_of, &mut errors);
-                self.look_at_records(scene, &now, play.look_at_one_of, &mut errors);
+                self.look(&now, (scene, play.look_at_one_of), &mut errors);
             }
         }
-        let mut state = Crowd::BYTES_PER_CHARACTER * count + self.model.clips().bytes();
-        if let (true, Some(cache)) = (play.cache != CacheUse::Never, self.model.cache()) {
+        let mut state = Crowd::BYTES_PER_CHARACTER * count + model.clips().bytes();
+        if let (true, Some(cache)) = (play.cache != CacheUse::Never, model.cache()) {
             state += cache.bytes();
         }
-        outcome.resident_mb = 1e-6 * (state + 16 * rows.len()) as f64;
+        outcome.resident_mb = 1e-6 * (state + most_bytes) as f64;
         outcome.near_px = errors.near_px;
         outcome.p95_px = p95_px(errors.drawn);
         Ok(outcome)
     }
 
-    fn crowd(&self, scene: &Scene) -> Crowd {
-        let mut crowd = Crowd::new(&self.model, scene.members.len());
+    fn player(&self, scene: &Scene) -> Result<CrowdPlayer> {
+        let mut crowd = CrowdPlayer::new(&self.asset, scene.members.len())?;
         for (i, member) in scene.members.iter().enumerate() {
+            crowd.place(i, member.position, member.yaw_radians);
             let voice = self.voice(member.play, 0.0);
             let mut player = Player::from(voice);
             if let Some(fade) = member.cross_fade {
@@ -250,13 +214,13 @@ impl<'a> Stage<'a> {
                 let left = fade.fade_secs * (1.0 - fade.start);
                 player.fade_to(self.voice(fade.other, 0.0), left.max(STEP_SECS));
             }
-            crowd.play(i, player);
+            crowd.crowd_mut().play(i, player);
         }
-        crowd
+        Ok(crowd)
     }
 
     fn voice(&self, play: articula_build::scene::Play, secs: f64) -> Voice {
-        let clips = self.model.clips();
+        let clips = self.asset.model().clips();
         let duration = clips.duration_secs(play.clip);
         let at = play
             .clip_secs(secs, duration)
@@ -280,69 +244,34 @@ impl<'a> Stage<'a> {
     }
 
     /// Looks at all characters that are near and at one of so many of all.
-    fn look(&self, scene: &Scene, now: &Shown<'_>, look_at_one_of: usize, errors: &mut Errors) {
-        for group in now.crowd.groups() {
-            for draw in &now.crowd.draws()[group.draws.clone()] {
-                let who = draw.character as usize;
-                let member = &scene.members[who];
-                let metres = member.position.distance(now.camera.eye);
-                let drawn = who % look_at_one_of == now.number % look_at_one_of;
-                if metres < NEAR_METRES || drawn {
-                    let from = 3 * draw.first_matrix as usize;
-                    let matrices = &now.rows[from..from + 3 * group.matrices];
-                    let shown = self.shown_points(group.level, matrices);
-                    let truth = self.true_points(now.crowd.player(who));
-                    let px = distance_px(&now.camera, member, &shown, &truth);
-                    errors.add(px, metres, drawn);
-                }
-            }
-        }
-    }
-
-    /// The same of those that the GPU blends.
-    fn look_at_records(
-        &self,
-        scene: &Scene,
-        now: &Shown<'_>,
-        look_at_one_of: usize,
-        errors: &mut Errors,
-    ) {
-        let Some(CachedRows::Float(cached)) = self.model.cache().map(|c| c.rows()) else {
-            return;
-        };
-        for group in now.crowd.record_groups() {
-            for record in &now.crowd.records()[group.records.clone()] {
-                let who = record.character as usize;
-                let member = &scene.members[who];
-                let metres = member.position.distance(now.camera.eye);
-                let drawn = who % look_at_one_of == now.number % look_at_one_of;
-                if metres < NEAR_METRES || drawn {
-                    let of = |first: u32| &cached[3 * first as usize..][..3 * group.matrices];
-                    let ends = of(record.before).iter().zip(of(record.after));
-                    let mix = |(a, b): (&[f32; 4], &[f32; 4])| {
-                        std::array::from_fn(|i| a[i] + (b[i] - a[i]) * record.blend)
-                    };
-                    let blended: Vec<[f32; 4]> = ends.map(mix).collect();
-                    let shown = self.shown_points(group.level, &blended);
-                    let truth = self.true_points(now.crowd.player(who));
-                    let px = distance_px(&now.camera, member, &shown, &truth);
-                    errors.add(px, metres, drawn);
-                }
+    fn look(&self, now: &Shown<'_>, (scene, one_of): (&Scene, usize), errors: &mut Errors) {
+        for (who, source) in now.player.sources().iter().enumerate() {
+            let (Some(source), Some(level)) = (source, now.player.crowd().level(who)) else {
+                continue;
+            };
+            let member = &scene.members[who];
+            let metres = member.position.distance(now.camera.eye);
+            let drawn = who % one_of == now.number % one_of;
+            if metres < NEAR_METRES || drawn {
+                let shown = self.shown_points(now.player, level, source);
+                let truth = self.true_points(now.player.crowd().player(who));
+                let px = distance_px(&now.camera, member, &shown, &truth);
+                errors.add(px, metres, drawn);
             }
         }
     }
 
     /// Watched points as the palette of a level shows them.
-    fn shown_points(&self, level: usize, rows: &[[f32; 4]]) -> Vec<Vec3> {
-        let mesh = &self.meshes[level];
-        let mut matrices = vec![Affine3A::IDENTITY; mesh.bindings.len()];
-        for (matrix, rows) in matrices.iter_mut().zip(rows.as_chunks::<3>().0) {
-            let column = |c: usize| Vec3::new(rows[0][c], rows[1][c], rows[2][c]);
-            let linear = glam::Mat3::from_cols(column(0), column(1), column(2));
-            *matrix = Affine3A::from_mat3_translation(linear, column(3));
-        }
+    fn shown_points(&self, player: &CrowdPlayer, level: usize, source: &PoseSource) -> Vec<Vec3> {
+        let mut matrices = Vec::new();
+        player.skin_matrices(level, source, &mut matrices);
         let mut points = vec![Vec3::ZERO; self.vertices.len()];
-        skin_points(mesh, &matrices, &self.vertices, &mut points);
+        skin_points(
+            self.asset.mesh(level),
+            &matrices,
+            &self.vertices,
+            &mut points,
+        );
         points
     }
 

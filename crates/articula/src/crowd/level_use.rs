@@ -1,65 +1,74 @@
 //! Who is shown at which level, what it was expected to cost the viewer, and what a renderer pays.
 
-use super::cast::Cast;
-use super::pixel_error::{CharacterError, Looked};
-use super::stage::Stage;
+use super::asset::CrowdAsset;
+use super::lod_error::{CharacterError, ErrorSample};
+use super::player::CrowdPlayer;
 use articula_core::percentile;
 use serde::Serialize;
 
 /// One level over all frames; counts of characters and poses are means over frames.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Tier {
-    pub(crate) level: usize,
-    pub(crate) joints: usize,
+pub struct LevelUse {
+    /// The level; 0 is full detail.
+    pub level: usize,
+    /// Joints that it keeps.
+    pub joints: usize,
     /// Matrices of one palette.
-    pub(crate) matrices: usize,
+    pub matrices: usize,
     /// Triangles that one character is drawn with.
-    pub(crate) triangles: usize,
+    pub triangles: usize,
     /// Most influences of a vertex.
-    pub(crate) influences: usize,
-    pub(crate) characters: f64,
+    pub influences: usize,
+    /// Characters that show it.
+    pub characters: f64,
     /// Palettes that are written for them.
-    pub(crate) poses: f64,
+    pub poses: f64,
     /// Characters that show a palette which another one shows too.
-    pub(crate) shared: f64,
+    pub shared: f64,
     /// Characters between two clips.
-    pub(crate) blended: f64,
+    pub blended: f64,
     /// Characters whose cached palettes the GPU blends, by 16 bytes each.
-    pub(crate) records: f64,
+    pub records: f64,
     /// Greatest error of the level over the clips, millimetres: 95th percentile over vertices.
-    pub(crate) error_mm: f32,
+    pub error_mm: f32,
     /// The same in pixels for the nearest who shows it, over all frames; null where everyone is
     /// shown in full, seen or not.
-    pub(crate) error_bound_px: Option<f32>,
+    pub error_bound_px: Option<f32>,
     /// What was measured on those who were looked at.
-    pub(crate) error_px: Option<TierError>,
-    pub(crate) renderer: Renderer,
+    pub error_px: Option<MeasuredError>,
+    /// What a renderer pays.
+    pub renderer: DrawCost,
 }
 
 /// Measured errors of a level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct TierError {
-    pub(crate) p95: f64,
-    pub(crate) max: f64,
+pub struct MeasuredError {
+    /// 95th percentile over characters and moments, pixels.
+    pub p95: f64,
+    /// The greatest, pixels.
+    pub max: f64,
 }
 
 /// What a renderer pays, a frame on average but for what stays in its memory.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize)]
-pub(crate) struct Renderer {
+pub struct DrawCost {
     /// Instanced draws: one for each part of the mesh.
-    pub(crate) draw_groups: f64,
-    pub(crate) palette_bytes: f64,
-    pub(crate) skinned_vertices: f64,
-    pub(crate) triangles: f64,
+    pub draw_groups: f64,
+    /// Bytes of palettes.
+    pub palette_bytes: f64,
+    /// Vertices that are skinned.
+    pub skinned_vertices: f64,
+    /// Triangles that are drawn.
+    pub triangles: f64,
     /// Had everyone the original mesh.
-    pub(crate) triangles_full: f64,
+    pub triangles_full: f64,
     /// Of the level's mesh: positions, normals, texture coordinates, influences; triangles once.
-    pub(crate) resident_bytes: usize,
+    pub resident_bytes: usize,
 }
 
-impl Renderer {
+impl DrawCost {
     /// Of all levels together.
-    pub(crate) fn sum(tiers: &[Tier]) -> Self {
+    pub fn sum(tiers: &[LevelUse]) -> Self {
         tiers.iter().fold(Self::default(), |sum, tier| Self {
             draw_groups: sum.draw_groups + tier.renderer.draw_groups,
             palette_bytes: sum.palette_bytes + tier.renderer.palette_bytes,
@@ -73,7 +82,7 @@ impl Renderer {
 
 /// Sums over frames, by level.
 #[derive(Debug)]
-pub(crate) struct Tally {
+pub struct LevelTally {
     frames: usize,
     levels: Vec<Sums>,
     palettes: Vec<u32>,
@@ -93,32 +102,32 @@ struct Sums {
 
 impl Sums {
     /// Adds what one character shows.
-    fn see(&mut self, stage: &Stage<'_>, level: usize, character: usize) {
-        let player = stage.crowd.player(character);
-        self.blended += usize::from(player.fade() > 0.0);
-        let from = player.voice().clip();
-        let to = player.next().map_or(from, |v| v.clip());
-        let error = stage.cast.model.error_metres(from, to, level);
-        let density = stage.crowd.seen(character).pixels_per_metre;
+    fn see(&mut self, player: &CrowdPlayer, level: usize, character: usize) {
+        let state = player.crowd().player(character);
+        self.blended += usize::from(state.fade() > 0.0);
+        let from = state.voice().clip();
+        let to = state.next().map_or(from, |v| v.clip());
+        let error = player.asset().model().error_metres(from, to, level);
+        let density = player.crowd().seen(character).pixels_per_metre;
         self.is_unbounded |= density == f32::MAX;
         self.most_px = self.most_px.max(error * density);
     }
 }
 
-impl Tally {
+impl LevelTally {
     /// Nothing yet.
-    pub(crate) fn new(cast: &Cast) -> Self {
+    pub fn new(asset: &CrowdAsset) -> Self {
         Self {
             frames: 0,
-            levels: vec![Sums::default(); cast.model.levels()],
+            levels: vec![Sums::default(); asset.levels()],
             palettes: Vec::new(),
         }
     }
 
     /// Adds a frame.
-    pub(crate) fn add(&mut self, stage: &Stage<'_>) {
+    pub fn add(&mut self, player: &CrowdPlayer) {
         self.frames += 1;
-        let crowd = &stage.crowd;
+        let crowd = player.crowd();
         for group in crowd.groups() {
             let draws = &crowd.draws()[group.draws.clone()];
             let sums = &mut self.levels[group.level];
@@ -132,7 +141,7 @@ impl Tally {
             let several = runs().map(<[u32]>::len).filter(|n| *n > 1);
             sums.shared += several.sum::<usize>();
             for draw in draws {
-                sums.see(stage, group.level, draw.character as usize);
+                sums.see(player, group.level, draw.character as usize);
             }
         }
         for group in crowd.record_groups() {
@@ -141,36 +150,43 @@ impl Tally {
             sums.records += group.records.len();
             sums.characters += group.records.len();
             for record in &crowd.records()[group.records.clone()] {
-                sums.see(stage, group.level, record.character as usize);
+                sums.see(player, group.level, record.character as usize);
             }
         }
     }
 
     /// Every level that someone was shown at.
-    pub(crate) fn tiers(&self, cast: &Cast, looks: &[Looked]) -> Vec<Tier> {
+    pub fn levels(&self, asset: &CrowdAsset, samples: &[ErrorSample]) -> Vec<LevelUse> {
         let levels = self.levels.iter().enumerate();
         let shown = levels.filter(|(_, sums)| sums.characters > 0);
-        shown.map(|(l, s)| self.tier(cast, l, s, looks)).collect()
+        shown
+            .map(|(l, s)| self.level(asset, l, s, samples))
+            .collect()
     }
 
-    fn tier(&self, cast: &Cast, level: usize, sums: &Sums, looks: &[Looked]) -> Tier {
+    fn level(
+        &self,
+        asset: &CrowdAsset,
+        level: usize,
+        sums: &Sums,
+        samples: &[ErrorSample],
+    ) -> LevelUse {
         let mean = |count: usize| count as f64 / self.frames.max(1) as f64;
-        let model = &cast.model;
-        let matrices = model.palette().len(level);
+        let model = asset.model();
+        let made = asset.level(level);
         let clips = model.errors().clips.iter();
         let error_metres = clips.map(|c| c.levels_metres[level]).fold(0.0, f32::max);
         let of_level = |c: &&CharacterError| c.level == level;
-        let looked = looks.iter().flat_map(|l| &l.characters).filter(of_level);
+        let looked = samples.iter().flat_map(|l| &l.characters).filter(of_level);
         let mut errors: Vec<f64> = looked.map(|c| c.p95_px).collect();
         let p95 = percentile(&mut errors, 0.95);
-        let [vertices, triangles] = drawn(cast, level);
-        let parts = cast.asset.mesh.parts.len().max(1);
-        Tier {
+        let parts = asset.full().mesh.parts.len().max(1);
+        LevelUse {
             level,
-            joints: cast.ladder().kept(level),
-            matrices,
-            triangles,
-            influences: cast.skins.levels[level].influences,
+            joints: made.joints,
+            matrices: made.matrices,
+            triangles: made.triangles,
+            influences: made.influences,
             characters: mean(sums.characters),
             poses: mean(sums.poses),
             shared: mean(sums.shared),
@@ -178,40 +194,28 @@ impl Tally {
             records: mean(sums.records),
             error_mm: 1e3 * error_metres,
             error_bound_px: (!sums.is_unbounded).then_some(sums.most_px),
-            error_px: (!errors.is_empty()).then(|| TierError {
+            error_px: (!errors.is_empty()).then(|| MeasuredError {
                 p95,
                 max: percentile(&mut errors, 1.0),
             }),
-            renderer: Renderer {
+            renderer: DrawCost {
                 draw_groups: mean(sums.groups * parts),
-                palette_bytes: mean(sums.poses) * (matrices * model.form().bytes()) as f64,
-                skinned_vertices: mean(sums.characters) * vertices as f64,
-                triangles: mean(sums.characters) * triangles as f64,
-                triangles_full: mean(sums.characters) * cast.asset.mesh.triangles.len() as f64,
-                resident_bytes: resident_bytes(cast, level),
+                palette_bytes: mean(sums.poses) * (made.matrices * model.form().bytes()) as f64,
+                skinned_vertices: mean(sums.characters) * made.vertices as f64,
+                triangles: mean(sums.characters) * made.triangles as f64,
+                triangles_full: mean(sums.characters) * asset.full().mesh.triangles.len() as f64,
+                resident_bytes: resident_bytes(asset, level),
             },
         }
     }
 }
 
-/// Vertices and triangles of one character at a level.
-fn drawn(cast: &Cast, level: usize) -> [usize; 2] {
-    match &cast.figure {
-        _ if !cast.has_mesh => [0; 2],
-        Some(figure) => {
-            let found = figure.levels[level];
-            [found.vertices, found.triangles]
-        }
-        None => [cast.asset.mesh.len(), cast.asset.mesh.triangles.len()],
-    }
-}
-
 /// Bytes of a level's vertices, and of each mesh level's triangles once.
-fn resident_bytes(cast: &Cast, level: usize) -> usize {
-    let [vertices, triangles] = drawn(cast, level);
+fn resident_bytes(asset: &CrowdAsset, level: usize) -> usize {
+    let made = asset.level(level);
     // Position, normal, texture coordinates; an index of 2 and a weight of 4 bytes each.
-    let vertex = 12 + 12 + 8 + 6 * cast.meshes[level].influences;
-    let is_known = level > 0 && drawn(cast, level - 1)[1] == triangles;
-    let triangles = if is_known { 0 } else { triangles };
-    vertices * vertex + triangles * 12
+    let vertex = 12 + 12 + 8 + 6 * asset.mesh(level).influences;
+    let is_known = level > 0 && asset.level(level - 1).triangles == made.triangles;
+    let triangles = if is_known { 0 } else { made.triangles };
+    made.vertices * vertex + triangles * 12
 }

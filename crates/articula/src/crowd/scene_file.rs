@@ -3,21 +3,16 @@
 //! JSON, described in `docs/formats/scene.md`. Clips are named, angles are degrees; both end here.
 //! Every number is checked at the door, so what follows needs no more care than with the plaza.
 
-use crate::files;
-use crate::open;
-use crate::play::camera_path::{self, Key};
-use anyhow::{Context, bail, ensure};
+use crate::camera_path::{Key, checked, ensure, malformed};
+use crate::error::{Context, Error, Result};
+use crate::open::choose;
 use articula_build::scene::{CrossFade, Member, Play, Scene};
 use articula_core::{Clip, Viewport};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
 
 /// Most characters of a scene.
-pub(crate) const MOST_MEMBERS: usize = 1_000_000;
-
-/// Bytes of the largest scene file.
-const MOST_BYTES: u64 = 512 << 20;
+pub const MOST_MEMBERS: usize = 1_000_000;
 
 /// Farthest from the origin that someone may stand: beyond it single precision shows.
 const FARTHEST_METRES: f32 = 1e5;
@@ -79,35 +74,33 @@ fn one() -> f32 {
     1.0
 }
 
-/// Reads a scene for a character with these clips.
-pub(crate) fn read(path: &Path, clips: &[Clip], display_hz: f64) -> anyhow::Result<Scene> {
-    let bytes = files::read(path, MOST_BYTES)?;
-    parse(&bytes, clips, display_hz).with_context(|| files::shown(path))
-}
-
-fn parse(bytes: &[u8], clips: &[Clip], display_hz: f64) -> anyhow::Result<Scene> {
-    let file: SceneFile = serde_json::from_slice(bytes).map_err(|e| {
-        let mend = "docs/formats/scene.md has the form, --save-scene writes one to start from";
-        anyhow::anyhow!("line {} column {}: {e}; {mend}", e.line(), e.column())
-    })?;
+/// Reads a scene for a character with these clips from the JSON of `docs/formats/scene.md`;
+/// `display_hz` bounds the frames of its camera path.
+///
+/// # Errors
+/// An [`Error`] that names the line, or the entry and what is wrong with it.
+pub fn read_scene(bytes: &[u8], clips: &[Clip], display_hz: f64) -> Result<Scene> {
+    let file: SceneFile = serde_json::from_slice(bytes)
+        .map_err(|e| malformed(&e, "docs/formats/scene.md has the form"))?;
     let sides = file.viewport.iter().all(|s| (16..=16384).contains(s));
-    ensure!(sides, "viewport: give 16 to 16384 pixels a side");
+    ensure(sides, || {
+        "viewport: give 16 to 16384 pixels a side".to_owned()
+    })?;
     let opening = (1.0..=170.0).contains(&file.fov_deg);
-    ensure!(opening, "fov_deg: give 1 to 170 degrees");
-    let camera = camera_path::checked(&file.camera, display_hz).context("camera")?;
-    ensure!(
-        camera[0].secs == 0.0,
-        "camera[0].t: {}; a path begins at 0 s",
-        camera[0].secs
-    );
+    ensure(opening, || "fov_deg: give 1 to 170 degrees".to_owned())?;
+    let camera = checked(&file.camera, display_hz).context("camera")?;
+    let starts = camera[0].secs;
+    ensure(starts == 0.0, || {
+        format!("camera[0].t: {starts}; a path begins at 0 s")
+    })?;
     let count = file.members.len();
-    if count == 0 || count > MOST_MEMBERS {
-        bail!("members: {count} characters; give 1 to {MOST_MEMBERS}");
-    }
+    ensure((1..=MOST_MEMBERS).contains(&count), || {
+        format!("members: {count} characters; give 1 to {MOST_MEMBERS}")
+    })?;
     let members = file.members.iter().enumerate();
     let members = members.map(|(i, m)| member(m, clips).with_context(|| format!("members[{i}]")));
     Ok(Scene {
-        members: members.collect::<anyhow::Result<_>>()?,
+        members: members.collect::<Result<_>>()?,
         viewport: Viewport {
             width_px: file.viewport[0] as f32,
             height_px: file.viewport[1] as f32,
@@ -118,21 +111,23 @@ fn parse(bytes: &[u8], clips: &[Clip], display_hz: f64) -> anyhow::Result<Scene>
     })
 }
 
-fn member(file: &MemberFile, clips: &[Clip]) -> anyhow::Result<Member> {
+fn member(file: &MemberFile, clips: &[Clip]) -> Result<Member> {
     let near = file.position.iter().all(|p| p.abs() <= FARTHEST_METRES);
-    ensure!(
-        near,
-        "position: give metres within {FARTHEST_METRES} of the origin"
-    );
-    ensure!(file.yaw_deg.is_finite(), "yaw_deg: give degrees");
+    ensure(near, || {
+        format!("position: give metres within {FARTHEST_METRES} of the origin")
+    })?;
+    ensure(file.yaw_deg.is_finite(), || {
+        "yaw_deg: give degrees".to_owned()
+    })?;
     let cross_fade = file.cross_fade.as_ref().map(|fade| {
         let play = play((&fade.clip, fade.phase, fade.speed), clips)?;
-        ensure!(
-            (0.0..=3600.0).contains(&fade.secs),
-            "secs: give 0 to 3600 seconds"
-        );
-        ensure!((0.0..=1.0).contains(&fade.start), "start: give 0 to 1");
-        Ok(CrossFade {
+        ensure((0.0..=3600.0).contains(&fade.secs), || {
+            "secs: give 0 to 3600 seconds".to_owned()
+        })?;
+        ensure((0.0..=1.0).contains(&fade.start), || {
+            "start: give 0 to 1".to_owned()
+        })?;
+        Ok::<_, Error>(CrossFade {
             other: play,
             fade_secs: fade.secs,
             start: fade.start,
@@ -146,15 +141,16 @@ fn member(file: &MemberFile, clips: &[Clip]) -> anyhow::Result<Member> {
     })
 }
 
-fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> anyhow::Result<Play> {
-    ensure!((0.0..=1.0).contains(&phase), "phase: give 0 to 1");
-    ensure!(
-        speed.abs() <= MOST_SPEED,
-        "speed: give at most {MOST_SPEED}, negative to play backwards"
-    );
+fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> Result<Play> {
+    ensure((0.0..=1.0).contains(&phase), || {
+        "phase: give 0 to 1".to_owned()
+    })?;
+    ensure(speed.abs() <= MOST_SPEED, || {
+        format!("speed: give at most {MOST_SPEED}, negative to play backwards")
+    })?;
     let names = clips.iter().map(|c| c.name.as_str());
-    // A wrong name in a file is no wrong usage.
-    let found = open::choose("clip", clip, names).map_err(|e| anyhow::anyhow!("{e}"))?;
+    // A wrong name in a file is no wrong argument.
+    let found = choose("clip", clip, names).map_err(|e| Error::unsuited(e.to_string()))?;
     Ok(Play {
         clip: found,
         phase,
@@ -162,8 +158,8 @@ fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> anyhow::Resul
     })
 }
 
-/// Writes a scene with the names of the clips.
-pub(crate) fn save(path: &Path, scene: &Scene, clips: &[Clip]) -> anyhow::Result<()> {
+/// Writes a scene as JSON, with the names of the clips.
+pub fn write_scene(scene: &Scene, clips: &[Clip]) -> Vec<u8> {
     let name = |clip: usize| clips.get(clip).map_or(String::new(), |c| c.name.clone());
     let members = scene.members.iter().map(|m| MemberFile {
         position: m.position.to_array(),
@@ -189,9 +185,10 @@ pub(crate) fn save(path: &Path, scene: &Scene, clips: &[Clip]) -> anyhow::Result
         camera_loops: scene.camera_loops,
         members: members.collect(),
     };
-    let mut json = serde_json::to_vec_pretty(&file).context("the scene")?;
+    // Maps have no other keys than names, and no number of a scene is refused by JSON's writer.
+    let mut json = serde_json::to_vec_pretty(&file).unwrap_or_default();
     json.push(b'\n');
-    files::write(path, &json)
+    json
 }
 
 #[cfg(test)]
@@ -206,9 +203,9 @@ mod tests {
 
     const CAMERA: &str = r#""camera": [{"t": 0, "eye": [0, 1.7, 5], "target": [0, 1.7, 0]}]"#;
 
-    fn scene(members: &str) -> anyhow::Result<Scene> {
+    fn scene(members: &str) -> Result<Scene> {
         let text = format!("{{{CAMERA}, \"members\": [{members}]}}");
-        parse(text.as_bytes(), &clips(), 60.0)
+        read_scene(text.as_bytes(), &clips(), 60.0)
     }
 
     #[test]
@@ -231,7 +228,7 @@ mod tests {
 
     #[test]
     fn mistakes_are_named_with_their_place() {
-        let why = |members: &str| format!("{:#}", scene(members).unwrap_err());
+        let why = |members: &str| scene(members).unwrap_err().to_string();
         assert!(why("").contains("members: 0 characters"));
         let walk = r#"{"position": [0, 0, 0], "clip": "walk"}"#;
         let run = why(&format!(
@@ -257,7 +254,7 @@ mod tests {
             assert!(found.contains(place), "{field}: {found}");
         }
         let late = r#"{"camera": [{"t": 1, "eye": [0,0,1], "target": [0,0,0]}], "members": []}"#;
-        let late = parse(late.as_bytes(), &clips(), 60.0).unwrap_err();
-        assert!(format!("{late:#}").contains("camera[0].t"));
+        let late = read_scene(late.as_bytes(), &clips(), 60.0).unwrap_err();
+        assert!(late.to_string().contains("camera[0].t"));
     }
 }

@@ -1,6 +1,6 @@
 //! Mesh levels of a crowd's character, chosen together with those of its joints.
 
-use anyhow::Context;
+use crate::error::{Context, Result};
 use articula_build::Asset;
 use articula_build::surface_distance::{SkinPoint, attach, corners};
 use articula_build::{FigureLevel, figure_levels};
@@ -11,22 +11,22 @@ use articula_core::Mesh;
 use glam::Vec3;
 
 /// Most mesh levels that can be asked for.
-pub(crate) const MOST_MESH_LEVELS: usize = 5;
+pub const MOST_MESH_LEVELS: usize = 5;
 
 /// What joints and mesh together come to.
 #[derive(Debug)]
-pub(crate) struct Figure {
+pub(super) struct MeshLods {
     /// What each level of the crowd shows.
-    pub(crate) levels: Vec<FigureLevel>,
+    pub(super) levels: Vec<FigureLevel>,
     /// Poses that the mesh was simplified by, the rest pose first.
     poses: Vec<Vec<Vec3>>,
 }
 
 /// Where the vertices of the full mesh are looked for on a level.
 #[derive(Debug)]
-pub(crate) struct Watch {
+pub(super) struct Watch {
     /// Vertices that are skinned.
-    pub(crate) vertices: Vec<u32>,
+    pub(super) vertices: Vec<u32>,
     /// Points between them, one for each vertex of the full mesh that is looked at; `None` if
     /// they are these vertices themselves.
     points: Option<Vec<SkinPoint>>,
@@ -34,7 +34,7 @@ pub(crate) struct Watch {
 
 impl Watch {
     /// The vertices themselves.
-    pub(crate) fn plain(vertices: &[u32]) -> Self {
+    pub(super) fn plain(vertices: &[u32]) -> Self {
         Self {
             vertices: vertices.to_vec(),
             points: None,
@@ -42,7 +42,7 @@ impl Watch {
     }
 
     /// Puts the points in the place of the skinned vertices.
-    pub(crate) fn place(&self, skinned: &mut Vec<Vec3>) {
+    pub(super) fn place(&self, skinned: &mut Vec<Vec3>) {
         if let Some(points) = &self.points {
             let placed: Vec<Vec3> = points.iter().map(|p| p.posed(skinned)).collect();
             *skinned = placed;
@@ -50,15 +50,15 @@ impl Watch {
     }
 }
 
-impl Figure {
+impl MeshLods {
     /// Simplifies the mesh by the character's own poses to so many levels, and chooses pairs.
     /// Gives the levels of the crowd and their meshes too.
-    pub(crate) fn new(
+    pub(super) fn new(
         asset: &Asset,
         merged: &MergedLevels,
         mesh_levels: usize,
         opts: &LevelOptions,
-    ) -> anyhow::Result<(Self, MergedLevels, Vec<Mesh>)> {
+    ) -> Result<(Self, MergedLevels, Vec<Mesh>)> {
         let pose_options = PoseOptions {
             seed: opts.seed,
             ..PoseOptions::default()
@@ -73,15 +73,15 @@ impl Figure {
         let found = figure_levels(asset, merged, &levels, &poses, opts).context("levels")?;
         let all = 0..found.levels.len();
         let meshes = all.map(|l| found.mesh(l, &asset.mesh, &levels)).collect();
-        let figure = Self {
+        let lods = Self {
             levels: found.levels,
             poses,
         };
-        Ok((figure, found.merged, meshes))
+        Ok((lods, found.merged, meshes))
     }
 
     /// Where some vertices of the full mesh are looked for on the mesh of a level.
-    pub(crate) fn watch(&self, level: usize, mesh: &Mesh, vertices: &[u32]) -> Watch {
+    pub(super) fn watch(&self, level: usize, mesh: &Mesh, vertices: &[u32]) -> Watch {
         if self.levels[level].mesh_level == self.levels[0].mesh_level {
             return Watch::plain(vertices);
         }

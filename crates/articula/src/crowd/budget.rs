@@ -10,27 +10,46 @@ const STALE: f64 = 0.05;
 /// Share of a new frame in the mean cost of what is not evaluation.
 const GAIN: f64 = 0.1;
 
-/// What was decided for a frame, so that it can be decided alike again.
+/// What a frame may spend. Kept, it makes another run decide alike.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Decision {
+pub struct Allowance {
     /// What evaluation may cost, nanoseconds.
-    pub(crate) cost: f32,
-    /// New prices, if there were any.
-    pub(crate) prices: Option<CostModel>,
+    pub cost_ns: f32,
+    /// New prices of poses, if the old ones were off.
+    pub prices: Option<CostModel>,
 }
 
-impl Decision {
+impl Allowance {
+    /// So many nanoseconds at the prices that are known.
+    pub fn of_ns(cost_ns: f32) -> Self {
+        Self {
+            cost_ns,
+            prices: None,
+        }
+    }
+
     /// Hands new prices on.
-    pub(crate) fn apply(&self, crowd: &mut Crowd, model: &CrowdModel) {
+    pub(super) fn apply(&self, crowd: &mut Crowd, model: &CrowdModel) {
         if let Some(prices) = &self.prices {
             crowd.reprice(model, prices);
         }
     }
 }
 
-/// Learns what frames cost.
+/// Learns what frames cost, and says what the next one may spend on evaluation. It has no clock:
+/// what frames took is told by the caller.
+///
+/// ```
+/// use articula::crowd::BudgetAllocator;
+///
+/// let mut budget = BudgetAllocator::new(2.0);
+/// assert_eq!(budget.decide().cost_ns, 2e6);
+/// // After the frame: what it did, and the nanoseconds that planning and evaluation took.
+/// budget.observe(&Default::default(), 500_000.0, 0.0);
+/// assert!(budget.decide().cost_ns <= 1.5e6);
+/// ```
 #[derive(Debug)]
-pub(crate) struct Purse {
+pub struct BudgetAllocator {
     budget_ns: f64,
     costs: CostModel,
     /// What the crowd's prices were made from.
@@ -40,9 +59,9 @@ pub(crate) struct Purse {
     frames: usize,
 }
 
-impl Purse {
-    /// A purse of so much for each frame.
-    pub(crate) fn new(budget_ms: f32) -> Self {
+impl BudgetAllocator {
+    /// So many milliseconds of processor time for each frame.
+    pub fn new(budget_ms: f32) -> Self {
         Self {
             budget_ns: f64::from(budget_ms) * 1e6,
             costs: CostModel::default(),
@@ -53,7 +72,7 @@ impl Purse {
     }
 
     /// What the next frame may spend.
-    pub(crate) fn decide(&mut self) -> Decision {
+    pub fn decide(&mut self) -> Allowance {
         let due = self.frames > 0 && self.frames.is_multiple_of(REPRICE_FRAMES);
         // New prices place everyone anew, which is dear itself.
         let renew = due && is_stale(&self.given, &self.costs);
@@ -62,14 +81,15 @@ impl Purse {
         }
         self.frames += 1;
         let left = self.budget_ns - self.tick_ns.unwrap_or(0.0);
-        Decision {
-            cost: self.costs.spendable_ns(left.max(0.0)) as f32,
+        Allowance {
+            cost_ns: self.costs.spendable_ns(left.max(0.0)) as f32,
             prices: renew.then(|| self.costs.clone()),
         }
     }
 
-    /// Learns from a frame.
-    pub(crate) fn observe(&mut self, work: &Work, tick_ns: f64, evaluate_ns: f64) {
+    /// Learns from a frame: what was evaluated, and the nanoseconds that everything before the
+    /// evaluation, and the evaluation took, on all threads together.
+    pub fn observe(&mut self, work: &Work, tick_ns: f64, evaluate_ns: f64) {
         self.costs.observe(work, evaluate_ns);
         let mean = self.tick_ns.unwrap_or(tick_ns);
         // A frame that was interrupted does not count for more than twice the mean.
@@ -97,22 +117,22 @@ mod tests {
 
     #[test]
     fn what_is_not_evaluation_is_taken_off() {
-        let mut purse = Purse::new(1.0);
-        assert_eq!(purse.decide().cost, 1e6);
+        let mut allocator = BudgetAllocator::new(1.0);
+        assert_eq!(allocator.decide().cost_ns, 1e6);
         let work = Work {
             characters: 1000,
             ..Work::default()
         };
-        purse.observe(&work, 200_000.0, 1000.0);
+        allocator.observe(&work, 200_000.0, 1000.0);
         // A little less where times were seen to spread.
         let about = |cost: f32, left: f32| cost <= left && cost > 0.97 * left;
-        assert!(about(purse.decide().cost, 800_000.0));
+        assert!(about(allocator.decide().cost_ns, 800_000.0));
         // A tenth of the way, and no farther than twice the mean.
-        purse.observe(&work, 9e9, 1000.0);
-        assert!(about(purse.decide().cost, 780_000.0));
-        assert!(Purse::new(0.1).decide().prices.is_none());
-        let mut poor = Purse::new(0.1);
+        allocator.observe(&work, 9e9, 1000.0);
+        assert!(about(allocator.decide().cost_ns, 780_000.0));
+        assert!(BudgetAllocator::new(0.1).decide().prices.is_none());
+        let mut poor = BudgetAllocator::new(0.1);
         poor.observe(&work, 5e5, 1000.0);
-        assert_eq!(poor.decide().cost, 0.0);
+        assert_eq!(poor.decide().cost_ns, 0.0);
     }
 }

@@ -6,9 +6,9 @@
 //! are left out on both sides. Definition: `docs/metrics.md`, with the true camera instead of a
 //! weak perspective.
 
-use super::cast::Cast;
-use super::figure::Watch;
-use super::stage::Stage;
+use super::asset::CrowdAsset;
+use super::mesh_lods::Watch;
+use super::player::CrowdPlayer;
 use articula_core::crowd::Voice;
 use articula_core::percentile;
 use articula_core::visibility::{Bodies, LEAST_DEPTH_METRES, Seen, View, Visibility, see};
@@ -19,7 +19,7 @@ use glam::{Affine3A, Vec3};
 use serde::Serialize;
 
 /// Nearer characters are all looked at.
-pub(crate) const NEAR_METRES: f32 = 20.0;
+pub const NEAR_METRES: f32 = 20.0;
 
 /// Visible characters that are drawn in each frame that is looked at.
 const DRAWN: usize = 64;
@@ -29,45 +29,49 @@ const MOST_VERTICES: usize = 4000;
 
 /// The error of one character at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct CharacterError {
-    pub(crate) level: usize,
+pub struct CharacterError {
+    /// The level that it shows.
+    pub level: usize,
     /// From the camera to where it stands.
-    pub(crate) distance_m: f32,
+    pub distance_m: f32,
     /// 95th percentile over vertices.
-    pub(crate) p95_px: f64,
+    pub p95_px: f64,
     /// The worst vertex.
-    pub(crate) worst_px: f64,
+    pub worst_px: f64,
     /// Whether it belongs to the even sample, or is there only because it is near.
-    pub(crate) is_drawn: bool,
+    pub is_drawn: bool,
 }
 
 /// One moment that was looked at.
 #[derive(Debug, Clone)]
-pub(crate) struct Looked {
-    pub(crate) secs: f64,
-    pub(crate) characters: Vec<CharacterError>,
+pub struct ErrorSample {
+    /// Time of the scene.
+    pub secs: f64,
+    /// Those who were looked at.
+    pub characters: Vec<CharacterError>,
 }
 
 /// Errors over all moments.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub(crate) struct Summary {
+pub struct ErrorSummary {
     /// Over the drawn characters and moments.
-    pub(crate) p95: f64,
+    pub p95: f64,
     /// Of anyone who was looked at.
-    pub(crate) max: f64,
+    pub max: f64,
     /// Of those nearer than 20 m.
-    pub(crate) near_max: f64,
+    pub near_max: f64,
     /// The worst vertex of all.
-    pub(crate) worst_vertex: f64,
-    /// Characters at moments: drawn, and near.
-    pub(crate) drawn: usize,
-    pub(crate) near: usize,
+    pub worst_vertex: f64,
+    /// Characters at moments that were drawn.
+    pub drawn: usize,
+    /// Characters at moments that were near.
+    pub near: usize,
 }
 
-impl Summary {
+impl ErrorSummary {
     /// Of some moments.
-    pub(crate) fn of(looks: &[Looked]) -> Self {
-        let all = || looks.iter().flat_map(|l| &l.characters);
+    pub fn of(samples: &[ErrorSample]) -> Self {
+        let all = || samples.iter().flat_map(|l| &l.characters);
         let near = || all().filter(|c| c.distance_m < NEAR_METRES);
         let mut drawn: Vec<f64> = all().filter(|c| c.is_drawn).map(|c| c.p95_px).collect();
         Self {
@@ -81,10 +85,11 @@ impl Summary {
     }
 }
 
-/// Compares characters, with all the memory that it takes.
+/// Compares what a crowd shows with the full character, in pixels of the screen: all who are near
+/// and an even draw of the others.
 #[derive(Debug)]
-pub(crate) struct Lens<'a> {
-    cast: &'a Cast,
+pub struct ErrorMeter {
+    asset: CrowdAsset,
     seed: u64,
     looks: u64,
     vertices: Vec<u32>,
@@ -98,20 +103,20 @@ pub(crate) struct Lens<'a> {
     shown: Vec<Vec3>,
 }
 
-impl<'a> Lens<'a> {
+impl ErrorMeter {
     /// Chooses the vertices that are compared.
-    pub(crate) fn new(cast: &'a Cast, seed: u64) -> Self {
-        let rig = &cast.asset.rig;
-        let vertices = every(cast.asset.mesh.len(), MOST_VERTICES, seed);
+    pub fn new(asset: &CrowdAsset, seed: u64) -> Self {
+        let rig = &asset.full().rig;
+        let vertices = every(asset.full().mesh.len(), MOST_VERTICES, seed);
         let vertices: Vec<u32> = vertices.into_iter().map(|v| v as u32).collect();
-        let watch = |(level, mesh)| match &cast.figure {
-            Some(figure) => figure.watch(level, mesh, &vertices),
+        let watch = |level| match asset.mesh_lods() {
+            Some(lods) => lods.watch(level, asset.mesh(level), &vertices),
             None => Watch::plain(&vertices),
         };
-        let watches = cast.meshes.iter().enumerate().map(watch).collect();
+        let watches = (0..asset.levels()).map(watch).collect();
         let room = vec![Vec3::ZERO; vertices.len()];
         Self {
-            cast,
+            asset: asset.clone(),
             seed,
             looks: 0,
             vertices,
@@ -125,10 +130,13 @@ impl<'a> Lens<'a> {
         }
     }
 
-    /// Looks at a frame whose palettes were just written.
-    pub(crate) fn look(&mut self, stage: &Stage<'_>) -> anyhow::Result<Looked> {
-        let camera = stage.camera()?;
-        let visible = visible(stage, &camera);
+    /// Looks at a frame whose palettes were just written; `secs` only names the moment. Every look
+    /// draws others.
+    ///
+    /// # Panics
+    /// If the crowd is of another asset.
+    pub fn measure(&mut self, player: &CrowdPlayer, secs: f64, camera: &Camera) -> ErrorSample {
+        let visible = visible(player, camera);
         // Another draw at every look.
         let seed = self.seed.wrapping_add(self.looks.wrapping_mul(0x9e37_79b9));
         self.looks += 1;
@@ -136,25 +144,25 @@ impl<'a> Lens<'a> {
         for at in every(visible.len(), DRAWN, seed) {
             is_drawn[at] = true;
         }
-        let sources = stage.sources();
+        let sources = player.sources();
         let mut characters = Vec::new();
         for (&(character, level), is_drawn) in visible.iter().zip(is_drawn) {
-            let distance_m = camera.eye.distance(stage.positions[character]);
+            let distance_m = camera.eye.distance(player.positions()[character]);
             let Some(source) = &sources[character] else {
                 continue;
             };
             if !is_drawn && distance_m >= NEAR_METRES {
                 continue;
             }
-            self.pose_truth(stage, character);
-            stage.shown_palette(level, source, &mut self.matrices);
-            let mesh = &self.cast.meshes[level];
+            self.pose_truth(player, character);
+            player.skin_matrices(level, source, &mut self.matrices);
+            let mesh = self.asset.mesh(level);
             let watch = &self.watches[level];
             self.shown.resize(watch.vertices.len(), Vec3::ZERO);
             skin_points(mesh, &self.matrices, &watch.vertices, &mut self.shown);
             watch.place(&mut self.shown);
-            let world = stage.scene.members[character].world_from_model();
-            let mut errors = self.errors_px(&camera, &world);
+            let world = player.world_from_model(character);
+            let mut errors = self.errors_px(camera, &world);
             characters.push(CharacterError {
                 level,
                 distance_m,
@@ -163,23 +171,20 @@ impl<'a> Lens<'a> {
                 is_drawn,
             });
         }
-        Ok(Looked {
-            secs: stage.secs,
-            characters,
-        })
+        ErrorSample { secs, characters }
     }
 
     /// The true skin of a character.
-    fn pose_truth(&mut self, stage: &Stage<'_>, character: usize) {
-        let player = stage.crowd.player(character);
+    fn pose_truth(&mut self, player: &CrowdPlayer, character: usize) {
+        let player = player.crowd().player(character);
         self.sample(player.voice(), Which::Pose);
         if let Some(next) = player.next() {
             self.sample(next, Which::Other);
-            let all = self.cast.asset.rig.all();
+            let all = self.asset.full().rig.all();
             blend(&mut self.pose, &self.other, player.fade(), &all);
         }
-        local_to_model(&self.cast.asset.rig, &self.pose, &mut self.model);
-        let mesh = &self.cast.asset.mesh;
+        local_to_model(&self.asset.full().rig, &self.pose, &mut self.model);
+        let mesh = &self.asset.full().mesh;
         self.matrices
             .resize(mesh.bindings.len(), Affine3A::IDENTITY);
         palette(mesh, &self.model, &mut self.matrices);
@@ -187,7 +192,7 @@ impl<'a> Lens<'a> {
     }
 
     fn sample(&mut self, voice: &Voice, which: Which) {
-        let asset = &self.cast.asset;
+        let asset = self.asset.full();
         let pose = match which {
             Which::Pose => &mut self.pose,
             Which::Other => &mut self.other,
@@ -219,12 +224,16 @@ enum Which {
 }
 
 /// Characters that the camera sees and that are shown, with their levels.
-fn visible(stage: &Stage<'_>, camera: &Camera) -> Vec<(usize, usize)> {
-    let bounds = stage.cast.model.bounds();
-    let places = stage.positions.iter().zip(&stage.rotations).enumerate();
+fn visible(player: &CrowdPlayer, camera: &Camera) -> Vec<(usize, usize)> {
+    let (crowd, bounds) = (player.crowd(), player.asset().model().bounds());
+    let places = player
+        .positions()
+        .iter()
+        .zip(player.rotations())
+        .enumerate();
     let spheres: Vec<Sphere> = places
         .map(|(character, (position, rotation))| {
-            let player = stage.crowd.player(character);
+            let player = crowd.player(character);
             let from = player.voice().clip();
             let bound = match player.next() {
                 Some(next) => bounds.blended(from, next.clip()),
@@ -241,7 +250,7 @@ fn visible(stage: &Stage<'_>, camera: &Camera) -> Vec<(usize, usize)> {
     let visible = seen.iter().enumerate();
     visible
         .filter(|(_, s)| s.visibility == Visibility::Visible)
-        .filter_map(|(character, _)| Some((character, stage.crowd.level(character)?)))
+        .filter_map(|(character, _)| Some((character, crowd.level(character)?)))
         .collect()
 }
 
@@ -284,7 +293,7 @@ mod tests {
             worst_px: 2.0 * p95_px,
             is_drawn,
         };
-        let look = Looked {
+        let look = ErrorSample {
             secs: 0.0,
             characters: vec![
                 one(100.0, 0.5, true),
@@ -292,7 +301,7 @@ mod tests {
                 one(5.0, 3.0, false),
             ],
         };
-        let found = Summary::of(&[look]);
+        let found = ErrorSummary::of(&[look]);
         assert_eq!((found.p95, found.max, found.near_max), (0.5, 3.0, 3.0));
         assert_eq!(found.worst_vertex, 6.0);
         assert_eq!((found.drawn, found.near), (2, 1));

@@ -1,0 +1,366 @@
+//! The character of a crowd: its levels, their skins and errors, its bounds, ready to be played.
+
+use super::mesh_lods::MeshLods;
+use super::options::{CrowdOptions, JointLods, PaletteMatrices, RootMotion};
+use crate::error::{Context, Result};
+use crate::figure::Figure;
+use crate::open::choose;
+use crate::work::Work;
+use articula_build::ClipOptions;
+use articula_build::motion_bounds;
+use articula_build::scene::{Way, put_in_place, root_path};
+use articula_build::{Asset, character};
+use articula_build::{CacheOptions, cached_poses};
+use articula_build::{
+    LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
+    named_ladder, skin_of,
+};
+use articula_core::crowd::{CrowdModel, CrowdParts};
+use articula_core::source::{Character, Property};
+use articula_core::{Clip, ClipSet, Ladder, Mesh, MotionBounds, PaletteMap, Tracks};
+use std::sync::Arc;
+
+const PREPARING: &str = "preparing levels";
+
+/// A character that is ready for crowds. Cheap to clone: all clones share one.
+#[derive(Debug, Clone)]
+pub struct CrowdAsset(Arc<Shared>);
+
+#[derive(Debug)]
+struct Shared {
+    full: Asset,
+    skins: LevelSkins,
+    meshes: Vec<Mesh>,
+    mesh_lods: Option<MeshLods>,
+    model: CrowdModel,
+    matrices: PaletteMatrices,
+    has_mesh: bool,
+    travels: Vec<bool>,
+    warnings: Vec<String>,
+}
+
+/// What one level of a crowd's character is made of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CrowdLevel {
+    /// Joints that it keeps.
+    pub joints: usize,
+    /// Matrices of one palette.
+    pub matrices: usize,
+    /// Vertices that are skinned; 0 without a mesh.
+    pub vertices: usize,
+    /// Triangles that are drawn.
+    pub triangles: usize,
+    /// Most influences of a vertex.
+    pub influences: usize,
+}
+
+impl CrowdAsset {
+    /// Prepares levels, their meshes, what they cost in every clip, and bounds.
+    ///
+    /// A character without a clip stands in its rest pose; one without a mesh is judged by points
+    /// on its bones; both are said in the [`warnings`](Self::warnings).
+    ///
+    /// # Errors
+    /// An [`Error`](crate::Error) that names the file: no clip is called as the options say, the
+    /// options do not fit the character, or [`Error::Cancelled`](crate::Error::Cancelled).
+    pub fn new(figure: &Figure, options: &CrowdOptions, work: &Work<'_>) -> Result<Self> {
+        Self::of_figure(figure, options, work).with_context(|| &figure.opened.name)
+    }
+
+    fn of_figure(figure: &Figure, options: &CrowdOptions, work: &Work<'_>) -> Result<Self> {
+        let (mut asset, mut ways, mut warnings) = on_the_spot(figure, options.root_motion)?;
+        let kept = kept_clips(&asset.clips, &options.clips)?;
+        keep(&mut asset.clips, &kept);
+        keep(&mut ways, &kept);
+        warnings.extend(morphs_at_rest(&figure.opened.character));
+        warnings.extend(unmapped(&asset, &options.joints));
+        Self::prepared(asset, (&ways, warnings), options, work)
+    }
+
+    /// The same of rig, mesh and clips that were built already; clips are taken as they are and
+    /// all of them.
+    ///
+    /// # Errors
+    /// An [`Error`](crate::Error) if the options do not fit the character, or
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
+    pub fn of_asset(asset: Asset, options: &CrowdOptions, work: &Work<'_>) -> Result<Self> {
+        Self::prepared(asset, (&[], Vec::new()), options, work)
+    }
+
+    /// `ways` has one entry for each clip, or none: how it carried its character, if it did.
+    fn prepared(
+        mut asset: Asset,
+        (ways, mut warnings): (&[Option<Way>], Vec<String>),
+        options: &CrowdOptions,
+        work: &Work<'_>,
+    ) -> Result<Self> {
+        work.step(PREPARING, 0, 5)?;
+        if asset.clips.is_empty() {
+            warnings.push("the file has no clip: everyone stands in the rest pose".to_owned());
+            asset.clips.push(rest(asset.rig.len())?);
+        }
+        let has_mesh = !asset.mesh.is_empty();
+        // Before points stand for the skin: without a mesh bounds know more than points do.
+        let bounds = motion_bounds(&asset, 0.0).context("bounds")?;
+        work.step(PREPARING, 1, 5)?;
+        if !has_mesh {
+            warnings.push("no mesh: points on the bones stand for the skin".to_owned());
+            asset.mesh = skin_of(&asset).into_owned();
+        }
+        let opts = LevelOptions {
+            seed: options.seed,
+            ..LevelOptions::default()
+        };
+        let levels = joint_lods(&asset, &options.joints, &opts, work)?;
+        let (mesh_lods, levels, meshes) = if options.mesh_levels > 1 && has_mesh {
+            let most = options.mesh_levels;
+            let (lods, levels, meshes) = MeshLods::new(&asset, &levels, most, &opts)?;
+            (Some(lods), levels, meshes)
+        } else {
+            let all = 0..levels.ladder.levels();
+            let meshes = all.map(|l| levels.skins.mesh(l, &asset.mesh)).collect();
+            (None, levels, meshes)
+        };
+        let mut model = model(&asset, &levels, bounds, options)?;
+        work.step(PREPARING, 5, 5)?;
+        if options.root_motion == RootMotion::Extracted {
+            for (c, (way, clip)) in ways.iter().zip(&asset.clips).enumerate() {
+                if let Some(way) = way {
+                    model = model.with_root_path(c, root_path(way, clip)?)?;
+                }
+            }
+        }
+        Ok(Self(Arc::new(Shared {
+            travels: ways.iter().map(Option::is_some).collect(),
+            full: asset,
+            skins: levels.skins,
+            meshes,
+            mesh_lods,
+            model,
+            matrices: options.matrices,
+            has_mesh,
+            warnings,
+        })))
+    }
+
+    /// What a frame reads: clips, levels, palettes, errors, bounds, cached poses.
+    pub fn model(&self) -> &CrowdModel {
+        &self.0.model
+    }
+
+    /// Rig, clips and mesh in full detail; points on the bones where the file has no mesh.
+    pub fn full(&self) -> &Asset {
+        &self.0.full
+    }
+
+    /// The clips that are played.
+    pub fn clips(&self) -> &[Clip] {
+        &self.0.full.clips
+    }
+
+    /// The index of the clip of this name.
+    ///
+    /// # Errors
+    /// [`Error::Argument`](crate::Error::Argument) if no clip is called so; it lists those there
+    /// are.
+    pub fn clip(&self, name: &str) -> Result<usize> {
+        choose("clip", name, self.clips().iter().map(|c| c.name.as_str()))
+    }
+
+    /// Whether a clip carried its character over the ground before it was put on the spot.
+    pub fn travels(&self, clip: usize) -> bool {
+        self.0.travels.get(clip).is_some_and(|t| *t)
+    }
+
+    /// Number of levels; 0 is full detail.
+    pub fn levels(&self) -> usize {
+        self.0.model.levels()
+    }
+
+    /// The mesh of a level; its bindings are the first matrices of a palette of the skin.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    pub fn mesh(&self, level: usize) -> &Mesh {
+        &self.0.meshes[level]
+    }
+
+    /// What a level is made of.
+    ///
+    /// # Panics
+    /// If there is no such level.
+    pub fn level(&self, level: usize) -> CrowdLevel {
+        let shared = &*self.0;
+        let mesh = &shared.full.mesh;
+        let (vertices, triangles) = match &shared.mesh_lods {
+            _ if !shared.has_mesh => (0, 0),
+            Some(lods) => (lods.levels[level].vertices, lods.levels[level].triangles),
+            None => (mesh.len(), mesh.triangles.len()),
+        };
+        CrowdLevel {
+            joints: self.ladder().kept(level),
+            matrices: shared.model.palette().len(level),
+            vertices,
+            triangles,
+            influences: shared.skins.levels[level].influences,
+        }
+    }
+
+    /// Whether levels have meshes of their own.
+    pub fn has_mesh_lods(&self) -> bool {
+        self.0.mesh_lods.is_some()
+    }
+
+    /// Whether the mesh is the file's.
+    pub fn has_mesh(&self) -> bool {
+        self.0.has_mesh
+    }
+
+    /// Which matrices its palettes hold.
+    pub fn matrices(&self) -> PaletteMatrices {
+        self.0.matrices
+    }
+
+    /// What was odd, for people.
+    pub fn warnings(&self) -> &[String] {
+        &self.0.warnings
+    }
+
+    /// Joint order and levels.
+    pub(super) fn ladder(&self) -> &Ladder {
+        self.0.model.clips().ladder()
+    }
+
+    /// Which joints and triangles go together, if there are coarser meshes.
+    pub(super) fn mesh_lods(&self) -> Option<&MeshLods> {
+        self.0.mesh_lods.as_ref()
+    }
+}
+
+/// The figure with its clips as they are played, the way of each that travelled, and warnings.
+fn on_the_spot(
+    figure: &Figure,
+    root_motion: RootMotion,
+) -> Result<(Asset, Vec<Option<Way>>, Vec<String>)> {
+    if root_motion == RootMotion::AsAuthored {
+        let ways = vec![None; figure.asset.clips.len()];
+        return Ok((figure.asset.clone(), ways, Vec::new()));
+    }
+    let opened = &figure.opened;
+    let mut source = opened.character.clone();
+    let articulation = opened.articulation();
+    let (ways, faults) = put_in_place(&mut source, articulation.clone(), &opened.end_sites);
+    let asset = if ways.iter().any(Option::is_some) {
+        character(&source, Some(articulation), &ClipOptions::default())?
+    } else {
+        figure.asset.clone()
+    };
+    Ok((asset, ways, faults))
+}
+
+/// Which clips are named; all if no name is given.
+fn kept_clips(clips: &[Clip], names: &[String]) -> Result<Vec<bool>> {
+    let mut kept = vec![names.is_empty(); clips.len()];
+    for name in names {
+        let known = clips.iter().map(|c| c.name.as_str());
+        kept[choose("clip", name, known)?] = true;
+    }
+    Ok(kept)
+}
+
+fn keep<T>(all: &mut Vec<T>, kept: &[bool]) {
+    let mut each = kept.iter();
+    all.retain(|_| each.next().is_some_and(|kept| *kept));
+}
+
+/// Says that morph targets stand still where nothing else moves.
+fn morphs_at_rest(source: &Character) -> Option<String> {
+    let mut channels = source.clips.iter().flat_map(|c| &c.channels).peekable();
+    channels.peek()?;
+    let stand = channels.all(|c| c.property == Property::Weights);
+    stand.then(|| {
+        "clips move morph targets alone, which stand still in a crowd; play the file as a single figure"
+            .to_owned()
+    })
+}
+
+/// Says that a named level means little where no joint is known by its name.
+fn unmapped(asset: &Asset, wanted: &JointLods) -> Option<String> {
+    let mut joints = asset.rig.articulation().joints.iter();
+    let is_named = matches!(wanted, JointLods::Named(_));
+    (is_named && joints.all(|j| j.hanim.is_none())).then(|| {
+        "no joint is known by its name, so the named level keeps joints by their place in the tree; \
+         give a joint map, or levels that are merged by motion"
+            .to_owned()
+    })
+}
+
+/// Levels of the joints with their skins and errors.
+fn joint_lods(
+    asset: &Asset,
+    wanted: &JointLods,
+    opts: &LevelOptions,
+    work: &Work<'_>,
+) -> Result<MergedLevels> {
+    let ladder = match wanted {
+        JointLods::Whole => Ladder::whole(&asset.rig),
+        JointLods::Merged => joint_ladder(asset, &mean_pose(asset), opts),
+        JointLods::Named(expression) => {
+            named_ladder(asset, &mean_pose(asset), std::slice::from_ref(expression))
+        }
+    };
+    let ladder = ladder.context("levels")?;
+    work.step(PREPARING, 2, 5)?;
+    let skins = level_skins(asset, &ladder, opts).context("skins")?;
+    work.step(PREPARING, 3, 5)?;
+    let errors = level_errors(asset, &ladder, &skins, opts).context("errors")?;
+    work.step(PREPARING, 4, 5)?;
+    Ok(MergedLevels {
+        ladder,
+        skins,
+        far: None,
+        errors,
+    })
+}
+
+/// What all characters share: clips, palettes, errors, and cached poses if they are asked for.
+fn model(
+    asset: &Asset,
+    levels: &MergedLevels,
+    bounds: MotionBounds,
+    options: &CrowdOptions,
+) -> Result<CrowdModel> {
+    let palette = match options.matrices {
+        PaletteMatrices::Joints => PaletteMap::joints(&levels.ladder),
+        PaletteMatrices::Skin => levels.skins.palette.clone(),
+    };
+    let ladder = levels.ladder.clone();
+    let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, options.storage)?;
+    let cache = if options.pose_cache {
+        let opts = CacheOptions {
+            form: options.form,
+            seed: options.seed,
+            ..CacheOptions::default()
+        };
+        Some(cached_poses(asset, levels, &clips, &opts).context("cache")?)
+    } else {
+        None
+    };
+    let model = CrowdModel::new(CrowdParts {
+        clips,
+        palette,
+        form: options.form,
+        backend: options.backend,
+        errors: levels.errors.clone(),
+        bounds,
+    })?;
+    match cache {
+        Some(cached) => Ok(model.with_cache(cached.cache).context("cache")?),
+        None => Ok(model),
+    }
+}
+
+/// One frame that drives nothing.
+fn rest(joints: usize) -> Result<Clip> {
+    Ok(Clip::new("rest pose", 1.0, 1, joints, Tracks::default())?)
+}

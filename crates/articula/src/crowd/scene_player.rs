@@ -1,0 +1,216 @@
+//! One frame of a scene after the other.
+//!
+//! What is added to a [`CrowdPlayer`] is what a scene says: places, cameras, and the turns of
+//! endless cross-fades.
+
+use super::asset::CrowdAsset;
+use super::budget::Allowance;
+use super::player::CrowdPlayer;
+use crate::error::{Error, Result};
+use articula_build::scene::{CrossFade, Play, Scene};
+use articula_core::crowd::{CacheUse, CrowdReport, Detail, Player, Sight, Voice};
+use articula_core::visibility::View;
+use articula_core::{Camera, ClipSet};
+
+/// How far ahead the camera's way is looked at, so that characters wake before they are seen.
+const AHEAD_SECS: f64 = 0.25;
+
+/// How much detail a crowd gets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DetailGoal {
+    /// Every joint of everyone, seen or not.
+    Full,
+    /// One level for everyone who is seen.
+    Level(usize),
+    /// The coarsest level within so many pixels.
+    Tolerance(f32),
+    /// The least visible error for so many milliseconds a frame; errors above so many pixels
+    /// are mended first.
+    Budget {
+        /// Milliseconds of processor time.
+        ms: f32,
+        /// Pixels.
+        cap_px: f32,
+    },
+}
+
+/// How a scene is played.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SceneOptions {
+    /// How much detail the crowd gets.
+    pub detail: DetailGoal,
+    /// Whether characters may share poses within their tolerance.
+    pub share: bool,
+    /// Who blends cached poses.
+    pub cache: CacheUse,
+}
+
+/// The members of a scene as a crowd.
+#[derive(Debug)]
+pub struct ScenePlayer<'a> {
+    scene: &'a Scene,
+    player: CrowdPlayer,
+    detail: DetailGoal,
+    secs: f64,
+    fades: Vec<Turning>,
+}
+
+/// A cross-fade that goes to and fro.
+#[derive(Debug, Clone, Copy)]
+struct Turning {
+    character: usize,
+    own: Play,
+    fade: CrossFade,
+    /// Whether it goes to the other clip, or comes back.
+    goes: bool,
+}
+
+impl<'a> ScenePlayer<'a> {
+    /// Puts everyone in place at time 0.
+    ///
+    /// # Errors
+    /// An [`Error`] if the palettes would take too much memory, or the budget is none.
+    pub fn new(asset: &CrowdAsset, scene: &'a Scene, options: SceneOptions) -> Result<Self> {
+        let mut player = CrowdPlayer::new(asset, scene.members.len())?;
+        let clips = asset.model().clips();
+        let mut fades = Vec::new();
+        for (character, member) in scene.members.iter().enumerate() {
+            player.place(character, member.position, member.yaw_radians);
+            let own = voice(clips, &member.play, 0.0);
+            let Some(fade) = member.cross_fade else {
+                player.crowd_mut().play(character, own.into());
+                continue;
+            };
+            let turning = Turning {
+                character,
+                own: member.play,
+                fade,
+                goes: fade.start.rem_euclid(1.0) < 0.5,
+            };
+            player.crowd_mut().play(character, turning.start(clips));
+            if fade.fade_secs > 0.0 {
+                fades.push(turning);
+            }
+        }
+        match options.detail {
+            DetailGoal::Full => player.detail = Detail::Full,
+            DetailGoal::Level(level) => player.detail = Detail::Level(level),
+            DetailGoal::Tolerance(px) => player.detail = Detail::Tolerance { px },
+            DetailGoal::Budget { cap_px, .. } => player.set_budget(cap_px)?,
+        }
+        player.share = options.share;
+        player.cache = options.cache;
+        Ok(Self {
+            scene,
+            player,
+            detail: options.detail,
+            secs: 0.0,
+            fades,
+        })
+    }
+
+    /// The crowd.
+    pub fn player(&self) -> &CrowdPlayer {
+        &self.player
+    }
+
+    /// The crowd, to be evaluated.
+    pub fn player_mut(&mut self) -> &mut CrowdPlayer {
+        &mut self.player
+    }
+
+    /// Time of the scene.
+    pub fn secs(&self) -> f64 {
+        self.secs
+    }
+
+    /// The camera of this moment.
+    ///
+    /// # Errors
+    /// [`Error::Unsuited`] if the scene has none.
+    pub fn camera(&self) -> Result<Camera> {
+        let camera = self.scene.camera_at(self.secs);
+        camera.ok_or_else(|| Error::unsuited("the scene has no camera"))
+    }
+
+    /// Goes on by some time and plans the frame. Under a budget `allowance` is what the frame may
+    /// spend; without it the frame spends as much as the one before.
+    ///
+    /// # Errors
+    /// [`Error::Unsuited`] if the scene has no camera.
+    pub fn plan(&mut self, dt_secs: f64, allowance: Option<&Allowance>) -> Result<CrowdReport> {
+        self.secs += dt_secs;
+        let camera = self.camera()?;
+        let (way, turn) = self.ahead(&camera);
+        let views = [View::of(&camera).moving(way, turn)];
+        if let Some(allowance) = allowance {
+            self.player.allow(allowance);
+        }
+        self.turn_fades();
+        let sight = match self.detail {
+            DetailGoal::Full => Sight::Everyone,
+            _ => Sight::Views(&views),
+        };
+        Ok(self.player.plan(dt_secs as f32, sight, &mut |_| ()))
+    }
+
+    /// How far the camera goes and turns in the time ahead, metres and radians.
+    fn ahead(&self, camera: &Camera) -> (f32, f32) {
+        let Some(later) = self.scene.camera_at(self.secs + AHEAD_SECS) else {
+            return (0.0, 0.0);
+        };
+        if later.eye == camera.eye && later.orientation == camera.orientation {
+            return (0.0, 0.0);
+        }
+        let way = later.eye.distance(camera.eye);
+        (way, later.orientation.angle_between(camera.orientation))
+    }
+
+    /// Sends cross-fades that have arrived the other way.
+    fn turn_fades(&mut self) {
+        for turning in &mut self.fades {
+            if !self.player.crowd().player(turning.character).is_fading() {
+                turning.goes = !turning.goes;
+                let next = turning.next(self.player.asset().model().clips(), self.secs);
+                let fade_secs = turning.fade.fade_secs;
+                let crowd = self.player.crowd_mut();
+                crowd.fade_to(turning.character, next, fade_secs);
+            }
+        }
+    }
+}
+
+impl Turning {
+    /// What it plays at time 0.
+    fn start(&self, clips: &ClipSet) -> Player {
+        let own = voice(clips, &self.own, 0.0);
+        let other = voice(clips, &self.fade.other, 0.0);
+        let share = self.fade.share(0.0);
+        if self.fade.fade_secs > 0.0 && self.goes {
+            Player::fading(own, other, share, self.fade.fade_secs)
+        } else if self.fade.fade_secs > 0.0 {
+            Player::fading(other, own, 1.0 - share, self.fade.fade_secs)
+        } else {
+            Player::blend(own, other, share)
+        }
+    }
+
+    /// Where it goes to now.
+    fn next(&self, clips: &ClipSet, secs: f64) -> Voice {
+        let play = if self.goes {
+            &self.fade.other
+        } else {
+            &self.own
+        };
+        voice(clips, play, secs)
+    }
+}
+
+/// A clip at a time of the scene.
+fn voice(clips: &ClipSet, play: &Play, secs: f64) -> Voice {
+    let duration = clips.duration_secs(play.clip);
+    let secs = play.clip_secs(secs, duration) as f32;
+    Voice::new(clips, play.clip)
+        .at_speed(play.speed)
+        .at_secs(clips, secs)
+}
