@@ -20,7 +20,12 @@ pub(crate) struct ClosedLoop {
 
 /// Plays true local rotations (`truth[frame][joint]`) holding each of `moving` while its
 /// model-space error stays within its `radians`.
-pub(crate) fn closed_loop(rig: &Rig, truth: &[&[Quat]], moving: &JointSet, radians: &[f32]) -> ClosedLoop {
+pub(crate) fn closed_loop(
+    rig: &Rig,
+    truth: &[&[Quat]],
+    moving: &JointSet,
+    radians: &[f32],
+) -> ClosedLoop {
     let mut out = ClosedLoop::default();
     let mut held: Vec<Quat> = truth.first().map_or_else(Vec::new, |first| first.to_vec());
     let mut true_model = held.clone();

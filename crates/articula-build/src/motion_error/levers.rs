@@ -55,7 +55,11 @@ pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
 /// For each joint, the most moving joints on the ways from the root to any vertex below it:
 /// what a tolerance must be divided by so that errors along a chain stay within it. Without a
 /// mesh, the ways to the joints themselves.
-pub(crate) fn chain_counts(rig: &Rig, mesh: &Mesh, moving: &articula_core::loa::JointSet) -> Vec<usize> {
+pub(crate) fn chain_counts(
+    rig: &Rig,
+    mesh: &Mesh,
+    moving: &articula_core::loa::JointSet,
+) -> Vec<usize> {
     let mut counts = vec![1; rig.len()];
     let mut count = |ends: &mut dyn Iterator<Item = usize>| {
         let mut chain = articula_core::loa::JointSet::EMPTY;

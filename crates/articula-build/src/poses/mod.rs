@@ -79,17 +79,6 @@ pub struct Poses {
     pub apart_metres: f32,
 }
 
-impl Poses {
-    /// Number of different clips that are measured on.
-    pub(crate) fn clips_measured(&self) -> usize {
-        let clips = self.measuring.iter().filter_map(|p| match p.origin {
-            Origin::Clip { clip, .. } => Some(clip),
-            _ => None,
-        });
-        clips.collect::<std::collections::BTreeSet<_>>().len()
-    }
-}
-
 /// Chooses poses of a character; fewer than asked for if there are not as many different ones.
 ///
 /// The same asset and options give the same poses. O(frames looked at, which are limited, times
@@ -189,6 +178,15 @@ mod tests {
         }
     }
 
+    /// Number of different clips that are measured on.
+    fn clips_measured(found: &Poses) -> usize {
+        let clips = found.measuring.iter().filter_map(|p| match p.origin {
+            Origin::Clip { clip, .. } => Some(clip),
+            _ => None,
+        });
+        clips.collect::<std::collections::BTreeSet<_>>().len()
+    }
+
     #[test]
     fn the_farthest_frame_comes_first_and_then_the_middle() {
         let asset = swinging(2.0);
@@ -199,7 +197,7 @@ mod tests {
         assert_eq!(secs(&found.shaping[1]), 2.0, "the last frame bends most");
         assert!((secs(&found.shaping[2]) - 1.0).abs() < 0.2);
         // Every other frame is another pose: as many as asked for.
-        assert_eq!((found.measuring.len(), found.clips_measured()), (24, 1));
+        assert_eq!((found.measuring.len(), clips_measured(&found)), (24, 1));
         let used: Vec<f64> = found.shaping[1..].iter().map(secs).collect();
         assert!(found.measuring.iter().all(|p| !used.contains(&secs(p))));
         assert!(found.apart_metres > 0.0 && found.apart_metres.is_finite());
@@ -219,7 +217,7 @@ mod tests {
             ..PoseOptions::default()
         };
         let found = poses(&asset, &opts).unwrap();
-        assert_eq!((found.measuring.len(), found.clips_measured()), (5, 5));
+        assert_eq!((found.measuring.len(), clips_measured(&found)), (5, 5));
     }
 
     #[test]

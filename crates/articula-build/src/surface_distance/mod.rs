@@ -16,13 +16,12 @@ mod triangle;
 
 pub use attach::attach;
 pub use skin_point::{SkinPoint, corners};
-pub use tree::SurfaceTree;
 
 use crate::evaluate::{draw_vertices, percentile};
 use articula_core::Mismatch;
 use articula_core::level_table::SurfaceError;
 use glam::Vec3;
-use tree::NO_TRIANGLE;
+use tree::{NO_TRIANGLE, SurfaceTree};
 
 /// Which points distances are taken at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
