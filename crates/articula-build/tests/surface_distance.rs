@@ -5,7 +5,7 @@ use articula_build::ClipOptions;
 use articula_build::surface_distance::{DistanceOptions, LevelDistances, surface_distances};
 use articula_build::{Asset, character};
 use articula_build::{PoseOptions, poses, positions};
-use articula_core::level_table::SurfaceError;
+use articula_core::SurfaceError;
 use articula_human::{HumanOptions, human};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;

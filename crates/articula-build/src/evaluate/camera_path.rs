@@ -3,17 +3,15 @@
 //! Source: `spec/motion-lod.md` 4.5 and 12. What is measured here is the controller that runs
 //! in a frame, not a table: its bound holds while the view moves.
 
-use super::stage::{ErrorPx, Stage, percentile};
+use super::stage::{ErrorPx, Stage};
 use crate::motion_error::bounds::{LeverKind, joint_bounds};
 use crate::motion_error::contacts::attention;
-use articula_core::drift::{Drift, DriftOptions, JointViews};
-use articula_core::hierarchy::local_to_model;
 use articula_core::joint_state::JointState;
-use articula_core::loa::JointSet;
-use articula_core::math::angle_between;
-use articula_core::pose::{LocalPose, ModelPose};
-use articula_core::sample::{Wrap, frame_position, sample};
-use articula_core::view::{Camera, Viewport};
+use articula_core::percentile;
+use articula_core::{
+    Camera, Drift, DriftOptions, JointSet, JointViews, LocalPose, ModelPose, Viewport, Wrap,
+    angle_between, frame_position, local_to_model, sample,
+};
 use glam::Vec3;
 
 /// Nearer than this to the camera plane a vertex is not judged.

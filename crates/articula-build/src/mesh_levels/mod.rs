@@ -12,10 +12,8 @@ use crate::clusters::{Clustered, Order, cluster};
 use crate::poses::{Origin, PoseOptions, Poses, SkinPose, poses, positions};
 use crate::simplify::{Simplified, SimplifyOptions, simplify};
 use crate::surface_distance::{DistanceOptions, LevelDistances, surface_distances};
-use articula_core::Mismatch;
-use articula_core::level_table::{LevelRow, LevelTable};
-use articula_core::mesh::Part;
 use articula_core::source::Character;
+use articula_core::{LevelRow, LevelTable, Mismatch, Part};
 
 /// How mesh levels are made and measured.
 #[derive(Debug, Clone, PartialEq, Default)]

@@ -1,9 +1,8 @@
 //! Source meshes with their vertices in the order of the levels.
 
 use crate::clusters::Clustered;
-use articula_core::Mismatch;
-use articula_core::clustered::ClusteredTriangles;
 use articula_core::source::{Mesh, MorphTarget, Primitive};
+use articula_core::{ClusteredTriangles, Mismatch};
 
 /// Meshes whose primitives, counted over all of them, have these levels.
 pub(super) fn meshes(meshes: &[Mesh], objects: &[Clustered]) -> Result<Vec<Mesh>, Mismatch> {

@@ -4,9 +4,7 @@
 //! joint under its *shown* parent decides; a renewed joint takes the local rotation that puts
 //! it where it truly is.
 
-use articula_core::loa::JointSet;
-use articula_core::math::angle_between;
-use articula_core::rig::Rig;
+use articula_core::{JointSet, Rig, angle_between};
 use glam::Quat;
 
 /// Local rotations shown at each frame, and which joints were renewed.

@@ -3,12 +3,9 @@
 //! Source: `spec/motion-lod.md` 4.1. Differs: besides the lever at rest, a reach is kept that
 //! bounds every pose; the lever at rest underestimates where a chain is bent at rest.
 
-use articula_core::hierarchy::local_to_model;
-use articula_core::mesh::Mesh;
-use articula_core::motion_error::{JointLever, LEVER_FLOOR_METRES, SecondMoment};
-use articula_core::pose::ModelPose;
-use articula_core::rig::Rig;
-use articula_core::skin::{SkinnedMesh, palette, skin};
+use articula_core::{
+    JointLever, Mesh, ModelPose, Rig, SecondMoment, SkinnedMesh, local_to_model, palette, skin,
+};
 use glam::{Affine3A, Quat, Vec3};
 
 /// A vertex belongs to a joint's skin from this summed weight on.
@@ -41,8 +38,8 @@ pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
         .iter()
         .enumerate()
         .map(|(j, g)| JointLever {
-            rest_metres: g.rest.max(bones[j].rest).max(LEVER_FLOOR_METRES),
-            reach_metres: g.reach.max(bones[j].reach).max(LEVER_FLOOR_METRES),
+            rest_metres: g.rest.max(bones[j].rest).max(JointLever::FLOOR_METRES),
+            reach_metres: g.reach.max(bones[j].reach).max(JointLever::FLOOR_METRES),
             second_moment: SecondMoment::of(g.vertices.iter().map(|v| {
                 let offset = rest.skin[*v as usize] - rest.joints[j];
                 (rest.rotations[j].conjugate() * offset, 1.0)
@@ -55,14 +52,10 @@ pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
 /// For each joint, the most moving joints on the ways from the root to any vertex below it:
 /// what a tolerance must be divided by so that errors along a chain stay within it. Without a
 /// mesh, the ways to the joints themselves.
-pub(crate) fn chain_counts(
-    rig: &Rig,
-    mesh: &Mesh,
-    moving: &articula_core::loa::JointSet,
-) -> Vec<usize> {
+pub(crate) fn chain_counts(rig: &Rig, mesh: &Mesh, moving: &articula_core::JointSet) -> Vec<usize> {
     let mut counts = vec![1; rig.len()];
     let mut count = |ends: &mut dyn Iterator<Item = usize>| {
-        let mut chain = articula_core::loa::JointSet::EMPTY;
+        let mut chain = articula_core::JointSet::EMPTY;
         for joint in ends {
             let mut at = Some(joint);
             while let Some(j) = at {

@@ -147,7 +147,7 @@ fn check(asset: &Asset) -> Result<(), Mismatch> {
     ladder::check(asset)?;
     let mesh = &asset.mesh;
     let slots = mesh.morph_weights.len();
-    let outside = |m: &articula_core::mesh::Morph| usize::from(m.slot) >= slots;
+    let outside = |m: &articula_core::Morph| usize::from(m.slot) >= slots;
     if let Some(m) = mesh.morphs.iter().position(outside) {
         let what = format!("slot {} of {slots}", mesh.morphs[m].slot);
         return Err(Mismatch::new(format!("mesh.morphs[{m}]"), what));
@@ -159,8 +159,7 @@ fn check(asset: &Asset) -> Result<(), Mismatch> {
 mod tests {
     use super::*;
     use crate::ladder::test_figures::{arm, moving};
-    use articula_core::clip::{Clip, Track, Tracks};
-    use articula_core::mesh::Morph;
+    use articula_core::{Clip, Morph, Track, Tracks};
     use glam::{Quat, Vec3};
 
     /// An arm of three joints whose middle one swings by up to `radians` in 61 frames.
@@ -286,7 +285,7 @@ mod tests {
         let rest = poses(&asset, &PoseOptions::default()).unwrap();
         assert_eq!(rest.source, PoseSource::Rest);
         assert_eq!((rest.shaping.len(), rest.measuring.len()), (1, 0));
-        asset.mesh = articula_core::mesh::Mesh::default();
+        asset.mesh = articula_core::Mesh::default();
         let empty = poses(&asset, &PoseOptions::default()).unwrap();
         assert_eq!(positions(&asset, &empty.shaping), [Vec::<Vec3>::new()]);
     }

@@ -17,9 +17,9 @@ mod triangle;
 pub use attach::attach;
 pub use skin_point::{SkinPoint, corners};
 
-use crate::evaluate::{draw_vertices, percentile};
-use articula_core::Mismatch;
-use articula_core::level_table::SurfaceError;
+use crate::evaluate::draw_vertices;
+use articula_core::percentile;
+use articula_core::{Mismatch, SurfaceError};
 use glam::Vec3;
 use tree::{NO_TRIANGLE, SurfaceTree};
 
