@@ -2,9 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use articula_build::ClipOptions;
-use articula_build::surface_distance::{
-    DistanceOptions, LevelDistances, SurfaceTree, surface_distances,
-};
+use articula_build::surface_distance::{DistanceOptions, LevelDistances, surface_distances};
 use articula_build::{Asset, character};
 use articula_build::{PoseOptions, poses, positions};
 use articula_core::SurfaceError;
@@ -51,25 +49,6 @@ fn surface() -> impl Strategy<Value = (Vec<Vec3>, Triangles)> {
 }
 
 proptest! {
-    #[test]
-    fn the_tree_finds_the_closest_triangle_also_after_it_moved(
-        (points, triangles) in surface(),
-        moves in prop::collection::vec(prop::array::uniform3(-2.0f32..2.0), 40),
-        asked in prop::collection::vec(prop::array::uniform3(-2.0f32..2.0), 20),
-    ) {
-        let mut tree = SurfaceTree::new(&triangles, &points);
-        let moved: Vec<Vec3> = points.iter().zip(&moves).map(|(p, m)| *p + Vec3::from_array(*m)).collect();
-        for positions in [&points, &moved] {
-            tree.refit(positions);
-            for point in &asked {
-                let point = Vec3::from_array(*point);
-                let fast = f64::from(tree.squared_distance(point).sqrt());
-                let slow = slow(point, &triangles, positions);
-                prop_assert!((fast - slow).abs() < 5e-3 * (1.0 + slow), "{} {}", fast, slow);
-            }
-        }
-    }
-
     #[test]
     fn statistics_are_those_of_all_points_and_poses(
         (points, triangles) in surface(),

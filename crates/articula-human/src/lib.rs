@@ -1,9 +1,24 @@
 //! The reference human: a smooth mannequin on the 89 H-Anim joints, made from formulas alone.
 //!
+//! It stands in for a character of your own wherever there is none: 89 joints with names, levels
+//! and regions, four meshes at any triangle count from 2,000 to 70,000, and the clips `idle`,
+//! `walk` and `wave`.
+//!
+//! ```
+//! use articula_human::{HumanOptions, human};
+//!
+//! let character = human(&HumanOptions { triangles: 2_000 })?;
+//! assert_eq!(character.skeleton.joints.len(), 89);
+//! assert_eq!(character.clips.len(), 3);
+//! # Ok::<(), articula_human::HumanError>(())
+//! ```
+//!
 //! One signed distance field is the body. It is polygonised finely, thinned to the triangle
 //! count that the caller wants, skinned by position and set in motion: options → field →
-//! surfaces → weights → character. Nothing is read from a file, and the same options give the
-//! same bytes.
+//! surfaces → weights → character. The same options give the same bytes.
+//!
+//! What is deliberately absent: files, textures, a face that moves, and a simplifier of its own
+//! (`articula-build` has the one there is).
 
 mod body;
 mod field;

@@ -6,7 +6,7 @@ use super::stage::{Stage, Trial};
 
 /// Parameters that a sweep tries, from gentle to harsh: 24 or 26 geometric steps, as in the
 /// published numbers; every whole number of frames up to 26; every level.
-pub fn parameters(method: &Method) -> Vec<f32> {
+fn parameters(method: &Method) -> Vec<f32> {
     let geometric = |from: f32, to: f32, steps: usize| -> Vec<f32> {
         let ratio = (to / from).powf(1.0 / (steps - 1) as f32);
         (0..steps).map(|i| from * ratio.powi(i as i32)).collect()

@@ -174,7 +174,7 @@ fn summary(stage: &Stage<'_>, frames: Vec<PathFrame>) -> PathRun {
 }
 
 /// The camera at a time: straight between keys, still outside them. `None` without a key.
-pub fn camera_at(path: &[CameraKey], secs: f64, viewport: Viewport) -> Option<Camera> {
+pub(crate) fn camera_at(path: &[CameraKey], secs: f64, viewport: Viewport) -> Option<Camera> {
     let after = path.partition_point(|k| k.secs <= secs);
     let before = path.get(after.saturating_sub(1))?;
     let next = path.get(after).unwrap_or(before);

@@ -19,8 +19,9 @@ mod stage;
 
 pub use baselines::thesis::{Direction, Radius, ThesisOptions};
 pub use baselines::thesis_metric::{Threshold, ThresholdCurve};
-pub use calibrate::{calibrate, parameters, sweep};
-pub use camera_path::{CameraKey, PathFrame, PathRun, camera_at, play_camera_path};
+pub use calibrate::{calibrate, sweep};
+pub(crate) use camera_path::camera_at;
+pub use camera_path::{CameraKey, PathFrame, PathRun, play_camera_path};
 pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use playbacks::play;
 pub use points::Points;

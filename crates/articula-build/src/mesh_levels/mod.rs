@@ -5,11 +5,14 @@
 //! (`simplify`), one object for each part (`clusters`), one error for each level of the whole
 //! character (`surface_distance`).
 
+mod reordered;
+
 use crate::character::Asset;
 use crate::clusters::{Clustered, Order, cluster};
 use crate::poses::{Origin, PoseOptions, Poses, SkinPose, poses, positions};
 use crate::simplify::{Simplified, SimplifyOptions, simplify};
 use crate::surface_distance::{DistanceOptions, LevelDistances, surface_distances};
+use articula_core::source::Character;
 use articula_core::{LevelRow, LevelTable, Mismatch, Part};
 
 /// How mesh levels are made and measured.
@@ -64,6 +67,24 @@ impl MeasuredOn {
     /// All of them.
     pub fn poses(self) -> usize {
         self.clips + self.bends + self.morphs
+    }
+}
+
+impl MeshLevels {
+    /// The character with these levels, its vertices in the order in which they are stored.
+    ///
+    /// It equals, bit for bit, what is read of a document that was given the levels, so that what
+    /// is bound to the order of vertices can be made without reading it again. Vertices that no
+    /// level shows are gone, and so are coarser forms of a mesh that the file had.
+    ///
+    /// # Errors
+    /// A [`Mismatch`] if the meshes are not those that the levels were made of.
+    pub fn character(&self, source: &Character) -> Result<Character, Mismatch> {
+        Ok(Character {
+            meshes: reordered::meshes(&source.meshes, &self.objects)?,
+            mesh_levels: Some(self.table.clone()),
+            ..source.clone()
+        })
     }
 }
 

@@ -178,8 +178,8 @@ mod tests {
     }
 
     /// Number of different clips that are measured on.
-    fn clips_measured(poses: &Poses) -> usize {
-        let clips = poses.measuring.iter().filter_map(|p| match p.origin {
+    fn clips_measured(found: &Poses) -> usize {
+        let clips = found.measuring.iter().filter_map(|p| match p.origin {
             Origin::Clip { clip, .. } => Some(clip),
             _ => None,
         });

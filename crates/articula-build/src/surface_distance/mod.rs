@@ -16,13 +16,12 @@ mod triangle;
 
 pub use attach::attach;
 pub use skin_point::{SkinPoint, corners};
-pub use tree::SurfaceTree;
 
 use crate::evaluate::draw_vertices;
 use articula_core::percentile;
 use articula_core::{Mismatch, SurfaceError};
 use glam::Vec3;
-use tree::NO_TRIANGLE;
+use tree::{NO_TRIANGLE, SurfaceTree};
 
 /// Which points distances are taken at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -19,7 +19,7 @@ const DEEPEST: usize = 40;
 
 /// The triangles of a surface, ready to be asked for the closest one.
 #[derive(Debug, Clone)]
-pub struct SurfaceTree {
+pub(super) struct SurfaceTree {
     /// Depth first: the left child of an inner node is the next one.
     nodes: Vec<Node>,
     /// Vertex ids, leaf by leaf.
@@ -61,7 +61,7 @@ impl SurfaceTree {
     ///
     /// # Panics
     /// If a triangle names a vertex that is not there.
-    pub fn new(triangles: &[[u32; 3]], positions: &[Vec3]) -> Self {
+    pub(super) fn new(triangles: &[[u32; 3]], positions: &[Vec3]) -> Self {
         let centre = |t: &[u32; 3]| {
             let sum: Vec3 = t.iter().map(|v| positions[*v as usize]).sum();
             if sum.is_finite() { sum } else { Vec3::ZERO }
@@ -89,7 +89,7 @@ impl SurfaceTree {
     ///
     /// # Panics
     /// If there are fewer positions than vertices.
-    pub fn refit(&mut self, positions: &[Vec3]) {
+    pub(super) fn refit(&mut self, positions: &[Vec3]) {
         for (corners, t) in self.corners.iter_mut().zip(&self.triangles) {
             *corners = t.map(|v| positions[v as usize]);
             if !corners.iter().all(|c| c.is_finite()) {
@@ -115,11 +115,6 @@ impl SurfaceTree {
         }
     }
 
-    /// Squared distance from a finite point to the surface, infinite if there is none.
-    pub fn squared_distance(&self, point: Vec3) -> f32 {
-        self.closest(point, NO_TRIANGLE).0
-    }
-
     /// The closest point of the surface, by the corners of its triangle; `None` if there is no
     /// triangle.
     pub(super) fn closest_point(&self, point: Vec3) -> Option<SkinPoint> {
@@ -136,7 +131,8 @@ impl SurfaceTree {
         self.places[triangle]
     }
 
-    /// The same, and the place of the closest triangle. A good guess of that place makes it fast.
+    /// Squared distance from a finite point to the surface, infinite if there is none, and the place
+    /// of the closest triangle. A good guess of that place makes it fast.
     pub(super) fn closest(&self, point: Vec3, hint: u32) -> (f32, u32) {
         let mut best = f32::INFINITY;
         let mut place = hint;
@@ -211,4 +207,69 @@ fn build(nodes: &mut Vec<Node>, centres: &[Vec3], order: &mut [u32], first: usiz
     build(nodes, centres, left, first);
     nodes[node].at = nodes.len() as u32;
     build(nodes, centres, right, first + half);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+    use proptest::prelude::*;
+
+    type Triangles = Vec<[u32; 3]>;
+
+    /// Closest point by minimising over the plane and all sides, in f64.
+    fn slow_distance(point: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+        let side = |p: DVec3, q: DVec3| {
+            let along = (point - p).dot(q - p) / (q - p).length_squared().max(1e-300);
+            point.distance(p + (q - p) * along.clamp(0.0, 1.0))
+        };
+        let sides = side(a, b).min(side(b, c)).min(side(c, a));
+        let normal = (b - a).cross(c - a);
+        let inside = |p: DVec3, q: DVec3| normal.dot((q - p).cross(point - p)) >= 0.0;
+        if normal.length() > 1e-12 && inside(a, b) && inside(b, c) && inside(c, a) {
+            sides.min((point - a).dot(normal.normalize()).abs())
+        } else {
+            sides
+        }
+    }
+
+    fn slow(point: Vec3, triangles: &[[u32; 3]], positions: &[Vec3]) -> f64 {
+        let at = |v: u32| positions[v as usize].as_dvec3();
+        let finite = |t: &&[u32; 3]| t.iter().all(|v| positions[*v as usize].is_finite());
+        let all = triangles.iter().filter(finite);
+        all.map(|t| slow_distance(point.as_dvec3(), t.map(at)))
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    fn surface() -> impl Strategy<Value = (Vec<Vec3>, Triangles)> {
+        let point = prop::array::uniform3(-1.0f32..1.0).prop_map(Vec3::from_array);
+        // Some corners are equal, some triangles without area.
+        let corner = prop_oneof![9 => point, 1 => Just(Vec3::X)];
+        prop::collection::vec(corner, 3..40).prop_flat_map(|points| {
+            let vertex = 0..points.len() as u32;
+            let triangles = prop::collection::vec(prop::array::uniform3(vertex), 1..60);
+            (Just(points), triangles)
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn the_tree_finds_the_closest_triangle_also_after_it_moved(
+            (points, triangles) in surface(),
+            moves in prop::collection::vec(prop::array::uniform3(-2.0f32..2.0), 40),
+            asked in prop::collection::vec(prop::array::uniform3(-2.0f32..2.0), 20),
+        ) {
+            let mut tree = SurfaceTree::new(&triangles, &points);
+            let moved: Vec<Vec3> = points.iter().zip(&moves).map(|(p, m)| *p + Vec3::from_array(*m)).collect();
+            for positions in [&points, &moved] {
+                tree.refit(positions);
+                for point in &asked {
+                    let point = Vec3::from_array(*point);
+                    let fast = f64::from(tree.closest(point, NO_TRIANGLE).0.sqrt());
+                    let slow = slow(point, &triangles, positions);
+                    prop_assert!((fast - slow).abs() < 5e-3 * (1.0 + slow), "{} {}", fast, slow);
+                }
+            }
+        }
+    }
 }

@@ -1,0 +1,74 @@
+//! Source meshes with their vertices in the order of the levels.
+
+use crate::clusters::Clustered;
+use articula_core::source::{Mesh, MorphTarget, Primitive};
+use articula_core::{ClusteredTriangles, Mismatch};
+
+/// Meshes whose primitives, counted over all of them, have these levels.
+pub(super) fn meshes(meshes: &[Mesh], objects: &[Clustered]) -> Result<Vec<Mesh>, Mismatch> {
+    let primitives: usize = meshes.iter().map(|m| m.primitives.len()).sum();
+    if primitives != objects.len() {
+        let what = format!("levels of {} parts, there are {primitives}", objects.len());
+        return Err(Mismatch::new("meshes", what));
+    }
+    let mut objects = objects.iter();
+    let mut out = Vec::with_capacity(meshes.len());
+    for (m, mesh) in meshes.iter().enumerate() {
+        let objects: Vec<&Clustered> = objects.by_ref().take(mesh.primitives.len()).collect();
+        let mut primitives = Vec::with_capacity(objects.len());
+        for (primitive, object) in mesh.primitives.iter().zip(&objects) {
+            let count = primitive.positions.len();
+            if let Some(v) = object.vertices.iter().find(|v| **v as usize >= count) {
+                let what = format!("vertex {v} of {count}");
+                return Err(Mismatch::new(format!("meshes[{m}]"), what));
+            }
+            primitives.push(reordered(primitive, object));
+        }
+        let stored = objects.iter().map(|object| ClusteredTriangles {
+            clusters: object.clusters.clone(),
+            triangles: object.triangles.clone(),
+        });
+        out.push(Mesh {
+            name: mesh.name.clone(),
+            skin: mesh.skin.clone(),
+            morph_names: mesh.morph_names.clone(),
+            morph_weights: mesh.morph_weights.clone(),
+            screen_coverage: None,
+            levels: Vec::new(),
+            clustered: stored.collect(),
+            primitives,
+        });
+    }
+    Ok(out)
+}
+
+fn reordered(primitive: &Primitive, object: &Clustered) -> Primitive {
+    let finest = object.clusters.triangles(usize::MAX) as usize;
+    let order = &object.vertices;
+    let morph = |target: &MorphTarget| MorphTarget {
+        positions: picked(&target.positions, 1, order),
+        normals: picked(&target.normals, 1, order),
+    };
+    Primitive {
+        positions: picked(&primitive.positions, 1, order),
+        normals: picked(&primitive.normals, 1, order),
+        texcoords: picked(&primitive.texcoords, 1, order),
+        colors: picked(&primitive.colors, 1, order),
+        influences: primitive.influences,
+        joints: picked(&primitive.joints, primitive.influences, order),
+        weights: picked(&primitive.weights, primitive.influences, order),
+        morphs: primitive.morphs.iter().map(morph).collect(),
+        // The finest level comes first, in one range.
+        triangles: object.triangles[..finest].to_vec(),
+        material: primitive.material,
+    }
+}
+
+/// Some elements of so many values each; nothing of nothing.
+fn picked<T: Copy>(values: &[T], each: usize, order: &[u32]) -> Vec<T> {
+    if values.is_empty() {
+        return Vec::new();
+    }
+    let of = |v: &u32| &values[*v as usize * each..(*v as usize + 1) * each];
+    order.iter().flat_map(of).copied().collect()
+}
