@@ -41,7 +41,7 @@ pub struct StreamObject {
 pub struct MeshStream {
     /// Number, in the whole character, of the coarsest level in this stream.
     pub first_level: usize,
-    /// The levels in this stream, the coarsest first.
+    /// The levels in this stream, the finest first; chunks are numbered from the coarsest.
     pub levels: LevelTable,
     /// The objects.
     pub objects: Vec<StreamObject>,

@@ -33,7 +33,7 @@ struct Findings {
 
 #[derive(Debug, Serialize)]
 struct Level {
-    /// Its number in the whole character: 0 is the coarsest.
+    /// Its number in this stream, and in a whole character: 0 is the finest.
     level: usize,
     triangles: u64,
     vertices: u64,
@@ -81,7 +81,7 @@ fn levels(stream: &MeshStream, received: &Receiver) -> Vec<Level> {
     let count = stream.levels.levels.len();
     let rows = stream.levels.levels.iter().enumerate();
     let level = |(finer, row): (usize, &articula_core::LevelRow)| Level {
-        level: stream.first_level + count - 1 - finer,
+        level: finer,
         triangles: row.triangles,
         vertices: row.vertices,
         error_rest_m: finite(row.rest.max_metres),
