@@ -4,8 +4,8 @@ use super::Hash;
 use crate::bytes::{Bytes, varint};
 use crate::mesh_codec::{Grid, Layout, MorphLayout, Scale, TexcoordGrid};
 use crate::{Limits, ReadError};
-use articula_core::stream::{Field, Marker, Unit, bits_of};
 use articula_core::{LevelRow, LevelTable, SurfaceError};
+use articula_stream::{Field, Marker, Unit, bits_of};
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 

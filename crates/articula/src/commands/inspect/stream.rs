@@ -7,8 +7,8 @@ use crate::console::Console;
 use crate::table::Table;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_formats::Limits;
-use articula_formats::clustered_stream::{MeshStream, Receiver};
+use articula_stream::StreamLimits;
+use articula_stream::mesh::{MeshStream, Receiver};
 use serde::Serialize;
 use std::path::Path;
 
@@ -57,7 +57,7 @@ pub(super) fn run(args: &CharacterArgs, console: &Console) -> anyhow::Result<()>
         let what = "--hide and --only choose meshes of a character; a mesh stream has parts";
         return Err(fault::usage(what));
     }
-    let limits = Limits::default();
+    let limits = StreamLimits::default();
     let bytes = files::read(&args.file, limits.bytes)?;
     let place = || files::shown(&args.file);
     let received = Receiver::read(&bytes, &limits).with_context(place)?;
