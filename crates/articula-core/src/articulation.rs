@@ -131,11 +131,6 @@ impl Zone {
     /// Face, arms and torso.
     pub const FACE_SHOULDERS: Self = Self(7);
 
-    /// The bits, region 1 in bit 0 (the mask of the coded streams).
-    pub fn bits(self) -> u8 {
-        self.0
-    }
-
     /// Whether the region is part of it.
     pub fn contains(self, region: Region) -> bool {
         self.0 & Self::from(region).0 != 0

@@ -1,8 +1,8 @@
 //! One pose for each of eight characters: sampling, forward kinematics and palette in one pass.
 //!
 //! From cursors ([`ClipSet::cursor`]) to palettes ([`PaletteMap`]). Source: `spec/runtime.md`
-//! part 3. The plain path is [`sample`](crate::sample), [`blend`](crate::blend) and
-//! [`hierarchy`](crate::hierarchy); a property test holds every backend to it.
+//! part 3. The plain path is [`sample`](crate::sample()), [`blend`](crate::blend()) and
+//! [`local_to_model`](crate::local_to_model); a property test holds every backend to it.
 //!
 //! Each character is a lane, so no joint waits for another lane's parent. Joints that no scale
 //! reaches chain quaternions; from a scaled joint downwards matrices are chained, as glTF defines
@@ -227,17 +227,10 @@ pub struct JointTiles<'a> {
 }
 
 impl JointTiles<'_> {
-    /// Number of joints that the level keeps.
-    pub fn len(&self) -> usize {
-        self.joints.len()
-    }
-
-    /// Never true: a level keeps at least one joint.
-    pub fn is_empty(&self) -> bool {
-        self.joints.is_empty()
-    }
-
     /// Rows of the 3x4 matrix of the joint at a place, each number for eight characters.
+    ///
+    /// # Panics
+    /// If the level does not keep a joint there.
     pub fn matrix(&self, place: usize) -> &[[Tile; 4]; 3] {
         &self.joints[place].matrix
     }

@@ -35,7 +35,7 @@ impl Cluster {
 /// The levels of one object: how many vertices each has, and where its triangles lie.
 ///
 /// ```
-/// use articula_core::clustered::{Cluster, Clusters};
+/// use articula_core::{Cluster, Clusters};
 ///
 /// // A square of four triangles around its centre; level 1 shows two without it.
 /// let cluster = |level, triangles| Cluster {

@@ -283,13 +283,15 @@ fn compose(t: &Transform, offset: &Transform) -> Transform {
     }
 }
 
-/// A ladder of nested levels with a cap, as thesis 5.1 refines and simplifies.
+/// A ladder of nested levels with a cap, as thesis 5.1 refines and simplifies. Level 0 is the
+/// finest.
 ///
-/// The highest level that a device allows, `h(d)`, comes from its benchmark.
+/// The cap is `h(d)`, the finest level that a device allows; it comes from the device's benchmark.
+/// Differs: the thesis counts levels from the coarsest, so its cap is the highest number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ladder {
     levels: Vec<JointSet>,
-    cap: usize,
+    finest_allowed: usize,
     current: usize,
 }
 
@@ -303,15 +305,15 @@ pub struct LevelChange {
 }
 
 impl Ladder {
-    /// Starts at the cap, or at the highest level if the cap lies above it. `None` without
-    /// any level.
-    pub fn new(levels: Vec<JointSet>, cap: usize) -> Option<Self> {
-        let highest = levels.len().checked_sub(1)?;
-        let cap = cap.min(highest);
+    /// Takes the joints of each level, finest first, and starts at the finest level that is
+    /// allowed, or at the coarsest if that lies beyond it. `None` without any level.
+    pub fn new(levels: Vec<JointSet>, finest_allowed: usize) -> Option<Self> {
+        let coarsest = levels.len().checked_sub(1)?;
+        let finest_allowed = finest_allowed.min(coarsest);
         Some(Self {
             levels,
-            cap,
-            current: cap,
+            finest_allowed,
+            current: finest_allowed,
         })
     }
 
@@ -325,10 +327,12 @@ impl Ladder {
         &self.levels[self.current]
     }
 
-    /// Goes to a level, or to the cap if that is lower, and says which joints change.
+    /// Goes to a level, or to the finest that is allowed if the level is finer, and says which
+    /// joints change. A level beyond the coarsest is the coarsest.
     pub fn request(&mut self, level: usize) -> LevelChange {
         let before = self.levels[self.current];
-        self.current = level.min(self.cap);
+        let coarsest = self.levels.len() - 1;
+        self.current = level.clamp(self.finest_allowed, coarsest);
         let after = self.levels[self.current];
         LevelChange {
             refine: after.difference(&before),
@@ -407,11 +411,12 @@ mod tests {
 
     #[test]
     fn a_ladder_changes_only_the_difference_and_never_passes_its_cap() {
-        let levels = vec![JointSet::EMPTY, JointSet::first(2), JointSet::first(5)];
+        let levels = vec![JointSet::first(5), JointSet::first(2), JointSet::EMPTY];
         let mut ladder = Ladder::new(levels, 1).unwrap();
         assert_eq!((ladder.level(), ladder.joints().len()), (1, 2));
-        assert_eq!(ladder.request(2), LevelChange::default(), "the cap holds");
-        let down = ladder.request(0);
+        assert_eq!(ladder.request(0), LevelChange::default(), "the cap holds");
+        let down = ladder.request(7);
+        assert_eq!(ladder.level(), 2, "beyond the coarsest is the coarsest");
         assert_eq!((down.refine.len(), down.simplify.len()), (0, 2));
         let up = ladder.request(1);
         assert_eq!((up.refine.len(), up.simplify.len()), (2, 0));

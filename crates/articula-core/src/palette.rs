@@ -170,11 +170,6 @@ impl PaletteMap {
         self.counts[level]
     }
 
-    /// Whether there is no entry at all.
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
-    }
-
     /// Place of the joint of each entry.
     pub fn places(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
         self.entries.iter().map(|e| usize::from(e.place))

@@ -8,7 +8,7 @@ use crate::source::Skeleton;
 
 /// A joint tree with its rest pose and its level of articulation data.
 ///
-/// Joints keep the order of the source skeleton; [`Rig::level_order`] lists them by level.
+/// Joints keep the order of the source skeleton.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rig {
     names: Vec<String>,
@@ -16,7 +16,6 @@ pub struct Rig {
     depths: Vec<u16>,
     rest: LocalPose,
     articulation: Articulation,
-    level_order: Vec<u16>,
     in_skin: JointSet,
     root: usize,
 }
@@ -61,7 +60,6 @@ impl Rig {
             names: joints.iter().map(|j| j.name.clone()).collect(),
             depths: depths(&parents, &in_skin),
             rest: joints.iter().map(|j| j.rest).collect(),
-            level_order: level_order(&parents, &articulation),
             root: in_skin.iter().next().unwrap_or(0),
             parents,
             articulation,
@@ -110,12 +108,6 @@ impl Rig {
         &self.articulation
     }
 
-    /// The joints by the level at which they or a descendant first move, breadth first inside a
-    /// level; parents always come before their children, so every level is a prefix.
-    pub fn level_order(&self) -> &[u16] {
-        &self.level_order
-    }
-
     /// The joints that a skin names (the others are plain nodes).
     pub fn skin_joints(&self) -> &JointSet {
         &self.in_skin
@@ -154,23 +146,6 @@ fn depths(parents: &[Option<u16>], in_skin: &JointSet) -> Vec<u16> {
         }
     }
     depths
-}
-
-fn level_order(parents: &[Option<u16>], articulation: &Articulation) -> Vec<u16> {
-    let mut first_needed: Vec<u8> = articulation.joints.iter().map(|j| j.level).collect();
-    let mut tree_depth = vec![0u16; parents.len()];
-    for j in (0..parents.len()).rev() {
-        if let Some(p) = parents[j] {
-            let p = usize::from(p);
-            first_needed[p] = first_needed[p].min(first_needed[j]);
-        }
-    }
-    for (j, parent) in parents.iter().enumerate() {
-        tree_depth[j] = parent.map_or(0, |p| tree_depth[usize::from(p)] + 1);
-    }
-    let mut order: Vec<u16> = (0..parents.len() as u16).collect();
-    order.sort_by_key(|&j| (first_needed[usize::from(j)], tree_depth[usize::from(j)], j));
-    order
 }
 
 #[cfg(test)]
@@ -265,7 +240,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn level_order_keeps_parents_first_and_levels_as_prefixes() {
+    fn ancestors_and_depths_by_hand() {
         // 0 root(0) ─ 1 sacrum(2) ─ 2 hip(0) ; 0 ─ 3 finger(5) ; 0 ─ 4 neck(1)
         let rig = rig_of(&[
             (None, Vec3::ZERO, 0),
@@ -274,8 +249,6 @@ pub(crate) mod tests {
             (Some(0), Vec3::Y, 5),
             (Some(0), Vec3::Y, 1),
         ]);
-        // The sacrum moves with the hip's level, because the hip needs its matrix.
-        assert_eq!(rig.level_order(), &[0, 1, 2, 4, 3]);
         assert!(rig.is_at_or_below(2, 1) && rig.is_at_or_below(2, 0));
         assert!(!rig.is_at_or_below(3, 1));
         assert_eq!(rig.depth(2), 2);

@@ -67,9 +67,7 @@ struct Block {
 /// anything; shared by all characters that wear the mesh.
 ///
 /// ```
-/// use articula_core::Mesh;
-/// use articula_core::SkinnedMesh;
-/// use articula_core::skin_groups::{GroupedSkin, Matrix3x4};
+/// use articula_core::{GroupedSkin, Matrix3x4, Mesh, SkinnedMesh};
 ///
 /// let mesh = Mesh::default();
 /// let (before, now): (Vec<Matrix3x4>, Vec<Matrix3x4>) = (vec![], vec![]);
@@ -97,22 +95,6 @@ pub struct GroupedSkin {
 }
 
 impl GroupedSkin {
-    /// Writes a palette as the rows that skinning reads.
-    ///
-    /// # Panics
-    /// If the slices differ in length.
-    pub fn rows(palette: &[Affine3A], out: &mut [Matrix3x4]) {
-        assert_eq!(palette.len(), out.len(), "one output for each matrix");
-        for (rows, matrix) in out.iter_mut().zip(palette) {
-            let (m, t) = (matrix.matrix3, matrix.translation);
-            *rows = [
-                [m.x_axis.x, m.y_axis.x, m.z_axis.x, t.x],
-                [m.x_axis.y, m.y_axis.y, m.z_axis.y, t.y],
-                [m.x_axis.z, m.y_axis.z, m.z_axis.z, t.z],
-            ];
-        }
-    }
-
     /// Groups the vertices of a mesh. Allocates; of what follows only [`GroupedSkin::stale`],
     /// [`GroupedSkin::group_sizes`] and copies of the shape do.
     ///
@@ -144,6 +126,22 @@ impl GroupedSkin {
             }
         }
         skin
+    }
+
+    /// Writes a palette as the rows that skinning reads.
+    ///
+    /// # Panics
+    /// If the slices differ in length.
+    pub fn rows(palette: &[Affine3A], out: &mut [Matrix3x4]) {
+        assert_eq!(palette.len(), out.len(), "one output for each matrix");
+        for (rows, matrix) in out.iter_mut().zip(palette) {
+            let (m, t) = (matrix.matrix3, matrix.translation);
+            *rows = [
+                [m.x_axis.x, m.y_axis.x, m.z_axis.x, t.x],
+                [m.x_axis.y, m.y_axis.y, m.z_axis.y, t.y],
+                [m.x_axis.z, m.y_axis.z, m.z_axis.z, t.z],
+            ];
+        }
     }
 
     fn append(&mut self, mesh: &Mesh, influences: usize, block: &[usize]) {

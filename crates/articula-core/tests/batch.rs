@@ -212,7 +212,7 @@ proptest! {
         let mut scratch = evaluator.scratch();
         let tiles = evaluator.tile(0, &shown_in(&float), &mut scratch);
         for (i, rows) in wanted.chunks(3).enumerate() {
-            let (character, place) = (i / tiles.len(), i % tiles.len());
+            let (character, place) = (i / rig.len(), i % rig.len());
             for (row, lanes) in rows.iter().zip(tiles.matrix(place)) {
                 let lane = lanes.each_ref().map(|t| t.0[character]);
                 prop_assert_eq!(*row, lane);

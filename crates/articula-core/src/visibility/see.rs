@@ -198,11 +198,6 @@ impl<'a> Bodies<'a> {
     pub(crate) fn len(&self) -> usize {
         self.bounds.len()
     }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.bounds.is_empty()
-    }
 }
 
 /// How far root motion may carry a bound in `horizon_secs`: the way of the root and the arc of
