@@ -14,7 +14,7 @@ use articula_build::mesh_levels::{MeshLevels, mesh_levels};
 use articula_build::poses::SkinPose;
 use articula_flat::frame::Bounds;
 use articula_formats::gltf::Document;
-use articula_formats::gltf::clustered::{LevelNodes, MeshParts, PartLevels};
+use articula_formats::gltf::{LevelNodes, MeshParts, PartLevels};
 use glam::Vec3;
 use transport::Transport;
 
