@@ -10,7 +10,7 @@ mod judges;
 #[path = "../../articula-formats/tests/thinned/mod.rs"]
 mod thinned;
 
-use articula_build::clusters::Clustered;
+use articula_build::Clustered;
 use articula_formats::Limits;
 use articula_formats::gltf::LevelNodes;
 use articula_formats::gltf::{self, GltfFile};

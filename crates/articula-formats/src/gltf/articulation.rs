@@ -13,7 +13,8 @@ use super::reader::Reader;
 use super::skeleton::Skeletal;
 use super::write::WriteError;
 use crate::error::ReadError;
-use articula_core::articulation::{Articulation, JointArticulation, MAX_LEVEL, Region};
+use articula_core::loa::MAX_LEVEL;
+use articula_core::{Articulation, JointArticulation, Region};
 use serde_json::{Value, json};
 
 impl Document {

@@ -14,8 +14,8 @@ use super::frames::Frames;
 use super::meshes::Shown;
 use super::{motion, pose, routes};
 use crate::error::ReadError;
-use articula_core::math::{Transform, angle_between};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::{Transform, angle_between};
 use std::collections::{BTreeMap, HashSet};
 
 /// Name of the clip that shows joints as the file leaves them, where no motion moves them.

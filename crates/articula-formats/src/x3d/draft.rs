@@ -8,7 +8,7 @@ use super::scene::NodeId;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::hanim_table;
-use articula_core::math::same_hemisphere;
+use articula_core::same_hemisphere;
 use articula_core::source::{Channel, Interpolation, Property, evaluate};
 use glam::{DQuat, DVec3, Quat};
 use std::collections::HashMap;

@@ -3,7 +3,7 @@
 use crate::real;
 use crate::thinned::{clustered, levels, part, store, table};
 use crate::tiny::{Tiny, read};
-use articula_build::clusters::Clustered;
+use articula_build::Clustered;
 use articula_core::source::{Mesh, Primitive};
 use articula_formats::gltf::{Document, GltfFile};
 use articula_formats::gltf::{LevelNodes, MeshParts};
@@ -383,8 +383,8 @@ fn a_mesh_that_two_nodes_show_is_stored_once_if_it_can_be() {
     assert_eq!(same.document.json["meshes"].as_array().unwrap().len(), 1);
     let mut levels = levels(&file.character.meshes[0].primitives[0], 4);
     levels[3].truncate(1);
-    let order = articula_build::clusters::Order::Store;
-    let other = articula_build::clusters::cluster(&levels, 27, &[], order).unwrap();
+    let order = articula_build::Order::Store;
+    let other = articula_build::cluster(&levels, 27, &[], order).unwrap();
     let mut apart = file.clone();
     store(&mut apart, &[of.clone(), vec![other]]).unwrap();
     assert_eq!(apart.document.json["meshes"].as_array().unwrap().len(), 2);
@@ -418,8 +418,8 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
     }];
     assert!(refused(2, parts, 3).contains("a vertex that the part does not have"));
     let source = &file.character.meshes[0].primitives[0];
-    let chunks = articula_build::clusters::Order::Chunks;
-    let chunks = articula_build::clusters::cluster(&levels(source, 3), 27, &[], chunks).unwrap();
+    let chunks = articula_build::Order::Chunks;
+    let chunks = articula_build::cluster(&levels(source, 3), 27, &[], chunks).unwrap();
     assert!(refused(2, vec![part(&chunks)], 3).contains("not the first range"));
     let mut tiny = sheet();
     tiny.json["meshes"][0]["primitives"][0]["extensions"] = json!({"X_outline": {"indices": 0}});
@@ -631,8 +631,8 @@ fn a_mesh_that_vanishes_is_not_drawn_when_small() {
     let mut file = sheet().read().unwrap().value;
     let mut levels = levels(&file.character.meshes[0].primitives[0], 3);
     levels[2].clear();
-    let order = articula_build::clusters::Order::Store;
-    let of = articula_build::clusters::cluster(&levels, 27, &[], order).unwrap();
+    let order = articula_build::Order::Store;
+    let of = articula_build::cluster(&levels, 27, &[], order).unwrap();
     store(&mut file, &[vec![of]]).unwrap();
     file.document
         .add_level_nodes(2, &table(3), &LevelNodes::new(0.5))

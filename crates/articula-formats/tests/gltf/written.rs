@@ -1,8 +1,8 @@
 //! What is written: untouched strangers, smaller animations, extensions with tables.
 
 use crate::tiny::{Tiny, read};
-use articula_core::articulation::{Articulation, JointArticulation, Region};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::{Articulation, JointArticulation, Region};
 use articula_formats::gltf::{Document, GltfFile, WriteError};
 use serde_json::{Value, json};
 

@@ -5,9 +5,9 @@
     reason = "each test file uses a part of it, and a test may panic"
 )]
 
-use articula_build::clusters::{Clustered, Order, cluster};
-use articula_core::level_table::{LevelRow, LevelTable, SurfaceError};
+use articula_build::{Clustered, Order, cluster};
 use articula_core::source::{Mesh, Primitive};
+use articula_core::{LevelRow, LevelTable, SurfaceError};
 use articula_formats::gltf::{GltfFile, WriteError};
 use articula_formats::gltf::{MeshParts, PartLevels};
 

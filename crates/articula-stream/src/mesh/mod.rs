@@ -13,7 +13,7 @@
 //! - [`Receiver`]: the client's side, which checks, decodes and puts together
 //!
 //! ```
-//! use articula_core::level_table::{LevelRow, LevelTable, SurfaceError};
+//! use articula_core::{LevelRow, LevelTable, SurfaceError};
 //! use articula_core::source::Primitive;
 //! use articula_stream::StreamLimits;
 //! use articula_stream::mesh::{

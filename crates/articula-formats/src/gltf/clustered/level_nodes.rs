@@ -14,9 +14,7 @@ use crate::gltf::place::whole;
 use crate::gltf::reader::{Notes, Reader};
 use crate::gltf::write::WriteError;
 use crate::limits::Limits;
-use articula_core::clustered::ClusteredTriangles;
-use articula_core::level_error::judged_metres;
-use articula_core::level_table::LevelTable;
+use articula_core::{ClusteredTriangles, LevelTable, judged_metres};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -7,8 +7,8 @@ use crate::gltf::extension::CLUSTERED_MESH;
 use crate::gltf::place::Place;
 use crate::gltf::reader::Reader;
 use crate::gltf::write::WriteError;
-use articula_core::level_table::{LevelRow, LevelTable, SurfaceError};
 use articula_core::source::Mesh;
+use articula_core::{LevelRow, LevelTable, SurfaceError};
 use serde_json::{Value, json};
 
 /// The table as JSON. Errors that are not known, infinite here, are left out there.

@@ -7,8 +7,8 @@ use crate::gltf::extension::CLUSTERED_MESH;
 use crate::gltf::origin::origins;
 use crate::gltf::place::Place;
 use crate::gltf::reader::Reader;
-use articula_core::clustered::{Cluster, ClusteredTriangles, Clusters};
 use articula_core::source::Primitive;
+use articula_core::{Cluster, ClusteredTriangles, Clusters};
 
 /// The levels of each part of a mesh; none, with a warning, if anything is wrong with any: the
 /// finest level, which the primitives show without them, is there in any case.

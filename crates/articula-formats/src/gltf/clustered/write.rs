@@ -12,9 +12,8 @@ use crate::gltf::prune::each_accessor_reference;
 use crate::gltf::reader::{Notes, Reader};
 use crate::gltf::write::WriteError;
 use crate::limits::Limits;
-use articula_core::clustered::{Cluster, ClusteredTriangles, Clusters};
-use articula_core::level_table::LevelTable;
 use articula_core::source::Mesh;
+use articula_core::{Cluster, ClusteredTriangles, Clusters, LevelTable};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -11,7 +11,7 @@ use super::super::shown::Shown;
 use super::super::skeleton::Skeletal;
 use super::{EXPRESSION, ExpressionSet, ExpressionShare, extension};
 use crate::error::ReadError;
-use articula_core::math::angle_between;
+use articula_core::angle_between;
 use articula_core::source::{
     Channel, Clip, Expression, Interpolation, JointBinding, Mask, MaskKind, MorphBinding, Property,
     evaluate,
