@@ -1,6 +1,6 @@
 // Levels of ARTICULA_clustered_mesh as three.js draws them: `node levels.mjs FILE`.
 // Prints [{node, groups, corners}], one entry for each primitive with levels that a node of the
-// scene shows, in the order of the nodes: for each level, coarsest first, the number of groups
+// scene shows, in the order of the nodes: for each level, finest first, the number of groups
 // that are drawn and the flat world positions of the triangles' corners, skinned at rest.
 // `show` is the snippet of docs/formats/ARTICULA_clustered_mesh.md.
 
@@ -25,7 +25,9 @@ async function addLevels(parser, mesh) {
   if (!levels) return null;
   mesh.geometry.setIndex(await parser.getDependency("accessor", levels.indices));
   mesh.material = [mesh.material];
-  mesh.userData.show = (level) => {
+  const count = levels.vertices.length;
+  mesh.userData.show = (finer) => {
+    const level = levels.version >= 2 ? finer : count - 1 - finer;
     mesh.geometry.clearGroups();
     let start = 0, from = -1;
     for (const c of [...levels.clusters, { first: 1, last: 0, triangles: 0 }]) {
@@ -35,7 +37,7 @@ async function addLevels(parser, mesh) {
       start += 3 * c.triangles;
     }
   };
-  return levels.vertices.length;
+  return count;
 }
 
 /** Corners of what a mesh draws. */

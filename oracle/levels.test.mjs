@@ -15,22 +15,35 @@ after(() => rmSync(folder, { recursive: true }));
 const run = (...words) =>
   spawnSync(process.execPath, [join(here, "levels.mjs"), ...words], { encoding: "utf8" });
 
+const VERSION_2 = {
+  version: 2,
+  vertices: [6, 5, 4],
+  clusters: [
+    { first: 0, last: 0, triangles: 4 },
+    { first: 0, last: 1, triangles: 2 },
+    { first: 2, last: 2, triangles: 2 },
+    { first: 1, last: 1, triangles: 2 },
+  ],
+};
+
+/** The same as the first version had it, counted from the coarsest. */
+const VERSION_1 = {
+  vertices: [4, 5, 6],
+  clusters: [
+    { first: 2, last: 2, triangles: 4 },
+    { first: 1, last: 2, triangles: 2 },
+    { first: 0, last: 0, triangles: 2 },
+    { first: 1, last: 1, triangles: 2 },
+  ],
+};
+
 /** A square with its centre and a point between that and a corner, below a node 1 m up. */
-function writeSquare() {
+function writeSquare(version) {
   const places = new Float32Array([0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0, 1, 1, 0, 1.5, 1.5, 0]);
   const finest = [1, 5, 4, 5, 3, 4, 1, 2, 5, 2, 3, 5, 0, 1, 4, 3, 0, 4];
   const corners = new Uint16Array([...finest, 1, 2, 0, 2, 3, 0, 1, 2, 4, 2, 3, 4]);
   const bytes = Buffer.concat([Buffer.from(places.buffer), Buffer.from(corners.buffer)]);
-  const levels = {
-    indices: 2,
-    vertices: [4, 5, 6],
-    clusters: [
-      { first: 2, last: 2, triangles: 4 },
-      { first: 1, last: 2, triangles: 2 },
-      { first: 0, last: 0, triangles: 2 },
-      { first: 1, last: 1, triangles: 2 },
-    ],
-  };
+  const levels = { indices: 2, ...version };
   const extensions = { ARTICULA_clustered_mesh: levels };
   const document = {
     asset: { version: "2.0" },
@@ -54,15 +67,17 @@ function writeSquare() {
   return file;
 }
 
-test("levels draw the triangles of their clusters", () => {
-  const { status, stdout } = run(writeSquare());
-  assert.equal(status, 0);
-  const [{ node, groups, corners }] = JSON.parse(stdout);
-  assert.equal(node, 0);
-  assert.deepEqual(groups, [1, 2, 1]);
-  assert.deepEqual(corners.map((level) => level.length / 9), [2, 4, 6]);
-  assert.deepEqual(corners[0], [2, 0, 1, 2, 2, 1, 0, 0, 1, 2, 2, 1, 0, 2, 1, 0, 0, 1]);
-});
+for (const [name, version] of Object.entries({ VERSION_1, VERSION_2 })) {
+  test(`levels draw the triangles of their clusters, ${name}`, () => {
+    const { status, stdout } = run(writeSquare(version));
+    assert.equal(status, 0);
+    const [{ node, groups, corners }] = JSON.parse(stdout);
+    assert.equal(node, 0);
+    assert.deepEqual(groups, [1, 2, 1]);
+    assert.deepEqual(corners.map((level) => level.length / 9), [6, 4, 2]);
+    assert.deepEqual(corners[2], [2, 0, 1, 2, 2, 1, 0, 0, 1, 2, 2, 1, 0, 2, 1, 0, 0, 1]);
+  });
+}
 
 test("wrong usage is told", () => {
   assert.equal(run().status, 2);

@@ -10,7 +10,7 @@ use articula_build::{
 use articula_core::source::Character;
 use articula_formats::Limits;
 use articula_formats::gltf::{Document, GltfFile, read};
-use articula_formats::gltf::clustered::{MeshParts, PartLevels};
+use articula_formats::gltf::{MeshParts, PartLevels};
 use articula_human::{HumanOptions, human};
 use glam::Vec3;
 

@@ -12,7 +12,7 @@ mod thinned;
 
 use articula_build::Clustered;
 use articula_formats::Limits;
-use articula_formats::gltf::clustered::LevelNodes;
+use articula_formats::gltf::LevelNodes;
 use articula_formats::gltf::{self, GltfFile};
 use judges::{ask, data_folder, data_is_here, judges_are_here};
 use serde_json::Value;

@@ -14,15 +14,37 @@
 //! - [`profile`]: joint-name profiles, name to H-Anim joint, level and region
 //! - [`loa_profile`]: a saved selection of levels of articulation
 //! - [`motion_table`]: motion-error tables as bytes
-//! - [`error`], [`limits`]: what can be wrong, and how much is too much
+//! - [`Limits`], [`ReadError`], [`Warning`]: how much is too much, what can be wrong, what was odd
+//!
+//! ```
+//! use articula_formats::gltf::{self, Document};
+//! use articula_formats::{Limits, bvh};
+//!
+//! let text = "HIERARCHY\nROOT Hips\n{\n OFFSET 0 90 0\n CHANNELS 3 Zrotation Xrotation Yrotation\n \
+//!     JOINT Head\n {\n  OFFSET 0 60 0\n  CHANNELS 3 Zrotation Xrotation Yrotation\n  End Site\n  \
+//!     {\n   OFFSET 0 20 0\n  }\n }\n}\nMOTION\nFrames: 2\nFrame Time: 0.5\n0 0 0 0 0 0\n0 0 9 0 0 0\n";
+//! let limits = Limits::default();
+//! let motion = bvh::read(text.as_bytes(), &bvh::ReadOptions::default(), &limits)?;
+//! assert_eq!(motion.value.character.skeleton.joints[0].name, "Hips");
+//!
+//! // The same as a GLB, and back.
+//! let glb = Document::from_character(&motion.value.character)?.write_glb()?;
+//! let mut beside = |uri: &str| Err(format!("there is no {uri}"));
+//! let back = gltf::read(&glb, &limits, &mut beside)?;
+//! assert_eq!(back.value.character.clips[0].duration_secs, 0.5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! What is deliberately absent: paths and files, threads, any decision about a character; and
+//! nothing here panics, hangs or takes memory without bounds for any bytes.
 
 pub mod acclaim;
 pub mod bva;
 pub mod bvh;
-pub mod error;
+mod error;
 mod euler;
 pub mod gltf;
-pub mod limits;
+mod limits;
 pub mod loa_profile;
 pub mod meshopt;
 pub mod motion_table;

@@ -32,10 +32,12 @@ impl Default for Limits {
 
 impl Limits {
     /// Refuses `found` above `limit`.
-    ///
-    /// # Errors
-    /// [`ReadError::LimitExceeded`].
-    pub fn check(at: &str, which: &'static str, found: u64, limit: u64) -> Result<(), ReadError> {
+    pub(crate) fn check(
+        at: &str,
+        which: &'static str,
+        found: u64,
+        limit: u64,
+    ) -> Result<(), ReadError> {
         if found <= limit {
             return Ok(());
         }

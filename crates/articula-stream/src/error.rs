@@ -43,7 +43,7 @@ pub enum StreamError {
 
 impl StreamError {
     /// A [`StreamError::Malformed`].
-    pub fn malformed(at: impl Into<String>, what: impl Into<String>) -> Self {
+    pub(crate) fn malformed(at: impl Into<String>, what: impl Into<String>) -> Self {
         Self::Malformed {
             at: at.into(),
             what: what.into(),

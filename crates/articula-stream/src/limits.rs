@@ -1,7 +1,7 @@
 //! How much a stream may ask for, so that a hostile one cannot exhaust memory or time.
 
 #[cfg(feature = "codecs")]
-use crate::StreamError;
+use crate::error::StreamError;
 
 /// Upper bounds that every decoder keeps. The defaults pass any character made by people.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -44,30 +44,7 @@ pub struct Field {
 
 /// A stretch of a coded stream.
 ///
-/// ```
-/// use articula_stream::{Coding, Field, Unit};
-///
-/// // A length of one byte, then so many bytes.
-/// let mut stream = vec![3, 10, 20, 30];
-/// let unit = Unit {
-///     fields: vec![Field {
-///         name: "length".into(),
-///         bits: 0..8,
-///         value: 3,
-///         coding: Coding::LittleEndian,
-///     }],
-///     children: vec![Unit::of_bytes("body", 1..4)],
-///     ..Unit::of_bytes("packet", 0..4)
-/// };
-/// unit.check()?;
-/// unit.check_values(&stream)?;
-/// // Without its body, the packet says that it has none.
-/// let length = &unit.fields[0];
-/// length.coding.write(&mut stream, &length.bits, 0)?;
-/// stream.truncate(1);
-/// assert_eq!(stream, [0]);
-/// # Ok::<(), articula_core::Mismatch>(())
-/// ```
+/// The example of the crate's page makes one and cuts by it.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Unit {
     /// What it is called in a description.

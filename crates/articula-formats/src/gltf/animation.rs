@@ -2,40 +2,17 @@
 //!
 //! Source: glTF 2.0, 3.11 and appendix C.
 
-use super::mesh::Shown;
 use super::node;
 use super::place::Place;
 use super::pointer::{self, Pointed};
 use super::reader::Reader;
+use super::shown::Shown;
 use super::skeleton::Skeletal;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::source::{Channel, Clip, Interpolation, Property};
 use glam::Quat;
 use std::collections::HashSet;
-
-/// Which nodes some channel moves (weights do not count).
-pub(super) fn animated_nodes(reader: &Reader<'_>, nodes: usize) -> Result<Vec<bool>, ReadError> {
-    let mut animated = vec![false; nodes];
-    for animation in reader.root.entries("animations")? {
-        for channel in animation.entries("channels")? {
-            let Some(target) = channel.get("target") else {
-                continue;
-            };
-            let named = target.index("node", nodes)?;
-            let pointed = pointer::text(&target).and_then(pointer::parse);
-            let (node, path) = match pointed {
-                Some(Pointed::Node(node, path)) if node < nodes => (Some(node), path),
-                _ => (named, target.text("path")),
-            };
-            let moves = matches!(path, "translation" | "rotation" | "scale");
-            if let (Some(node), true) = (node, moves) {
-                animated[node] = true;
-            }
-        }
-    }
-    Ok(animated)
-}
 
 /// Reads all animations in order.
 pub(super) fn read_all(

@@ -17,7 +17,7 @@ impl Document {
     ///
     /// For binary tables of extensions: name the index in a member of your extension. The
     /// bytes start at a multiple of 4.
-    pub fn add_buffer_view(&mut self, bytes: &[u8]) -> usize {
+    pub(super) fn add_buffer_view(&mut self, bytes: &[u8]) -> usize {
         self.add_view(bytes, Use::Other)
     }
 

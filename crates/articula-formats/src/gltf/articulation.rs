@@ -7,6 +7,7 @@
 
 use super::append::{entries_mut, index, object, set};
 use super::document::Document;
+use super::extension::ARTICULATION;
 use super::place::Place;
 use super::reader::Reader;
 use super::skeleton::Skeletal;
@@ -15,9 +16,6 @@ use crate::error::ReadError;
 use articula_core::loa::MAX_LEVEL;
 use articula_core::{Articulation, JointArticulation, Region};
 use serde_json::{Value, json};
-
-/// Name of the extension.
-pub const NAME: &str = "ARTICULA_articulation";
 
 impl Document {
     /// Writes H-Anim name, level and region of every joint onto the document's skins.
@@ -59,7 +57,7 @@ impl Document {
         for (skin, value) in entries_mut(&mut self.json, "skins").iter_mut().zip(written) {
             extend(skin, value);
         }
-        self.use_extension(NAME);
+        self.use_extension(ARTICULATION);
         Ok(())
     }
 
@@ -81,7 +79,7 @@ impl Document {
         let slot = motion_extension(self.animation_mut(animation)?);
         let tables = object(slot).entry("tables").or_insert_with(|| json!({}));
         set(tables, name, view);
-        self.use_extension(NAME);
+        self.use_extension(ARTICULATION);
         Ok(())
     }
 
@@ -120,30 +118,11 @@ impl Document {
         bytes.get(start..start.checked_add(length)?)
     }
 
-    /// Stores a JSON member in the extension of an animation; `tables` is taken.
-    ///
-    /// # Errors
-    /// [`WriteError::Mismatch`] if there is no such animation, or the member is `tables`.
-    pub fn set_motion_member(
-        &mut self,
-        animation: usize,
-        name: &str,
-        value: Value,
-    ) -> Result<(), WriteError> {
-        if name == "tables" {
-            return Err(WriteError::mismatch("name", "\"tables\" is taken"));
-        }
-        let slot = motion_extension(self.animation_mut(animation)?);
-        set(slot, name, value);
-        self.use_extension(NAME);
-        Ok(())
-    }
-
     /// A JSON member of the extension of an animation.
-    pub fn motion_member(&self, animation: usize, name: &str) -> Option<&Value> {
+    fn motion_member(&self, animation: usize, name: &str) -> Option<&Value> {
         let animations = self.json.get("animations")?.as_array()?;
         let extensions = animations.get(animation)?.get("extensions")?;
-        extensions.get(NAME)?.get(name)
+        extensions.get(ARTICULATION)?.get(name)
     }
 
     fn animation_mut(&mut self, animation: usize) -> Result<&mut Value, WriteError> {
@@ -174,14 +153,16 @@ fn extend(owner: &mut Value, value: Value) {
     let extensions = object(owner)
         .entry("extensions")
         .or_insert_with(|| json!({}));
-    set(extensions, NAME, value);
+    set(extensions, ARTICULATION, value);
 }
 
 fn motion_extension(animation: &mut Value) -> &mut Value {
     let extensions = object(animation)
         .entry("extensions")
         .or_insert_with(|| json!({}));
-    object(extensions).entry(NAME).or_insert_with(|| json!({}))
+    object(extensions)
+        .entry(ARTICULATION)
+        .or_insert_with(|| json!({}))
 }
 
 /// Reads the extension from all skins; `None` if none has it. A broken one is a warning: the
@@ -193,7 +174,7 @@ pub(super) fn read(
     let mut found = vec![None; skeletal.node_of_joint.len()];
     let mut profile = None;
     for skin in reader.root.entries("skins")? {
-        let Some(extension) = skin.dig(&["extensions", NAME]) else {
+        let Some(extension) = skin.dig(&["extensions", ARTICULATION]) else {
             continue;
         };
         match read_skin(&skin, &extension) {

@@ -1,8 +1,8 @@
 //! Animations of a document, written anew from clips.
 
 use super::append::{exact, float_bytes, object, push, set};
-use super::articulation::NAME;
 use super::document::Document;
+use super::extension::ARTICULATION;
 use super::khr_character::named;
 use super::vrm::expression_nodes;
 use super::vrm::facing::{faces_back, parents, turned_back};
@@ -258,7 +258,7 @@ fn keep_unknown(mut old: Value, animation: &mut Value) {
     let members = std::mem::take(object(&mut old));
     for (key, mut value) in members {
         if key == "extensions" {
-            object(&mut value).shift_remove(NAME);
+            object(&mut value).shift_remove(ARTICULATION);
             if object(&mut value).is_empty() {
                 continue;
             }

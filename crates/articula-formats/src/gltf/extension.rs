@@ -4,10 +4,16 @@ use super::place::Place;
 use super::reader::Notes;
 use crate::error::ReadError;
 
+/// Our extension of skins and animations.
+pub(super) const ARTICULATION: &str = "ARTICULA_articulation";
+
+/// Our extension of primitives with levels, and of the document that has the table of them.
+pub(super) const CLUSTERED_MESH: &str = "ARTICULA_clustered_mesh";
+
 /// Extensions that change nothing that is read here, or that are read.
 const READ: &[&str] = &[
-    "ARTICULA_articulation",
-    "ARTICULA_clustered_mesh",
+    ARTICULATION,
+    CLUSTERED_MESH,
     "EXT_meshopt_compression",
     "KHR_animation_pointer",
     "KHR_mesh_quantization",

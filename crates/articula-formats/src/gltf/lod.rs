@@ -6,10 +6,10 @@
 //! only mesh of its branch stands in for the finest node's own mesh, other branches are paired
 //! mesh by mesh, and left out if they have another number of meshes than the finest.
 
-use super::mesh::{Given, Shown, joint_skin, read_parts, skin_of};
 use super::node::{self, Tree};
 use super::place::Place;
 use super::reader::Reader;
+use super::shown::{Given, Shown, joint_skin, read_parts, skin_of};
 use super::skeleton::{Skeletal, node_place};
 use crate::error::ReadError;
 use articula_core::source::{MeshLevel, Primitive, Skin};

@@ -26,10 +26,10 @@ mod accessor;
 mod animation;
 mod append;
 mod arrays;
-pub mod articulation;
+mod articulation;
 mod bounds;
 mod clips;
-pub mod clustered;
+mod clustered;
 mod compression;
 mod container;
 mod credits;
@@ -43,12 +43,14 @@ mod lod;
 mod material;
 mod mesh;
 mod node;
+mod open;
 mod origin;
 mod place;
 mod pointer;
 mod primitive;
 mod prune;
 mod reader;
+mod shown;
 mod skeleton;
 mod skin;
 mod texcoord;
@@ -56,6 +58,7 @@ mod vrm;
 mod weight;
 mod write;
 
+pub use clustered::{LevelNodes, MeshParts, PartLevels};
 pub use document::Document;
 pub use khr_character::{
     ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping, pose_kind,
@@ -155,7 +158,7 @@ pub fn read(
     let skeletal = skeleton::read(&mut reader, &tree, &skins, &human)?;
     let look = material::read_all(&mut reader)?;
     let lods = lod::read(&mut reader, &tree);
-    let given = mesh::Given {
+    let given = shown::Given {
         skeletal: &skeletal,
         skins: &skins,
         texcoords: &look.texcoords,

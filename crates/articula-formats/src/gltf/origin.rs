@@ -1,9 +1,9 @@
 //! From the parts of a mesh as read back to the primitives of the document that they came from.
 
 use super::document::Document;
-use super::mesh::sharing;
 use super::place::Place;
 use super::primitive;
+use super::primitive::sharing;
 use super::reader::{Notes, Reader};
 use crate::error::ReadError;
 use crate::limits::Limits;

@@ -9,6 +9,7 @@ use super::texcoord::Texcoords;
 use crate::error::ReadError;
 use articula_core::source::{MorphTarget, Primitive};
 use glam::{Vec2, Vec3, Vec4};
+use std::collections::HashSet;
 
 /// Reads one primitive; `None`, with a warning, if it shows no triangles.
 ///
@@ -276,6 +277,25 @@ fn retain<T>(list: &mut Vec<T>, is_used: &[bool], each: usize) {
         i += 1;
         is_used[(i - 1) / each]
     });
+}
+
+/// Whether each primitive has its positions in common with another.
+pub(super) fn sharing(primitives: &[Place<'_>]) -> Vec<bool> {
+    let mut seen = HashSet::new();
+    let mut shared = HashSet::new();
+    for positions in primitives.iter().map(positions_of) {
+        if !seen.insert(positions) {
+            shared.insert(positions);
+        }
+    }
+    let is_shared = |place| shared.contains(&positions_of(place));
+    primitives.iter().map(is_shared).collect()
+}
+
+/// Accessor of a primitive's positions.
+fn positions_of(primitive: &Place<'_>) -> Option<u64> {
+    let positions = primitive.dig(&["attributes", "POSITION"])?;
+    positions.whole().ok()
 }
 
 #[cfg(test)]

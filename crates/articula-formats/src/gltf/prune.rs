@@ -5,16 +5,15 @@
 //! views alone keeps everything.
 
 use super::append::{entries_mut, index, object, set};
-use super::articulation::NAME;
-use super::clustered;
 use super::document::Document;
+use super::extension::{ARTICULATION, CLUSTERED_MESH};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Extensions that name neither accessors nor buffer views.
 const HARMLESS: &[&str] = &[
-    "ARTICULA_articulation",
-    "ARTICULA_clustered_mesh",
+    ARTICULATION,
+    CLUSTERED_MESH,
     "KHR_animation_pointer",
     "KHR_lights_punctual",
     "KHR_mesh_quantization",
@@ -168,10 +167,10 @@ fn sampler_accessors(animation: &Value) -> Vec<usize> {
 fn table_views(animation: &Value) -> Vec<usize> {
     let tables = animation
         .get("extensions")
-        .and_then(|e| e.get(NAME)?.get("tables")?.as_object());
+        .and_then(|e| e.get(ARTICULATION)?.get("tables")?.as_object());
     let names = tables.into_iter().flat_map(|tables| tables.keys());
     names
-        .filter_map(|name| index(&animation["extensions"][NAME]["tables"], name))
+        .filter_map(|name| index(&animation["extensions"][ARTICULATION]["tables"], name))
         .collect()
 }
 
@@ -184,7 +183,7 @@ pub(super) fn each_accessor_reference(json: &mut Value, visit: &mut dyn FnMut(us
             for target in entries_mut(primitive, "targets") {
                 change_all(Some(target), visit);
             }
-            if let Some(levels) = extension(primitive, clustered::NAME) {
+            if let Some(levels) = extension(primitive, CLUSTERED_MESH) {
                 change(levels, "indices", visit);
             }
         }
@@ -214,7 +213,7 @@ fn each_view_reference(json: &mut Value, visit: &mut dyn FnMut(usize) -> usize) 
         change(image, "bufferView", visit);
     }
     for animation in entries_mut(json, "animations") {
-        let tables = extension(animation, NAME).and_then(|e| e.get_mut("tables"));
+        let tables = extension(animation, ARTICULATION).and_then(|e| e.get_mut("tables"));
         change_all(tables, visit);
     }
 }

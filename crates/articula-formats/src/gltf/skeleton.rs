@@ -1,14 +1,22 @@
 //! Which nodes become joints, and what they are.
 
-use super::animation;
 use super::node::{self, Tree};
 use super::place::Place;
+use super::pointer::{self, Pointed};
 use super::reader::Reader;
 use super::skin::NodeSkin;
-use super::vrm::HumanNodes;
 use crate::error::ReadError;
 use articula_core::source::{Joint, Skeleton};
 use std::collections::HashMap;
+
+/// The nodes of a document that a human extension names.
+#[derive(Debug, Default)]
+pub(super) struct HumanNodes {
+    /// Node and human bone, in the order of the file.
+    pub(super) bones: Vec<(usize, String)>,
+    /// Index of the expression whose value a node's way along x is.
+    pub(super) expressions: HashMap<usize, usize>,
+}
 
 /// The skeleton and the way between its joints and the nodes.
 #[derive(Debug)]
@@ -75,7 +83,7 @@ fn kept_nodes(
     in_skin: &[bool],
     expression_of_node: &HashMap<usize, usize>,
 ) -> Result<Vec<bool>, ReadError> {
-    let mut kept = animation::animated_nodes(reader, tree.len())?;
+    let mut kept = animated_nodes(reader, tree.len())?;
     expression_of_node.keys().for_each(|n| kept[*n] = false);
     for (n, node) in reader.root.entries("nodes")?.iter().enumerate() {
         let is_rigid = node.get("mesh").is_some() && node.get("skin").is_none();
@@ -93,4 +101,27 @@ fn kept_nodes(
         }
     }
     Ok(kept)
+}
+
+/// Which nodes some channel moves (weights do not count).
+fn animated_nodes(reader: &Reader<'_>, nodes: usize) -> Result<Vec<bool>, ReadError> {
+    let mut animated = vec![false; nodes];
+    for animation in reader.root.entries("animations")? {
+        for channel in animation.entries("channels")? {
+            let Some(target) = channel.get("target") else {
+                continue;
+            };
+            let named = target.index("node", nodes)?;
+            let pointed = pointer::text(&target).and_then(pointer::parse);
+            let (node, path) = match pointed {
+                Some(Pointed::Node(node, path)) if node < nodes => (Some(node), path),
+                _ => (named, target.text("path")),
+            };
+            let moves = matches!(path, "translation" | "rotation" | "scale");
+            if let (Some(node), true) = (node, moves) {
+                animated[node] = true;
+            }
+        }
+    }
+    Ok(animated)
 }

@@ -44,7 +44,7 @@ fn accessors_of(primitive: &Value, found: &mut BTreeSet<usize>) {
         found.extend(semantic.values().filter_map(number));
     }
     found.extend(index(primitive, "/indices"));
-    let levels = format!("/extensions/{}/indices", super::clustered::NAME);
+    let levels = format!("/extensions/{}/indices", super::extension::CLUSTERED_MESH);
     found.extend(index(primitive, &levels));
 }
 

@@ -12,7 +12,7 @@ pub use super::bap_table::{BAPS, Bap, Motion, TABLE};
 pub use super::fap::Absent;
 
 /// Parameters with extensions.
-pub const WITH_EXTENSIONS: usize = 296;
+const WITH_EXTENSIONS: usize = 296;
 const VERSIONS: [&str; 2] = ["3.1", "3.2"];
 
 const LAYOUT: Layout = Layout {

@@ -2,6 +2,7 @@
 //!
 //! Source: ISO/IEC 19775-1, clause 11 (rendering) and 13 (3D geometry).
 
+use super::corners::{Corner, Faces, NONE};
 use super::fields::Reader;
 use super::polygon::{Cutter, newell};
 use super::scene::NodeId;
@@ -9,42 +10,8 @@ use super::solids;
 use crate::error::ReadError;
 use glam::{DVec2, DVec3, DVec4};
 
-/// A corner has no such value of its own.
-pub(super) const NONE: u32 = u32::MAX;
-
-/// One corner of a triangle: where its values stand in the lists of [`Faces`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Corner {
-    pub(super) point: u32,
-    pub(super) texcoord: u32,
-    pub(super) normal: u32,
-    pub(super) color: u32,
-}
-
 /// Elements that a corner of a face costs while triangles are made of it.
 const CORNER_COST: usize = 16;
-
-/// A geometry with its lists, before vertices are made of corners.
-#[derive(Debug, Default)]
-pub(super) struct Faces {
-    /// The node of the coordinates, if the file has one.
-    pub(super) coord: Option<NodeId>,
-    pub(super) points: Vec<DVec3>,
-    pub(super) texcoords: Vec<DVec2>,
-    pub(super) normals: Vec<DVec3>,
-    pub(super) colors: Vec<DVec4>,
-    pub(super) triangles: Vec<[Corner; 3]>,
-    /// The face that each triangle is part of.
-    pub(super) face_of_triangle: Vec<u32>,
-    /// Normal of each face, as long as twice its area.
-    pub(super) face_normals: Vec<DVec3>,
-    /// Whether triangles turn counter-clockwise as the file has them.
-    pub(super) ccw: bool,
-    /// Whether the back is not drawn.
-    pub(super) solid: bool,
-    /// Faces that meet at a smaller angle are smooth, radians.
-    pub(super) crease: f64,
-}
 
 /// Which kinds of geometry are read.
 pub(super) fn is_read(kind: &str) -> bool {

@@ -6,7 +6,6 @@
 
 use super::fields::Reader;
 use super::scene::{NodeId, shortened};
-use super::surface::linear;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use crate::{Resolver, uri};
@@ -270,4 +269,15 @@ fn base_color(reader: &mut Reader<'_>, id: NodeId) -> Result<Vec4, ReadError> {
         _ => color.map(linear),
     };
     Ok(Vec4::new(r, g, b, opacity as f32))
+}
+
+/// Colours of the file are as the screen has them.
+pub(super) fn linear(srgb: f64) -> f32 {
+    let c = srgb.clamp(0.0, 1.0);
+    let linear = if c <= 0.04045 {
+        c / 12.92
+    } else {
+        ((c + 0.055) / 1.055).powf(2.4)
+    };
+    linear as f32
 }

@@ -8,7 +8,8 @@
 //! Differs: displacements are blended in before skinning, where the standard adds those of a
 //! joint after it, turned by that joint alone. The two agree where one joint moves the point.
 
-use super::faces::{self, Faces};
+use super::corners::Faces;
+use super::faces;
 use super::fields::Reader;
 use super::figure::{Figure, Part, PlacedShape, SkinGroup};
 use super::frames::Frames;

@@ -18,7 +18,9 @@
 
 mod classic;
 mod clips;
+mod corners;
 mod credits;
+mod draft;
 mod faces;
 mod fields;
 mod figure;

@@ -4,7 +4,7 @@
 //! whatever the unit statement says; rotations multiply in the order of the channels; position
 //! channels are the joint's field `translation`, which is an offset from its center.
 
-use super::clips::{Draft, Stage};
+use super::draft::{Draft, Stage};
 use super::fields::{Reader, words};
 use super::scene::{NodeId, shortened};
 use crate::error::ReadError;

@@ -6,7 +6,7 @@
 //!
 //! Source: X3D 4.1 (draft ISO/IEC 19775-1), HAnimPose.
 
-use super::clips::{Draft, Stage};
+use super::draft::{Draft, Stage};
 use super::fields::Reader;
 use super::placement::Placement;
 use super::scene::NodeId;

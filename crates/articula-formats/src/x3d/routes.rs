@@ -4,7 +4,7 @@
 //!
 //! Source: ISO/IEC 19775-1, 4.4.8 (routes), 8.4.1 (TimeSensor), clause 19 (interpolators).
 
-use super::clips::{Draft, Stage, WeightTrack, key_times};
+use super::draft::{Draft, Stage, WeightTrack, key_times};
 use super::fields::Reader;
 use super::scene::{NodeId, Route};
 use crate::error::ReadError;

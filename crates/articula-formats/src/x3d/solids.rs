@@ -3,7 +3,7 @@
 //! Source: ISO/IEC 19775-1, 13.3.1 to 13.3.8. The standard leaves the number of faces to the
 //! player; a preview needs few.
 
-use super::faces::{Corner, Faces, NONE};
+use super::corners::{Corner, Faces, NONE};
 use super::fields::Reader;
 use super::polygon::newell;
 use super::scene::NodeId;

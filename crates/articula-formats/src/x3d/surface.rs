@@ -3,9 +3,9 @@
 //! Source: ISO/IEC 19775-1, 11.2.3 (common geometry fields) and 13.3.5 (crease angle, default
 //! texture coordinates).
 
-use super::faces::{Corner, Faces, NONE};
+use super::corners::{Corner, Faces, NONE};
 use super::fields::Reader;
-use super::look::Look;
+use super::look::{Look, linear};
 use super::scene::NodeId;
 use crate::error::ReadError;
 use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3, Vec4};
@@ -95,17 +95,6 @@ fn color(faces: &Faces, corner: &Corner) -> Vec4 {
     let [r, g, b, a] = given.map_or([1.0; 4], |c| c.to_array());
     let [r, g, b] = [r, g, b].map(linear);
     Vec4::new(r, g, b, a.clamp(0.0, 1.0) as f32)
-}
-
-/// Colours of the file are as the screen has them.
-pub(super) fn linear(srgb: f64) -> f32 {
-    let c = srgb.clamp(0.0, 1.0);
-    let linear = if c <= 0.04045 {
-        c / 12.92
-    } else {
-        ((c + 0.055) / 1.055).powf(2.4)
-    };
-    linear as f32
 }
 
 /// Texture coordinates with the origin at the top; where the file has none, those of the

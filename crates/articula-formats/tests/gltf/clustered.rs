@@ -5,8 +5,8 @@ use crate::thinned::{clustered, levels, part, store, table};
 use crate::tiny::{Tiny, read};
 use articula_build::Clustered;
 use articula_core::source::{Mesh, Primitive};
-use articula_formats::gltf::clustered::{LevelNodes, MeshParts};
 use articula_formats::gltf::{Document, GltfFile};
+use articula_formats::gltf::{LevelNodes, MeshParts};
 use serde_json::{Value, json};
 
 /// A sheet of 4 x 4 squares with every kind of array: interleaved and strided, integers, sparse
@@ -412,7 +412,7 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
     assert!(refused(2, vec![good], 2).contains("3 levels, 2 in the table"));
     let mut far = of[0].vertices.clone();
     far[0] = 27;
-    let parts = vec![articula_formats::gltf::clustered::PartLevels {
+    let parts = vec![articula_formats::gltf::PartLevels {
         vertices: &far,
         ..good
     }];

@@ -14,7 +14,7 @@ use articula_build::SkinPose;
 use articula_build::{MeshLevels, mesh_levels};
 use articula_flat::Bounds;
 use articula_formats::gltf::Document;
-use articula_formats::gltf::clustered::{LevelNodes, MeshParts, PartLevels};
+use articula_formats::gltf::{LevelNodes, MeshParts, PartLevels};
 use glam::Vec3;
 
 /// The mesh levels of a character, and the same coded for the wire.

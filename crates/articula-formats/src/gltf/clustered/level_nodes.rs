@@ -4,11 +4,11 @@
 //! Mixed Reality: the area of a mesh's bounding sphere on the screen over the area of the screen.
 //! Level nodes share skin and vertices with the finest: of each array they take a prefix.
 
-use super::NAME;
 use super::read::read_part;
 use crate::error::ReadError;
 use crate::gltf::append::{Use, entries_mut, index, object, push, set, shorts};
 use crate::gltf::document::Document;
+use crate::gltf::extension::CLUSTERED_MESH;
 use crate::gltf::origin::mesh_of;
 use crate::gltf::place::whole;
 use crate::gltf::reader::{Notes, Reader};
@@ -48,7 +48,7 @@ impl LevelNodes {
     ///
     /// With `k = error_px / error_metres` pixels a metre, the ball covers `pi (radius k)^2` of
     /// `width * height` pixels.
-    pub fn coverage(&self, levels: &LevelTable, level: usize) -> f32 {
+    fn coverage(&self, levels: &LevelTable, level: usize) -> f32 {
         let error = levels.levels.get(level).map_or(f32::INFINITY, |l| {
             judged_metres(l.motion.p95_metres, l.motion.max_metres)
         });
@@ -119,7 +119,7 @@ impl Document {
         let mesh = mesh_of(&reader, node)?;
         let mut found = Vec::new();
         for (p, place) in mesh.entries("primitives")?.iter().enumerate() {
-            if let Some(extension) = place.dig(&["extensions", NAME]) {
+            if let Some(extension) = place.dig(&["extensions", CLUSTERED_MESH]) {
                 let object = read_part(&mut reader, &extension)?;
                 let positions = place.require("attributes")?.require("POSITION")?;
                 let fits = object.check(reader.accessor(&positions)?.count);
@@ -145,7 +145,7 @@ impl Document {
             }
             let vertices = object.clusters.vertices(level);
             let mut value = self.json["meshes"][mesh]["primitives"][*p].clone();
-            let own = take(&mut value, "extensions", NAME).unwrap_or_default();
+            let own = take(&mut value, "extensions", CLUSTERED_MESH).unwrap_or_default();
             let all = index(&own, "indices").unwrap_or(0);
             self.take_prefixes(value.get_mut("attributes"), vertices, arrays);
             for target in entries_mut(&mut value, "targets") {
@@ -234,7 +234,11 @@ impl Document {
     fn add_level_node(&mut self, node: usize, mut primitives: Vec<Value>) -> usize {
         let fine = self.json["nodes"][node].clone();
         let mut mesh = self.json["meshes"][index(&fine, "mesh").unwrap_or(0)].clone();
-        let has_levels = |p: &Value| p.get("extensions").and_then(|e| e.get(NAME)).is_some();
+        let has_levels = |p: &Value| {
+            p.get("extensions")
+                .and_then(|e| e.get(CLUSTERED_MESH))
+                .is_some()
+        };
         let others = entries_mut(&mut mesh, "primitives").iter();
         primitives.extend(others.filter(|p| !has_levels(p)).cloned());
         set(&mut mesh, "primitives", primitives);

@@ -1,9 +1,9 @@
 //! The table of levels in the extension of the document.
 
-use super::version::{Counts, VERSION};
-use super::{MOST_LEVELS, NAME};
+use super::version::{Counts, MOST_LEVELS, VERSION};
 use crate::error::ReadError;
 use crate::gltf::append::{set, short};
+use crate::gltf::extension::CLUSTERED_MESH;
 use crate::gltf::place::Place;
 use crate::gltf::reader::Reader;
 use crate::gltf::write::WriteError;
@@ -49,7 +49,7 @@ fn members(error: &SurfaceError) -> [(&'static str, f32); 4] {
 /// The table, if meshes that were read have levels. A broken one is a warning: the levels can be
 /// drawn, but nobody knows what they lose.
 pub(in crate::gltf) fn read_levels(reader: &mut Reader<'_>, meshes: &[Mesh]) -> Option<LevelTable> {
-    let extension = reader.root.dig(&["extensions", NAME])?;
+    let extension = reader.root.dig(&["extensions", CLUSTERED_MESH])?;
     let clustered = meshes.iter().flat_map(|m| &m.clustered);
     let levels = clustered.map(|c| c.clusters.levels()).max()?;
     match read_table(&extension, levels) {
@@ -63,7 +63,7 @@ pub(in crate::gltf) fn read_levels(reader: &mut Reader<'_>, meshes: &[Mesh]) -> 
 
 /// Number of levels that the table of the document has.
 pub(super) fn count(root: &Place<'_>) -> usize {
-    let extension = root.dig(&["extensions", NAME]);
+    let extension = root.dig(&["extensions", CLUSTERED_MESH]);
     extension.map_or(0, |e| e.count("levels").min(MOST_LEVELS + 1))
 }
 

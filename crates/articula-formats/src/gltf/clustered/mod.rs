@@ -22,9 +22,3 @@ pub use write::{MeshParts, PartLevels};
 
 pub(super) use level_table::read_levels;
 pub(super) use read::read_parts;
-
-/// Name of the extension.
-pub const NAME: &str = "ARTICULA_clustered_mesh";
-
-/// Most levels that are read or written: whoever asks for each of them is done in time.
-pub const MOST_LEVELS: usize = 256;

@@ -1,9 +1,9 @@
 //! Levels out of a document, believed only after every number was compared.
 
 use super::level_table;
-use super::version::Counts;
-use super::{MOST_LEVELS, NAME};
+use super::version::{Counts, MOST_LEVELS};
 use crate::error::ReadError;
+use crate::gltf::extension::CLUSTERED_MESH;
 use crate::gltf::origin::origins;
 use crate::gltf::place::Place;
 use crate::gltf::reader::Reader;
@@ -18,7 +18,7 @@ pub(in crate::gltf) fn read_parts(
     parts: &[Primitive],
 ) -> Vec<ClusteredTriangles> {
     let places = mesh.entries("primitives").unwrap_or_default();
-    let has_levels = |p: &Place<'_>| p.dig(&["extensions", NAME]).is_some();
+    let has_levels = |p: &Place<'_>| p.dig(&["extensions", CLUSTERED_MESH]).is_some();
     if !places.iter().any(has_levels) {
         return Vec::new();
     }
@@ -46,7 +46,7 @@ fn try_read(
         let place = mesh
             .entry("primitives", origin.primitive)
             .ok_or_else(missing)?;
-        let extension = place.require("extensions")?.require(NAME)?;
+        let extension = place.require("extensions")?.require(CLUSTERED_MESH)?;
         let object = read_part(reader, &extension)?;
         let expected = level_table::count(&reader.root);
         if object.clusters.levels() != expected {

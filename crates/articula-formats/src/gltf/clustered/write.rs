@@ -1,11 +1,11 @@
 //! Levels into a document: every array of a primitive in the order of the levels.
 
-use super::version::VERSION;
-use super::{MOST_LEVELS, NAME};
+use super::version::{MOST_LEVELS, VERSION};
 use crate::error::ReadError;
 use crate::gltf::append::{Use, entries_mut, object, push, set};
 use crate::gltf::arrays::{Reordered, reordered};
 use crate::gltf::document::Document;
+use crate::gltf::extension::CLUSTERED_MESH;
 use crate::gltf::origin::{mesh_of, origins};
 use crate::gltf::place::{Place, whole};
 use crate::gltf::prune::each_accessor_reference;
@@ -21,7 +21,11 @@ use std::collections::{BTreeMap, BTreeSet};
 const MOST_SHORT: usize = 65535;
 
 /// Extensions of primitives that say nothing of single vertices but by attributes.
-const HARMLESS: &[&str] = &[NAME, "EXT_mesh_features", "KHR_materials_variants"];
+const HARMLESS: &[&str] = &[
+    CLUSTERED_MESH,
+    "EXT_mesh_features",
+    "KHR_materials_variants",
+];
 
 /// The levels of one part of a mesh, as `articula_build::clusters` makes them with the order
 /// `Store`.
@@ -121,7 +125,7 @@ impl Document {
                 stored,
             );
         }
-        self.extend(NAME, table);
+        self.extend(CLUSTERED_MESH, table);
         self.drop_unnamed(before);
         Ok(())
     }
@@ -249,7 +253,7 @@ impl Document {
             "vertices": part.clusters.vertex_counts(),
             "clusters": clusters,
         });
-        set(extensions, NAME, value);
+        set(extensions, CLUSTERED_MESH, value);
     }
 
     /// All accessors that meshes name.

@@ -5,9 +5,9 @@
 //! list the expressions under the typed extensions. Differs: what lies between the two ends of an
 //! animation is taken as a straight line.
 
-use super::super::mesh::Shown;
 use super::super::place::{Place, whole};
 use super::super::reader::Reader;
+use super::super::shown::Shown;
 use super::super::skeleton::Skeletal;
 use super::{EXPRESSION, ExpressionSet, ExpressionShare, extension};
 use crate::error::ReadError;

@@ -3,9 +3,9 @@
 //! Source: VRM 0.x `blendShapeMaster.blendShapeGroups`, VRM 1.0 `expressions`, VRM animation 1.0
 //! `expressions`. Presets of VRM 0.x take their names of VRM 1.0, so that one motion drives both.
 
-use super::super::mesh::Shown;
 use super::super::place::{Place, whole};
 use super::super::reader::Reader;
+use super::super::shown::Shown;
 use crate::error::ReadError;
 use articula_core::source::{Expression, Mask, MaskKind, MorphBinding};
 use serde_json::Value;

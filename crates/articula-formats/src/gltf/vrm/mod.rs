@@ -20,7 +20,7 @@ pub use kept::Kept;
 pub(super) use expressions::{expression_nodes, read as read_expressions};
 pub(super) use kept::read as read_kept;
 pub(super) use meta::read as read_meta;
-pub(super) use nodes::{HumanNodes, read as read_nodes};
+pub(super) use nodes::read as read_nodes;
 
 use super::place::Place;
 

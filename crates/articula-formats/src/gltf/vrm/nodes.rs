@@ -6,17 +6,8 @@
 use super::super::khr_character;
 use super::super::place::Place;
 use super::super::reader::Reader;
+use super::super::skeleton::HumanNodes;
 use super::{expressions, extension};
-use std::collections::HashMap;
-
-/// The nodes of a document that a human extension names.
-#[derive(Debug, Default)]
-pub(in super::super) struct HumanNodes {
-    /// Node and human bone, in the order of the file.
-    pub(in super::super) bones: Vec<(usize, String)>,
-    /// Index of the expression whose value a node's way along x is.
-    pub(in super::super) expressions: HashMap<usize, usize>,
-}
 
 /// Reads the human bones and expression tracks of a document with so many nodes.
 pub(in super::super) fn read(reader: &mut Reader<'_>, nodes: usize) -> HumanNodes {

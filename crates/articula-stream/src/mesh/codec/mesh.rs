@@ -69,7 +69,7 @@ impl QuantisedMesh {
     }
 
     /// The faces as points.
-    pub fn point_faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+    pub(super) fn point_faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
         let point = |w: u32| self.wedge_points[w as usize];
         self.faces.iter().map(move |f| f.map(point))
     }

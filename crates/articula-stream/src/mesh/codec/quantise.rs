@@ -126,7 +126,7 @@ impl Grid {
     }
 
     /// A place in metres.
-    pub fn place(&self, n: [i32; 3]) -> Vec3 {
+    fn place(&self, n: [i32; 3]) -> Vec3 {
         let n = DVec3::from(n.map(f64::from));
         (self.origin.as_dvec3() + n * f64::from(self.step)).as_vec3()
     }
