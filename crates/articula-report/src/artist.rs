@@ -117,6 +117,9 @@ impl<'a> Artist<'a> {
     }
 
     /// The character as it is.
+    ///
+    /// # Errors
+    /// [`PictureError`] if the artist's pictures are too large.
     pub fn figure(&mut self, pose: &LocalPose, morphs: Vec<f32>) -> Result<Picture, PictureError> {
         self.pose(pose, &morphs);
         if self.eye.is_some() {
@@ -132,6 +135,9 @@ impl<'a> Artist<'a> {
     }
 
     /// The character as it is; without a mesh its skeleton, every joint active.
+    ///
+    /// # Errors
+    /// [`PictureError`] if the artist's pictures are too large.
     pub fn reference(
         &mut self,
         pose: &LocalPose,
@@ -145,6 +151,9 @@ impl<'a> Artist<'a> {
 
     /// The character with its joints marked, and in a corner as large as on the screen, where a
     /// metre spans `pixels_per_metre`.
+    ///
+    /// # Errors
+    /// [`PictureError`] if the artist's pictures are too large.
     pub fn articulated(
         &mut self,
         pose: &LocalPose,
