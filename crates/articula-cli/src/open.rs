@@ -71,15 +71,6 @@ pub(crate) fn advised(warning: &Warning) -> String {
     format!("{}; give {flag} if that is wrong", warning.what)
 }
 
-/// Finds a name among others, or says which there are.
-pub(crate) fn choose<'a>(
-    what: &str,
-    wanted: &str,
-    names: impl Iterator<Item = &'a str> + Clone,
-) -> anyhow::Result<usize> {
-    Ok(articula::choose(what, wanted, names)?)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,7 +90,7 @@ mod tests {
 
     #[test]
     fn a_wrong_name_is_wrong_usage() {
-        let why = choose("clip", "fly", ["walk"].into_iter()).unwrap_err();
-        assert_eq!(fault::status(&why), 2);
+        let why = articula::choose("clip", "fly", ["walk"].into_iter()).unwrap_err();
+        assert_eq!(fault::status(&why.into()), 2);
     }
 }
