@@ -75,6 +75,7 @@ pub(crate) fn advised(warning: &Warning) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fault;
 
     #[test]
     fn a_guess_names_its_flag() {
@@ -86,5 +87,11 @@ mod tests {
         let said = "inches; give --amc-rate-hz HZ if that is wrong";
         assert_eq!(guessed(Guess::Rate), said);
         assert_eq!(advised(&Warning::new("file", "odd")), "odd");
+    }
+
+    #[test]
+    fn a_wrong_name_is_wrong_usage() {
+        let why = articula::choose("clip", "fly", ["walk"].into_iter()).unwrap_err();
+        assert_eq!(fault::status(&why.into()), 2);
     }
 }

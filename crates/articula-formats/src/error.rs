@@ -50,7 +50,7 @@ pub enum ReadError {
 
 impl ReadError {
     /// A [`ReadError::Malformed`].
-    pub(crate) fn malformed(at: impl Into<String>, what: impl Into<String>) -> Self {
+    pub fn malformed(at: impl Into<String>, what: impl Into<String>) -> Self {
         Self::Malformed {
             at: at.into(),
             what: what.into(),
