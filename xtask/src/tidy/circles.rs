@@ -118,7 +118,7 @@ impl House {
             let from = match file.handed_on.get(name) {
                 Some(from) => from.clone(),
                 None => match whole() {
-                    Some(module) => [module.as_slice(), &[name.clone()]].concat(),
+                    Some(module) => [module.as_slice(), std::slice::from_ref(name)].concat(),
                     None => return Some(module),
                 },
             };
@@ -198,18 +198,13 @@ fn module_of(name: &str) -> Vec<String> {
 /// A path of the crate from its root; `None` for one of another crate.
 fn resolved(path: &str, module: &[String]) -> Option<Vec<String>> {
     let mut parts = path.split("::").map(str::trim).peekable();
-    let mut base: Vec<String> = match parts.peek()? {
-        &"crate" => {
-            parts.next();
-            Vec::new()
-        }
-        &"self" => {
-            parts.next();
-            module.to_vec()
-        }
-        &"super" => module.to_vec(),
-        // A child of this module, or another crate: the first is no edge worth drawing twice.
-        _ => module.to_vec(),
+    // A path that begins otherwise names a child of this module, or another crate.
+    let from_root = parts.next_if_eq(&"crate").is_some();
+    let _ = parts.next_if_eq(&"self");
+    let mut base = if from_root {
+        Vec::new()
+    } else {
+        module.to_vec()
     };
     let is_relative = path.starts_with("crate") || path.starts_with("self");
     if !is_relative && !path.starts_with("super") && path.split("::").count() < 2 {

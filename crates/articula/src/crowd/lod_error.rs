@@ -12,9 +12,7 @@ use super::player::CrowdPlayer;
 use articula_core::crowd::Voice;
 use articula_core::percentile;
 use articula_core::visibility::{Bodies, LEAST_DEPTH_METRES, Seen, View, Visibility, see};
-use articula_core::{
-    Camera, LocalPose, ModelPose, Sphere, Wrap, blend, local_to_model, palette, sample, skin_points,
-};
+use articula_core::{Camera, LocalPose, PosedMesh, Sphere, Wrap, blend, sample, skin_points};
 use glam::{Affine3A, Vec3};
 use serde::Serialize;
 
@@ -97,7 +95,6 @@ pub struct ErrorMeter {
     watches: Vec<Watch>,
     pose: LocalPose,
     other: LocalPose,
-    model: ModelPose,
     matrices: Vec<Affine3A>,
     truth: Vec<Vec3>,
     shown: Vec<Vec3>,
@@ -123,7 +120,6 @@ impl ErrorMeter {
             watches,
             pose: rig.rest_pose().clone(),
             other: rig.rest_pose().clone(),
-            model: ModelPose::new(rig.len()),
             matrices: Vec::new(),
             truth: room.clone(),
             shown: room,
@@ -183,12 +179,11 @@ impl ErrorMeter {
             let all = self.asset.full().rig.all();
             blend(&mut self.pose, &self.other, player.fade(), &all);
         }
-        local_to_model(&self.asset.full().rig, &self.pose, &mut self.model);
-        let mesh = &self.asset.full().mesh;
-        self.matrices
-            .resize(mesh.bindings.len(), Affine3A::IDENTITY);
-        palette(mesh, &self.model, &mut self.matrices);
-        skin_points(mesh, &self.matrices, &self.vertices, &mut self.truth);
+        let full = self.asset.full();
+        let mut posed = PosedMesh::new(&full.rig, &full.mesh);
+        posed
+            .pose(&self.pose)
+            .points(&self.vertices, &mut self.truth);
     }
 
     fn sample(&mut self, voice: &Voice, which: Which) {
