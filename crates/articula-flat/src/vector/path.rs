@@ -9,12 +9,6 @@ use glam::Vec2;
 
 /// Appends whole numbers as a list, parted by a minus sign where there is one and by a space
 /// otherwise.
-///
-/// ```
-/// let mut text = String::from("M");
-/// articula_flat::vector::path::push_numbers(&mut text, &[3, -4, 5]);
-/// assert_eq!(text, "M3-4 5");
-/// ```
 pub(super) fn push_numbers(text: &mut String, numbers: &[i32]) {
     for number in numbers {
         push_number(text, i64::from(*number));
@@ -25,12 +19,6 @@ pub(super) fn push_numbers(text: &mut String, numbers: &[i32]) {
 ///
 /// `points` are x, y, x, y, …; `further_outlines` holds the first point of each outline after
 /// the first, rising.
-///
-/// ```
-/// let mut text = String::new();
-/// articula_flat::vector::path::push_outlines(&mut text, &[4, 8, 1, 9, 4, 2], &[]);
-/// assert_eq!(text, "m4 8-3 1 3-7");
-/// ```
 pub(super) fn push_outlines(text: &mut String, points: &[i32], further_outlines: &[u32]) {
     let mut next = further_outlines.iter().peekable();
     let (mut x, mut y) = (0i64, 0i64);
@@ -97,6 +85,16 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
     use std::collections::BTreeSet;
+
+    #[test]
+    fn numbers_and_outlines_by_hand() {
+        let mut text = String::from("M");
+        push_numbers(&mut text, &[3, -4, 5]);
+        assert_eq!(text, "M3-4 5");
+        text.clear();
+        push_outlines(&mut text, &[4, 8, 1, 9, 4, 2], &[]);
+        assert_eq!(text, "m4 8-3 1 3-7");
+    }
 
     #[test]
     fn holes_and_islands_begin_anew_from_the_last_point() {
