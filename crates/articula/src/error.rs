@@ -73,6 +73,16 @@ impl Error {
         }
     }
 
+    /// The error at a place within the outermost one.
+    #[cfg(not(target_family = "wasm"))]
+    pub(crate) fn within(self, inner: String) -> Self {
+        let at = |place, cause| Self::At { place, cause };
+        match self {
+            Self::At { place, cause } => at(place, Box::new(at(inner, cause))),
+            other => at(inner, Box::new(other)),
+        }
+    }
+
     /// An [`Error::Unsuited`].
     pub(crate) fn unsuited(what: impl Into<String>) -> Self {
         Self::Unsuited(what.into())

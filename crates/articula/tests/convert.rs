@@ -2,7 +2,8 @@
 #![allow(
     clippy::unwrap_used,
     clippy::disallowed_methods,
-    reason = "a test may panic, and looks for the folder of real files"
+    clippy::print_stdout,
+    reason = "a test may panic, looks for the folder of real files, and says what it skips"
 )]
 
 use articula::convert::{ClipEdits, ClipFit, ClipPart, ReduceOptions, write};

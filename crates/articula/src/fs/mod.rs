@@ -43,7 +43,9 @@ pub fn open_with(path: impl AsRef<Path>, options: &OpenOptions) -> Result<Opened
             skeleton: Some(read(&skeleton, limit)?),
             ..options.clone()
         };
-        let mut opened = open::open(&bytes, &name, &options, &mut fetch)?;
+        let with = || format!("with the skeleton {}", shown(&skeleton));
+        let opened = open::open(&bytes, &name, &options, &mut fetch);
+        let mut opened = opened.map_err(|error| error.within(with()))?;
         if let Some(how) = how {
             let file = skeleton.file_name().unwrap_or_default().to_string_lossy();
             let what = format!("{file} was taken, {how}");

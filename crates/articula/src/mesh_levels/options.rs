@@ -149,7 +149,7 @@ mod tests {
         assert_eq!(default_targets(3), [1.0, 0.25, 0.015]);
         let nine = default_targets(9);
         // Between 100 and 50 percent: their geometric mean, to a hundredth of a percent.
-        assert_eq!(nine[1], 0.7071);
+        assert_eq!(nine[1], 7071.0 / 1e4);
         assert!(nine.windows(2).all(|w| w[0] > w[1]));
     }
 }
