@@ -1,6 +1,6 @@
 //! BAP files: any humanoid's motion as body animation parameters.
 
-use super::written::{LeftOut, Written, meshes};
+use super::left_out::{LeftOut, Written, meshes};
 use crate::error::Result;
 use crate::open::Opened;
 use articula_build::retarget::{self, Figure, RetargetOptions};

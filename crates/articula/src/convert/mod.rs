@@ -13,6 +13,7 @@ mod body;
 mod clip_edits;
 mod fit_clips;
 mod khr_character;
+mod left_out;
 mod morphs;
 mod reduction;
 mod same_joints;
@@ -27,10 +28,11 @@ pub use clip_edits::{
     RootMotionEdited, TrajectoryPlace, Trimmed,
 };
 pub use fit_clips::{AddClipsOptions, ClipFit, FittedClip, fit_clips};
+pub use left_out::{LeftOut, Written};
 pub use reduction::{
     AnimationSize, JointReduction, JointsHeld, JointsReduced, MovingJoints, hold_joints,
 };
-pub use written::{LeftOut, Written, write, write_data};
+pub use written::{write, write_data};
 
 use crate::error::{Context, Error, Result};
 use crate::open::{Format, Opened, Writes, choose, conversions};

@@ -1,59 +1,11 @@
 //! Forward, backward, random and skipping access: what each way through the clip costs.
 
+use super::frame_order::Access;
 use super::ours::{Batched, plain};
 use super::{Bench, Line, Report, evaluation};
 use crate::measure::{Contestant, race};
 use anyhow::Result;
-use articula_build::scene::plaza;
 use articula_core::{ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
-
-/// Ways through a clip.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Access {
-    Forward,
-    Backward,
-    /// Half a second from frame to frame.
-    Skipping,
-    Random,
-}
-
-impl Access {
-    const ALL: [Self; 4] = [Self::Forward, Self::Backward, Self::Skipping, Self::Random];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Forward => "forward",
-            Self::Backward => "backward",
-            Self::Skipping => "skipping",
-            Self::Random => "random",
-        }
-    }
-
-    /// Times within the clip of every character, frame by frame.
-    pub(super) fn frames(self, bench: &Bench, count: usize, frames: usize) -> Vec<Vec<f32>> {
-        let duration = bench.clip().duration_secs();
-        let phases = bench.phases(count);
-        let step = match self {
-            Self::Forward => 1.0 / 60.0,
-            Self::Backward => -1.0 / 60.0,
-            Self::Skipping => 0.5,
-            Self::Random => 0.0,
-        };
-        let frame = |f: usize| {
-            let phases = match self {
-                // Another seed at each frame: the phases of another crowd.
-                Self::Random => {
-                    let other = plaza(count, 1, f as u64 + 2);
-                    other.members.iter().map(|m| m.play.phase).collect()
-                }
-                _ => phases.clone(),
-            };
-            let at = |phase: f32| (phase * duration + step * f as f32).rem_euclid(duration);
-            phases.into_iter().map(at).collect()
-        };
-        (0..frames).map(frame).collect()
-    }
-}
 
 /// Adds the section.
 pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {

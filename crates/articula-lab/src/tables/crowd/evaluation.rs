@@ -1,6 +1,6 @@
 //! Sample and model matrices at full detail: who takes how long for how many.
 
-use super::access::Access;
+use super::frame_order::Access;
 use super::ours::{Batched, plain};
 use super::{Bench, Line, Report};
 use crate::measure::{Contestant, Timing, race};

@@ -1,6 +1,6 @@
 //! Cost by joints kept: whether a level of articulation saves time as it saves joints.
 
-use super::access::Access;
+use super::frame_order::Access;
 use super::ours::Batched;
 use super::{Bench, Line, Report, evaluation};
 use crate::measure::race;

@@ -5,6 +5,7 @@
 
 mod access;
 mod evaluation;
+mod frame_order;
 mod joints;
 mod ours;
 mod plaza;

@@ -1,6 +1,6 @@
 //! The plaza by ranks of distance, as it is thinned out elsewhere: what it costs and what it shows.
 
-use super::access::Access;
+use super::frame_order::Access;
 use super::ours::Batched;
 use super::plaza::AtOnePixel;
 use super::stage::{Errors, NEAR_METRES, distance_px, p95_px};

@@ -1,6 +1,6 @@
 //! Skinning on the processor: for each vertex by influence count, and beside the pose it follows.
 
-use super::access::Access;
+use super::frame_order::Access;
 use super::{Bench, Line, Report};
 use crate::measure::{Contestant, race};
 use anyhow::Result;
