@@ -20,6 +20,7 @@ const STEPS: &[Step] = &[
     ("oracle packages", node::install),
     ("oracle browser", node::browser),
     ("tests", tests),
+    ("examples", examples),
     ("documentation", documentation),
     ("wasm build", wasm::check),
     ("tidy", tidy_step),
@@ -87,19 +88,52 @@ fn tidy_step() -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Every published table with one clip and few steps: shows that the lab still runs. It shares
-/// the build of the tests.
-fn lab() -> Result<Outcome> {
-    let words = [
-        "run",
-        "--profile",
-        "test",
-        "--quiet",
-        "-p",
-        "articula-lab",
-        "--",
+/// What is built with the settings of the tests, and runs as a program.
+fn program(package: &str, what: &[&str]) -> Result<()> {
+    let words = ["run", "--profile", "test", "--quiet", "-p", package];
+    run(cargo().args(words).args(what))
+}
+
+/// The examples of the library's first page: on the reference human, and on real characters, those
+/// without a clip of their own with one of another file.
+fn examples() -> Result<Outcome> {
+    const CASES: &[&[&str]] = &[
+        &["glb/KayKit_Knight.glb"],
+        &[
+            "glb/Quaternius_modular_men__Suit.glb",
+            "glb/RobotExpressive.glb",
+        ],
+        &[
+            "glb/mh_female_default163_arkit52.glb",
+            "bvh/cmu_12_01_walk.bvh",
+        ],
+        &["vrm/Godette_vrm_v4.vrm", "bvh/cmu_12_01_walk.bvh"],
+        &["glb/Fox.glb"],
     ];
-    let small = ["all", "--small", "--out", "target/lab-small"];
-    run(cargo().args(words).args(small))?;
+    let quiet = |example: &str, files: &[String]| {
+        let mut words = vec!["--example", example, "--"];
+        words.extend(files.iter().map(String::as_str));
+        program("articula", &words)
+    };
+    quiet("crowd", &[])?;
+    quiet("hero", &[])?;
+    let data = data_folder();
+    if !data.is_dir() {
+        println!("skipped: no data (examples on real characters; set ARTICULA_DATA)");
+        return Ok(Outcome::Done);
+    }
+    for case in CASES {
+        let files = case.iter().map(|f| data.join(f).display().to_string());
+        let files: Vec<String> = files.collect();
+        quiet("crowd", &files)?;
+        quiet("hero", &files)?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Every published table with one clip and few steps: shows that the lab still runs.
+fn lab() -> Result<Outcome> {
+    let small = ["--", "all", "--small", "--out", "target/lab-small"];
+    program("articula-lab", &small)?;
     Ok(Outcome::Done)
 }

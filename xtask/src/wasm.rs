@@ -18,6 +18,8 @@ const LIBRARIES: &[&str] = &[
     "articula-build",
     "articula-flat",
     "articula-stream",
+    "articula-human",
+    "articula",
 ];
 
 /// Checks the libraries for the web, after fetching the target.

@@ -1,4 +1,34 @@
-//! The library.
+//! Animates virtual humans and adapts them, while they move, to whatever must show them.
+//!
+//! A crowd of your own character (`cargo run --release -p articula --example crowd -- my.glb
+//! [walk.bvh …]`; without a path it is the reference human):
+//!
+//! ```
+#![doc = include_str!("../examples/crowd.rs")]
+//! ```
+//!
+//! One figure (`--example hero -- my.glb`):
+//!
+//! ```
+#![doc = include_str!("../examples/hero.rs")]
+//! ```
+//!
+//! What there is:
+//!
+//! - [`fs::open`], [`open()`], [`Opened`]: GLB, glTF, VRM, VRMA, BVH, ASF and AMC, BVA, X3D and BAP files as
+//!   one editable [`Character`](articula_core::source::Character), with what is needed to write
+//!   them back; [`Opened::add_clips`] puts the motions of other files onto it
+//! - [`Figure`]: rig, mesh and clips, as a frame needs them
+//! - [`crowd`]: thousands of one character, each at the level of detail that its viewer can see
+//! - [`prepare()`]: what is made once of a character goes into its GLB: mesh levels, motion tables
+//! - [`convert()`]: between formats, clips edited, levels of articulation saved
+//! - [`flatten`]: a character in motion as animated SVG, player, Lottie or portrait
+//! - [`inspect`]: what is in a file, and what is odd about it
+//!
+//! What is deliberately absent: arguments, consoles, clocks, threads, and paths outside of [`fs`].
+//! Long work takes a [`Work`], which reports steps, may end it, and hands out [`Job`]s that the
+//! caller runs on threads of its own. Units are metres, seconds and radians; +Y is up and a
+//! character faces +Z. Level 0 is the finest.
 
 mod camera_path;
 pub mod convert;
@@ -25,7 +55,7 @@ pub use mesh_levels::{CodedMeshLevels, MeshLevelOptions, MeshLevelStream};
 pub use motion_tables::{ClipTables, StoredTables, stored_tables};
 pub use open::{
     Data, DataFormat, Format, GltfSource, OpenOptions, Opened, OpenedData, Writes, choose,
-    conversions, open, open_data, readable,
+    conversions, open, open_data, readable, reference_human,
 };
 pub use prepare::{PrepareOptions, Prepared, prepare};
 pub use work::{Job, OnStep, RunJobs, Step, Work};

@@ -19,6 +19,12 @@ const SIBLINGS: &[&str] = &[
 /// simplifier.
 const SIBLING_EDGES: &[(&str, &str)] = &[("articula-human", "articula-build")];
 
+/// Programs: nothing stands on them.
+const PROGRAMS: &[&str] = &["articula-cli", "articula-lab"];
+
+/// Pictures and plots of reports: the programs' alone.
+const REPORT: &str = "articula-report";
+
 /// All that the core may ever use.
 const CORE_MAY_USE: &[&str] = &["glam", "multiversion"];
 
@@ -60,6 +66,14 @@ fn refusal(package: &str, dependency: &str) -> Option<String> {
     if package == "articula-core" && !CORE_MAY_USE.contains(&dependency) {
         return Some(format!(
             "the core may use {CORE_MAY_USE:?} only, not {dependency}"
+        ));
+    }
+    if PROGRAMS.contains(&dependency) {
+        return Some(format!("{package} may use no program, not {dependency}"));
+    }
+    if package == "articula" && dependency == REPORT {
+        return Some(format!(
+            "the library may not use {REPORT}: reports are the programs'"
         ));
     }
     if package == "xtask" && ours {
@@ -193,6 +207,15 @@ mod tests {
             faults("articula-core", "[dependencies]\nserde = \"1\"\n"),
             1
         );
+    }
+
+    #[test]
+    fn nothing_stands_on_a_program_and_the_library_draws_no_reports() {
+        let on = |dependency: &str| format!("[dependencies]\n{dependency}.workspace = true\n");
+        assert_eq!(faults("articula-lab", &on("articula-cli")), 1);
+        assert_eq!(faults("articula", &on("articula-report")), 1);
+        assert_eq!(faults("articula", &on("articula-build")), 0);
+        assert_eq!(faults("articula-cli", &on("articula-report")), 0);
     }
 
     #[test]

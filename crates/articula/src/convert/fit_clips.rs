@@ -98,6 +98,9 @@ impl Opened {
         options: &AddClipsOptions,
         work: &Work<'_>,
     ) -> Result<Vec<ClipFit>> {
+        if files.is_empty() {
+            return Ok(Vec::new());
+        }
         let options = AddClipsOptions {
             file_in_names: options.file_in_names || files.len() > 1,
             ..options.clone()

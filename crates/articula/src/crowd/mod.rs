@@ -6,32 +6,7 @@
 //! - [`BudgetAllocator`]: what a frame may spend, learnt from what frames took
 //! - [`ErrorMeter`], [`LevelTally`]: what is shown against what should be, and who is shown how
 //!
-//! ```no_run
-//! use articula::crowd::{Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Viewport};
-//! use articula::{AddClipsOptions, Figure, Result, Work, fs, glam::Vec3};
-//!
-//! fn main() -> Result<()> {
-//!     let mut files = std::env::args().skip(1);
-//!     let mut hero = fs::open(files.next().unwrap_or("hero.glb".into()))?;
-//!     for motion in files {
-//!         hero.add_clips(&[fs::open(motion)?], &AddClipsOptions::default(), &Work::default())?;
-//!     }
-//!     let asset = CrowdAsset::new(&Figure::new(hero)?, &CrowdOptions::default(), &Work::default())?;
-//!     let mut crowd = CrowdPlayer::new(&asset, 1000)?;
-//!     for i in 0..1000 {
-//!         crowd.place(i, Vec3::new((i % 40) as f32, 0.0, (i / 40) as f32) * 2.0, 0.0);
-//!         crowd.play(i, i % asset.clips().len(), i as f32 * 0.37);
-//!     }
-//!     let target = Vec3::new(39.0, 1.0, 20.0);
-//!     let camera = Camera::looking_at(target - Vec3::Z * 26.0, target, Viewport::default());
-//!     for _frame in 0..60 {
-//!         let report = crowd.frame(1.0 / 60.0, &camera);
-//!         println!("{} visible, error at most {} px", report.visible, report.bound_px);
-//!         for _group in crowd.groups() { /* one instanced draw: mesh, draws, palettes */ }
-//!     }
-//!     Ok(())
-//! }
-//! ```
+//! An example is on the [first page](crate).
 //!
 //! Nothing here has a clock, a thread or a policy of its own: time steps, the nanoseconds that
 //! frames took and the threads that evaluate [`parts`](CrowdPlayer::parts) are the caller's.

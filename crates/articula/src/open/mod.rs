@@ -7,12 +7,14 @@ mod bvh;
 mod data;
 mod document;
 mod format;
+mod human;
 mod options;
 mod x3d;
 
 pub use data::{Data, DataFormat, OpenedData, open_data};
 pub use document::GltfSource;
 pub use format::{Format, Writes, conversions, readable};
+pub use human::reference_human;
 pub use options::OpenOptions;
 
 use crate::error::{Context, Error, Result};
