@@ -8,6 +8,7 @@ use crate::outcome::Outcome;
 use crate::{node, wasm};
 use anyhow::{Context, Result};
 use std::path::PathBuf;
+use std::process::Command;
 use std::time::Instant;
 
 /// One step: the name a person reads, and what it does.
@@ -25,7 +26,6 @@ const STEPS: &[Step] = &[
     ("wasm build", wasm::check),
     ("tidy", tidy_step),
     ("oracle self-test", node::self_test),
-    ("lab, small", lab),
 ];
 
 /// Runs every step up to the first failure and prints how long each took.
@@ -88,12 +88,6 @@ fn tidy_step() -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// What is built with the settings of the tests, and runs as a program.
-fn program(package: &str, what: &[&str]) -> Result<()> {
-    let words = ["run", "--profile", "test", "--quiet", "-p", package];
-    run(cargo().args(words).args(what))
-}
-
 /// The examples of the library's first page: on the reference human, and on real characters, those
 /// without a clip of their own with one of another file.
 fn examples() -> Result<Outcome> {
@@ -110,13 +104,24 @@ fn examples() -> Result<Outcome> {
         &["vrm/Godette_vrm_v4.vrm", "bvh/cmu_12_01_walk.bvh"],
         &["glb/Fox.glb"],
     ];
-    let quiet = |example: &str, files: &[String]| {
-        let mut words = vec!["--example", example, "--"];
-        words.extend(files.iter().map(String::as_str));
-        program("articula", &words)
+    // The tests have just built them.
+    let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
+    let built = target.unwrap_or_else(|| root().join("target"));
+    let play = |files: &[String]| {
+        ["crowd", "hero"]
+            .iter()
+            .try_for_each(|example| -> Result<()> {
+                let program = built.join("debug/examples").join(example);
+                let ran = Command::new(program).args(files).output()?;
+                anyhow::ensure!(
+                    ran.status.success(),
+                    "{example} {files:?}: {}",
+                    String::from_utf8_lossy(&ran.stderr)
+                );
+                Ok(())
+            })
     };
-    quiet("crowd", &[])?;
-    quiet("hero", &[])?;
+    play(&[])?;
     let data = data_folder();
     if !data.is_dir() {
         println!("skipped: no data (examples on real characters; set ARTICULA_DATA)");
@@ -125,15 +130,7 @@ fn examples() -> Result<Outcome> {
     for case in CASES {
         let files = case.iter().map(|f| data.join(f).display().to_string());
         let files: Vec<String> = files.collect();
-        quiet("crowd", &files)?;
-        quiet("hero", &files)?;
+        play(&files)?;
     }
-    Ok(Outcome::Done)
-}
-
-/// Every published table with one clip and few steps: shows that the lab still runs.
-fn lab() -> Result<Outcome> {
-    let small = ["--", "all", "--small", "--out", "target/lab-small"];
-    program("articula-lab", &small)?;
     Ok(Outcome::Done)
 }
