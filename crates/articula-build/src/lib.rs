@@ -28,7 +28,7 @@
 //! };
 //! let rest = [asset.mesh.positions.clone()];
 //! let levels = simplify(&asset.mesh, &rest, &options)?.levels;
-//! assert_eq!(levels[0].triangles.len(), asset.mesh.triangles.len() / 2);
+//! assert_eq!(levels[1].triangles.len(), asset.mesh.triangles.len() / 2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!

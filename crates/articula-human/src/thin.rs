@@ -42,7 +42,7 @@ pub(crate) fn thinned(surface: &Surface, options: &Options<'_>) -> Surface {
             ..SimplifyOptions::default()
         },
     );
-    let level = simplified.map(|s| s.levels.into_iter().next().unwrap_or_default());
+    let level = simplified.map(|s| s.levels.into_iter().next_back().unwrap_or_default());
     let level =
         level.expect("lengths are those of the mesh just made, and the target falls from 1");
     let mut out = Surface::default();
