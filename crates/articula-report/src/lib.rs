@@ -28,7 +28,8 @@
 //! ```
 //!
 //! What is deliberately absent: files, a console, the words of a report, and what is measured:
-//! values come in, pictures and text go out. Programs use this crate, no library does.
+//! values and played clips come in, pictures and text go out. Programs use this crate, no library
+//! does.
 
 mod artist;
 mod contact_sheet;
