@@ -4,6 +4,7 @@ use articula_core::Mismatch;
 use articula_flat::planar::PlanarError;
 use articula_flat::portrait::PortraitError;
 use articula_formats::ReadError;
+use articula_stream::StreamError;
 use std::fmt::Display;
 use thiserror::Error;
 
@@ -22,6 +23,9 @@ pub enum Error {
     /// The bytes are malformed, use what is not read, ask for too much, or lack a neighbour.
     #[error(transparent)]
     Read(#[from] ReadError),
+    /// A stream of mesh levels is malformed, of a form that is not read, or asks for too much.
+    #[error(transparent)]
+    Stream(#[from] StreamError),
     /// Values were paired that do not fit.
     #[error(transparent)]
     Mismatch(#[from] Mismatch),

@@ -34,6 +34,7 @@ mod camera_path;
 pub mod convert;
 pub mod crowd;
 mod error;
+pub mod evaluate;
 mod facing;
 mod figure;
 pub mod flatten;

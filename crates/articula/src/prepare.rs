@@ -56,11 +56,12 @@ pub fn prepare(opened: Opened, options: &PrepareOptions, work: &Work<'_>) -> Res
     let mut levels = None;
     if let Some(wanted) = &options.mesh_levels {
         let figure = Figure::new(opened)?;
-        let mut document = gltf.document.clone();
-        let made = mesh_levels::add(&figure, &gltf, &mut document, wanted, work);
-        levels = Some(made.with_context(|| &name)?);
+        let made = mesh_levels::add(&figure, &mut gltf, wanted, work).with_context(|| &name)?;
+        opened = figure.opened;
         // Tables are bound to the order of the vertices, which is new.
-        (opened, gltf) = reread(figure.opened, &document).with_context(|| &name)?;
+        let character = made.levels.character(&opened.character);
+        opened.character = character.with_context(|| &name)?;
+        levels = Some(made);
     }
     let figure = Figure::new(opened)?;
     let maker = TableMaker::new(&figure.asset, options.seed);

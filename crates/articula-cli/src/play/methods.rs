@@ -2,13 +2,14 @@
 
 use crate::fault;
 use anyhow::Context;
+use articula::evaluate::NamedMethod;
 use articula_build::evaluate::ThresholdCurve;
 use articula_build::evaluate::{Direction, Radius};
 use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
 use articula_build::motion_error::ChainShare;
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::{self, Expression};
-use articula_core::{Complexity, DriftOptions, JointSet, Rig};
+use articula_core::{DriftOptions, JointSet, Rig};
 use clap::{Args, ValueEnum};
 
 use crate::arguments::{not_negative, positive};
@@ -177,88 +178,6 @@ fn share(text: &str) -> Result<f32, String> {
     number.ok_or_else(|| "expected a number from 0 to 1".into())
 }
 
-/// A method with the words that reports use for it.
-#[derive(Debug, Clone)]
-pub(crate) struct Chosen {
-    pub(crate) method: Method,
-    /// Form of the method, where it has several.
-    pub(crate) variant: Option<&'static str>,
-    /// Names of the levels of a fixed level of articulation, by its parameter.
-    pub(crate) levels: Vec<String>,
-}
-
-impl Chosen {
-    /// Method and variant as one name.
-    pub(crate) fn label(&self) -> String {
-        match self.variant {
-            Some(variant) => format!("{} {variant}", self.method.name()),
-            None => self.method.name().to_owned(),
-        }
-    }
-
-    fn plain(method: Method) -> Self {
-        Self {
-            method,
-            variant: None,
-            levels: Vec::new(),
-        }
-    }
-
-    fn skin_px(variant: SkinPxVariant) -> Self {
-        let name = match variant {
-            SkinPxVariant::Hold => "hold",
-            SkinPxVariant::View => "view",
-            SkinPxVariant::KeyPose => "key-pose",
-            SkinPxVariant::ClosedLoop => "closed-loop",
-            SkinPxVariant::Linear => "linear",
-        };
-        Self {
-            variant: Some(name),
-            ..Self::plain(Method::SkinPx(variant))
-        }
-    }
-
-    /// The named levels of articulation, from every joint to none.
-    fn ladder(rig: &Rig) -> Self {
-        let levels = Complexity::ALL.into_iter().rev();
-        let sets = levels.clone().map(|c| loa::complexity(rig, c));
-        Self {
-            method: Method::Loa(sets.collect()),
-            variant: None,
-            levels: levels.map(|c| format!("loa({})", c.name())).collect(),
-        }
-    }
-
-    /// One fixed set of joints.
-    fn fixed(name: &str, joints: JointSet) -> Self {
-        Self {
-            method: Method::Loa(vec![joints]),
-            variant: None,
-            levels: vec![name.to_owned()],
-        }
-    }
-}
-
-/// Every method, ours in all forms that show a single playback first.
-pub(crate) fn all(rig: &Rig) -> Vec<Chosen> {
-    let ours = [
-        SkinPxVariant::Hold,
-        SkinPxVariant::KeyPose,
-        SkinPxVariant::ClosedLoop,
-        SkinPxVariant::Linear,
-    ];
-    let others = [
-        Method::Thesis,
-        Method::Ahn,
-        Method::SkipHold,
-        Method::SkipLerp,
-    ];
-    let mut all: Vec<Chosen> = ours.into_iter().map(Chosen::skin_px).collect();
-    all.extend(others.into_iter().map(Chosen::plain));
-    all.push(Chosen::ladder(rig));
-    all
-}
-
 impl MethodArgs {
     /// The method asked for: a level of articulation asks for itself.
     pub(crate) fn method(&self) -> MethodName {
@@ -302,21 +221,21 @@ impl MethodArgs {
     }
 
     /// The methods to play.
-    pub(crate) fn chosen(&self, rig: &Rig) -> anyhow::Result<Vec<Chosen>> {
+    pub(crate) fn chosen(&self, rig: &Rig) -> anyhow::Result<Vec<NamedMethod>> {
         if self.loa.is_some() && !matches!(self.method(), MethodName::Loa | MethodName::All) {
             return Err(fault::usage(
                 "--loa chooses fixed joints; add --method loa (or --method all)",
             ));
         }
         Ok(vec![match self.method() {
-            MethodName::SkinPx => Chosen::skin_px(self.variant().of_metric()),
-            MethodName::Thesis => Chosen::plain(Method::Thesis),
-            MethodName::Ahn => Chosen::plain(Method::Ahn),
-            MethodName::SkipHold => Chosen::plain(Method::SkipHold),
-            MethodName::SkipLerp => Chosen::plain(Method::SkipLerp),
+            MethodName::SkinPx => Method::SkinPx(self.variant().of_metric()).into(),
+            MethodName::Thesis => Method::Thesis.into(),
+            MethodName::Ahn => Method::Ahn.into(),
+            MethodName::SkipHold => Method::SkipHold.into(),
+            MethodName::SkipLerp => Method::SkipLerp.into(),
             MethodName::Loa => self.level(rig)?,
             MethodName::All => {
-                let mut all = all(rig);
+                let mut all = NamedMethod::all(rig);
                 all.pop();
                 all.push(self.level(rig)?);
                 return Ok(all);
@@ -324,14 +243,14 @@ impl MethodArgs {
         }])
     }
 
-    fn level(&self, rig: &Rig) -> anyhow::Result<Chosen> {
+    fn level(&self, rig: &Rig) -> anyhow::Result<NamedMethod> {
         match &self.loa {
             Some(text) if self.close_up => {
                 let set = loa::with_ancestors(rig, &joints(text, rig)?);
-                Ok(Chosen::fixed(&format!("{text}, close up"), set))
+                Ok(NamedMethod::fixed(&format!("{text}, close up"), set))
             }
-            Some(text) => Ok(Chosen::fixed(text, joints(text, rig)?)),
-            None => Ok(Chosen::ladder(rig)),
+            Some(text) => Ok(NamedMethod::fixed(text, joints(text, rig)?)),
+            None => Ok(NamedMethod::complexity_levels(rig)),
         }
     }
 

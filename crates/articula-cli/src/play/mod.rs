@@ -1,44 +1,27 @@
 //! A clip played under motion level of detail: what `lod` and `demo` have in common.
 //!
-//! - [`camera_path`]: the same before a moving camera
 //! - [`methods`]: which method, with which parameters
-//! - [`saved`]: what a level leaves of the stored animation
-//! - [`rows`]: gain and error over distance
-//! - [`costs`]: what each zone, depth and level of complexity costs
-//! - [`plots`]: the same as curves and bars
-//! - [`artist`], [`sheet`]: the same as pictures
+//! - [`drawn`]: what was played as pictures and curves
 
-pub(crate) mod artist;
-pub(crate) mod camera_path;
-pub(crate) mod costs;
+pub(crate) mod drawn;
 pub(crate) mod methods;
-pub(crate) mod plots;
-pub(crate) mod rows;
-pub(crate) mod sheet;
 
-use articula::Figure;
-use articula_build::evaluate::{MethodOptions, Setup, Stage};
+use crate::files;
+use anyhow::Context;
+use articula_build::evaluate::CameraKey;
+use articula_formats::Limits;
+use std::path::Path;
+use std::time::Instant;
 
-/// What is played: a clip of a character, before these viewers.
-#[derive(Debug, Clone)]
-pub(crate) struct Scene<'a> {
-    pub(crate) figure: &'a Figure,
-    /// Index of the clip.
-    pub(crate) clip: usize,
-    pub(crate) setup: Setup,
-    pub(crate) options: MethodOptions,
+/// Reads the key frames of a camera path, a JSON list.
+pub(crate) fn read_camera_path(path: &Path, display_hz: f64) -> anyhow::Result<Vec<CameraKey>> {
+    let bytes = files::read(path, Limits::default().bytes)?;
+    articula::read_camera_path(&bytes, display_hz).with_context(|| files::shown(path))
 }
 
-impl Scene<'_> {
-    /// Works out the truth of the clip; one for each thread.
-    pub(crate) fn stage(&self) -> Stage<'_> {
-        let asset = &self.figure.asset;
-        let clip = &asset.clips[self.clip];
-        Stage::new(asset, clip, self.setup.clone(), self.options)
-    }
-
-    /// Pixels that a metre spans at a distance.
-    pub(crate) fn pixels_per_metre(&self, distance_m: f32) -> f32 {
-        self.setup.viewport.pixels_per_metre(distance_m)
-    }
+/// Runs something once; how long it took by the clock.
+pub(crate) fn nanoseconds(run: &mut dyn FnMut()) -> f64 {
+    let start = Instant::now();
+    run();
+    start.elapsed().as_nanos() as f64
 }

@@ -5,11 +5,10 @@
 use super::{CLIPS, DISTANCES_M, Run, pose_keys};
 use crate::data;
 use anyhow::{Context, Result};
+use articula::evaluate::{self, Tuning};
 use articula_build::Asset;
 use articula_build::evaluate::Direction;
-use articula_build::evaluate::{
-    Method, MethodOptions, Row, Setup, SkinPxVariant, Stage, calibrate, sweep,
-};
+use articula_build::evaluate::{Method, MethodOptions, Row, Setup, SkinPxVariant, Stage};
 use articula_core::Complexity;
 use articula_core::loa::complexity;
 use std::fmt::Write as _;
@@ -138,13 +137,8 @@ pub(crate) fn measure(
             .find(|c| c.name == *name)
             .with_context(|| format!("no clip \"{name}\""))?;
         let stage = Stage::new(asset, clip, Setup::default(), entry.options);
-        let swept = sweep(&stage, &entry.method);
-        let at = |d: &f32| {
-            let trial = calibrate(&stage, &swept, *d, limit_px)?;
-            Some(stage.row(trial, *d))
-        };
-        let found: Option<Vec<Row>> = DISTANCES_M.iter().map(at).collect();
-        rows.push(found.context("a method without any parameter")?);
+        let tuning = Tuning::Calibrated(limit_px);
+        rows.push(evaluate::rows(&stage, &entry.method, &DISTANCES_M, tuning));
     }
     Ok(Measured {
         title: entry.title,

@@ -6,9 +6,10 @@
 use super::{CLIPS, DISTANCES_M, Run};
 use crate::data;
 use anyhow::{Context, Result};
+use articula::evaluate::{self, Tuning};
 use articula_build::Asset;
 use articula_build::evaluate::ThesisOptions;
-use articula_build::evaluate::{Method, MethodOptions, Row, Setup, Stage, play};
+use articula_build::evaluate::{Method, MethodOptions, Row, Setup, Stage};
 use articula_build::evaluate::{Threshold, ThresholdCurve};
 use std::fmt::Write as _;
 
@@ -88,13 +89,8 @@ fn play_clip(asset: &Asset, name: &str, threshold: Threshold, beta: f32) -> Resu
         ..MethodOptions::default()
     };
     let stage = Stage::new(asset, clip, Setup::default(), options);
-    Ok(DISTANCES_M
-        .iter()
-        .map(|d| {
-            let parameter = stage.usual_parameter(&Method::Thesis, *d);
-            stage.row(play(&stage, &Method::Thesis, parameter).0, *d)
-        })
-        .collect())
+    let method = Method::Thesis;
+    Ok(evaluate::rows(&stage, &method, &DISTANCES_M, Tuning::Usual))
 }
 
 const HEAD: &str = "# The thesis' metric over distance, threshold and beta

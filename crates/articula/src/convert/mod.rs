@@ -5,6 +5,7 @@
 //!
 //! - `fit_clips`, `same_joints`, `morphs`: clips of one file on the joints and morph targets of
 //!   another's character
+//! - `fit_report`: how good they are there
 //! - `clip_edits`: clips trimmed, looped, kept in place, keyed at a rate, with fewer keys
 //! - `reduction`: clips in which a selection of joints moves
 //! - `written`, `body`, `khr_character`: the bytes of each format
@@ -12,6 +13,7 @@
 mod body;
 mod clip_edits;
 mod fit_clips;
+mod fit_report;
 mod khr_character;
 mod left_out;
 mod morphs;
@@ -28,6 +30,7 @@ pub use clip_edits::{
     RootMotionEdited, TrajectoryPlace, Trimmed,
 };
 pub use fit_clips::{AddClipsOptions, ClipFit, FittedClip, fit_clips};
+pub use fit_report::{EndError, FitClip, FitJoint, FitQuality, FitReport, JointShare, Slide};
 pub use left_out::{LeftOut, Written};
 pub use reduction::{
     AnimationSize, JointReduction, JointsHeld, JointsReduced, MovingJoints, hold_joints,

@@ -2,14 +2,21 @@
 //!
 //! The field names are a promise to scripts that read them as JSON (`docs/commands.md`).
 
+mod data;
 mod extent;
 mod human;
 mod mesh_levels;
 mod skeletons;
+mod stream;
 
+pub use data::{
+    DataClip, DataFindings, EncoderSettings, FaceUnits, FapGroup, FapParameter, FeaturePoint,
+    inspect_data,
+};
 pub use extent::Extent;
 pub use human::{Credits, Expression, Human, Kept, KhrCharacter, Morph, Pose, Rig, Term};
 pub use mesh_levels::{Level, Levels, MeshLevel};
+pub use stream::{StreamFindings, StreamLevel, inspect_stream};
 
 use crate::error::Result;
 use crate::figure::Figure;

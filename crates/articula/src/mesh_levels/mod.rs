@@ -31,8 +31,7 @@ pub struct CodedMeshLevels {
 /// Makes the levels of a figure, and puts them into its document.
 pub(crate) fn add(
     figure: &Figure,
-    gltf: &GltfSource,
-    document: &mut Document,
+    gltf: &mut GltfSource,
     wanted: &MeshLevelOptions,
     work: &Work<'_>,
 ) -> Result<CodedMeshLevels> {
@@ -50,14 +49,15 @@ pub(crate) fn add(
     work.step(WHAT, 1, 3)?;
     let stream = stream::coded(figure, &levels, &options.simplify.regions)?;
     work.step(WHAT, 2, 3)?;
-    store(document, figure, &levels, &gltf.node_of_mesh)?;
+    store(&mut gltf.document, figure, &levels, &gltf.node_of_mesh)?;
     if wanted.msft_lod {
         let rest = SkinPose::rest(asset).positions(asset);
         for (parts, node) in parts_of_meshes(figure).into_iter().zip(&gltf.node_of_mesh) {
             let parts = &asset.mesh.parts[parts];
             let vertices = parts.iter().flat_map(|p| &rest[p.vertices.clone()]);
             let nodes = LevelNodes::new(radius_metres(vertices));
-            document.add_level_nodes(*node, &levels.table, &nodes)?;
+            gltf.document
+                .add_level_nodes(*node, &levels.table, &nodes)?;
         }
     }
     work.step(WHAT, 3, 3)?;

@@ -1,13 +1,13 @@
 //! What a conversion says of itself, for programs and for people.
 
 use super::hygiene;
-use super::onto::Motion;
+use super::onto;
 use super::plan::Job;
 use super::reduction::Reduction;
 use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
-use articula::convert::{ClipEdited, LeftOut};
+use articula::convert::{ClipEdited, FitReport, LeftOut};
 use serde::Serialize;
 use std::path::Path;
 
@@ -46,7 +46,7 @@ pub(super) struct Onto {
     /// Clips of its own that it kept.
     pub(super) clips_kept: usize,
     /// One for each file that was read.
-    pub(super) motions: Vec<Motion>,
+    pub(super) motions: Vec<FitReport>,
 }
 
 /// A folder of files that were written.
@@ -199,20 +199,20 @@ impl Onto {
         ]);
         for motion in &self.motions {
             for clip in &motion.clips {
-                table.row(motion.row(clip));
+                table.row(onto::row(motion, clip));
             }
         }
         text.push_str(&table.text());
-        let mut last: Option<&Motion> = None;
+        let mut last: Option<&FitReport> = None;
         for motion in &self.motions {
-            if !map && last.is_none_or(|other| !motion.is_like(other)) {
-                text.push_str(&motion.joints_line());
+            if !map && last.is_none_or(|other| !onto::is_like(motion, other)) {
+                text.push_str(&onto::joints_line(motion));
             }
             last = Some(motion);
         }
         if map {
             for motion in &self.motions {
-                text.push_str(&motion.map());
+                text.push_str(&onto::map(motion));
             }
         }
         text

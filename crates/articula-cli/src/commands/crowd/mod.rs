@@ -8,7 +8,7 @@ use crate::crowd::picture;
 use crate::crowd::run::{self, Run};
 use crate::crowd::stage::{DISPLAY_HZ, Settings};
 use crate::open;
-use crate::play::camera_path;
+use crate::play::read_camera_path;
 use crate::{fault, files};
 use anyhow::Context;
 use articula::crowd::{
@@ -352,7 +352,7 @@ impl CrowdArgs {
             scene.viewport.fov_y_radians = fov_deg.to_radians();
         }
         if let Some(path) = &self.camera_path {
-            scene.camera = camera_path::read(path, DISPLAY_HZ)?;
+            scene.camera = read_camera_path(path, DISPLAY_HZ)?;
             scene.camera_loops = false;
         }
         Ok(scene)

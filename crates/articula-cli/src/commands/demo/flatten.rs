@@ -3,7 +3,7 @@
 use super::Folder;
 use crate::commands::flatten::report::{Made, Report};
 use crate::console::Console;
-use crate::play::Scene;
+use articula::evaluate::EvaluatedClip;
 use articula::flatten::{Framed, Shot, flatten};
 use articula_core::Viewport;
 use articula_flat::flatten::{PrepareOptions, Profile, Quality, Settings};
@@ -17,7 +17,7 @@ const SIDE: u32 = 360;
 /// The thesis' form first, then ours.
 pub(super) fn of(
     folder: &Folder,
-    scene: &Scene<'_>,
+    scene: &EvaluatedClip<'_>,
     console: &Console,
 ) -> anyhow::Result<Vec<Report>> {
     let shot = Shot {

@@ -2,9 +2,9 @@
 
 use super::Folder;
 use crate::commands::build::levels as report;
-use crate::play::Scene;
-use crate::play::artist::artist;
+use crate::play::drawn::artist;
 use anyhow::Context;
+use articula::evaluate::EvaluatedClip;
 use articula::{CodedMeshLevels, Figure};
 use articula_core::source;
 use articula_core::{Region, Wrap, sample};
@@ -34,7 +34,7 @@ impl MeshLevels {
 }
 
 /// Draws every level in a moment of the clip: the whole figure, its face and a hand.
-pub(super) fn draw(folder: &Folder, scene: &Scene<'_>) -> anyhow::Result<()> {
+pub(super) fn draw(folder: &Folder, scene: &EvaluatedClip<'_>) -> anyhow::Result<()> {
     let meshes = &scene.figure.opened.character.meshes;
     let count = meshes.iter().flat_map(|m| m.clustered.first());
     let count = count.map(|c| c.clusters.levels()).max().unwrap_or(0);
@@ -51,7 +51,7 @@ pub(super) fn draw(folder: &Folder, scene: &Scene<'_>) -> anyhow::Result<()> {
     folder.write("mesh-levels.png", &codec::png(&picture)?)
 }
 
-fn row(scene: &Scene<'_>, level: usize) -> anyhow::Result<Row> {
+fn row(scene: &EvaluatedClip<'_>, level: usize) -> anyhow::Result<Row> {
     let figure = at_level(scene.figure, level)?;
     let clip = &figure.asset.clips[scene.clip];
     let mut pose = figure.asset.rig.rest_pose().clone();

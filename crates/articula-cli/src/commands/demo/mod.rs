@@ -15,15 +15,15 @@ use crate::commands::human;
 use crate::commands::lod::DISTANCES_M;
 use crate::console::Console;
 use crate::open;
-use crate::play::methods::{self, Chosen};
-use crate::play::rows::{self, Table, Tuning};
-use crate::play::{Scene, costs, plots};
+use crate::play::{drawn, nanoseconds};
 use crate::{fault, files};
 use anyhow::Context;
+use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, Tuning};
 use articula::{Figure, MeshLevelOptions, PrepareOptions, prepare, stored_tables};
 use articula_build::evaluate::{MethodOptions, Setup};
 use articula_formats::gltf::Document;
 use articula_human::HumanOptions;
+use articula_report::{error_plot, gain_plot, updates_plot};
 use clap::Args;
 use mesh_levels::MeshLevels;
 use report::{ClipRows, Found, Level, Report};
@@ -59,12 +59,12 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     let figure = Figure::new(open::character(&asset, &ReadArgs::default())?)?;
     stored_tables(&figure)?;
     let scene = scene_of(&figure, CLIP)?;
-    let chosen = methods::all(&figure.asset.rig);
+    let chosen = NamedMethod::all(&figure.asset.rig);
     let tuning = Tuning::Calibrated(TARGET_PX);
-    let tables = rows::of(&scene, &chosen, &DISTANCES_M, tuning, console);
+    let tables = console.work(|work| scene.tables(&chosen, &DISTANCES_M, tuning, work))?;
     let clips = over_clips(&figure, &chosen, console)?;
     let levels = levels_of(&figure);
-    let costs = costs::of(&scene);
+    let costs = Costs::new(&scene.stage(), &nanoseconds);
     draw(&folder, &scene, &tables, console)?;
     plot(&folder, &scene, &tables, &costs)?;
     mesh_levels::draw(&folder, &scene)?;
@@ -123,9 +123,9 @@ fn make_asset(folder: &Folder, console: &Console) -> anyhow::Result<(PathBuf, Me
     ))
 }
 
-fn scene_of<'a>(figure: &'a Figure, clip: &str) -> anyhow::Result<Scene<'a>> {
+fn scene_of<'a>(figure: &'a Figure, clip: &str) -> anyhow::Result<EvaluatedClip<'a>> {
     let clip = figure.clip(Some(clip))?;
-    Ok(Scene {
+    Ok(EvaluatedClip {
         figure,
         clip: clip.unwrap_or(0),
         setup: Setup::default(),
@@ -136,7 +136,7 @@ fn scene_of<'a>(figure: &'a Figure, clip: &str) -> anyhow::Result<Scene<'a>> {
 /// Our metric on every clip of the character.
 fn over_clips(
     figure: &Figure,
-    chosen: &[Chosen],
+    chosen: &[NamedMethod],
     console: &Console,
 ) -> anyhow::Result<Vec<ClipRows>> {
     let ours = &chosen[..1];
@@ -144,7 +144,7 @@ fn over_clips(
     for clip in &figure.asset.clips {
         let scene = scene_of(figure, &clip.name)?;
         let tuning = Tuning::Calibrated(TARGET_PX);
-        let tables = rows::of(&scene, ours, &DISTANCES_M, tuning, console);
+        let tables = console.work(|work| scene.tables(ours, &DISTANCES_M, tuning, work))?;
         all.push(ClipRows {
             clip: clip.name.clone(),
             rows: tables.into_iter().flat_map(|t| t.rows).collect(),
@@ -166,8 +166,8 @@ fn levels_of(figure: &Figure) -> Vec<Level> {
 
 fn draw(
     folder: &Folder,
-    scene: &Scene<'_>,
-    tables: &[Table],
+    scene: &EvaluatedClip<'_>,
+    tables: &[MethodTable],
     console: &Console,
 ) -> anyhow::Result<()> {
     let bar = console.progress("drawing", 4);
@@ -187,23 +187,21 @@ fn draw(
 
 fn plot(
     folder: &Folder,
-    scene: &Scene<'_>,
-    tables: &[Table],
-    costs: &costs::Costs,
+    scene: &EvaluatedClip<'_>,
+    tables: &[MethodTable],
+    costs: &Costs,
 ) -> anyhow::Result<()> {
     let clip = &scene.figure.asset.clips[scene.clip].name;
     let heading = format!("clip {clip}, calibrated to {TARGET_PX} px");
+    let over_the_clip = drawn::lines_by_method(tables, MIDDLE);
+    let at = format!("clip {clip}, {} m", DISTANCES_M[MIDDLE]);
+    let errors = drawn::series(tables, |r| r.error_px.p95);
     let mut all = vec![
-        plots::gain(tables, &heading),
-        plots::error(tables, &heading, Some(TARGET_PX)),
-        plots::over_the_clip(
-            scene,
-            tables,
-            MIDDLE,
-            &format!("clip {clip}, {} m", DISTANCES_M[MIDDLE]),
-        ),
+        gain_plot(&drawn::series(tables, |r| r.joint_update_gain), &heading),
+        error_plot(&errors, &heading, Some(TARGET_PX)),
+        updates_plot(&scene.stage(), &over_the_clip, &at),
     ];
-    all.extend(plots::costs(costs, &format!("clip {clip}")));
+    all.extend(drawn::cost_plots(costs, &format!("clip {clip}")));
     for plot in all {
         folder.write(plot.name, plot.svg.as_bytes())?;
     }

@@ -1,7 +1,7 @@
 //! The page of the demo: plain HTML beside its files, readable in light, dark and on a phone.
 
 use super::report::{MethodRows, Report};
-use crate::play::rows::Row;
+use articula::evaluate::MethodRow;
 use articula_flat::escaped;
 use std::fmt::Write;
 
@@ -94,7 +94,7 @@ fn character(report: &Report) -> String {
 
 fn distances(report: &Report) -> String {
     let limit = report.target_px;
-    let clips: Vec<(&str, &[Row])> = report
+    let clips: Vec<(&str, &[MethodRow])> = report
         .clips
         .iter()
         .map(|c| (c.clip.as_str(), c.rows.as_slice()))
@@ -122,7 +122,7 @@ fn distances(report: &Report) -> String {
 }
 
 fn methods(report: &Report) -> String {
-    let rows: Vec<(&str, &[Row])> = report
+    let rows: Vec<(&str, &[MethodRow])> = report
         .methods
         .iter()
         .map(|m: &MethodRows| (m.label.as_str(), m.rows.as_slice()))
@@ -408,7 +408,7 @@ fn footer(report: &Report) -> String {
 }
 
 /// Gain by distance, one line for each name.
-fn table(caption: &str, what: &str, lines: &[(&str, &[Row])]) -> String {
+fn table(caption: &str, what: &str, lines: &[(&str, &[MethodRow])]) -> String {
     let mut head = format!("<th scope=\"col\">{what}</th>");
     for row in lines.first().map_or(&[][..], |l| l.1) {
         let _ = write!(head, "<th scope=\"col\">{} m</th>", row.distance_m);

@@ -1,22 +1,20 @@
 //! The pictures of the demo.
 
 use super::MIDDLE;
-use crate::play::Scene;
-use crate::play::artist::artist;
-use crate::play::rows::Table;
-use crate::play::sheet::{self, Format, Line};
+use crate::play::drawn::{self, artist};
 use anyhow::Context;
+use articula::evaluate::{EvaluatedClip, MethodTable};
 use articula_build::evaluate::Method;
 use articula_core::Region;
 use articula_flat::Picture;
-use articula_report::{Cell, ContactSheet, Row as SheetRow};
+use articula_report::{Cell, ContactSheet, MotionLine, Row};
 use std::f32::consts::FRAC_PI_2;
 
 /// Draws one picture of what was played.
-pub(super) type Draw = fn(&Scene<'_>, &[Table]) -> anyhow::Result<Picture>;
+pub(super) type Draw = fn(&EvaluatedClip<'_>, &[MethodTable]) -> anyhow::Result<Picture>;
 
 /// The character at rest: from three sides, the face and a hand.
-pub(super) fn character(scene: &Scene<'_>, _: &[Table]) -> anyhow::Result<Picture> {
+pub(super) fn character(scene: &EvaluatedClip<'_>, _: &[MethodTable]) -> anyhow::Result<Picture> {
     let rest = scene.figure.asset.rig.rest_pose();
     let morphs = scene.figure.asset.mesh.morph_weights.clone();
     let mut artist = artist(scene.figure, (196, 300));
@@ -37,7 +35,7 @@ pub(super) fn character(scene: &Scene<'_>, _: &[Table]) -> anyhow::Result<Pictur
     let cell = |(caption, picture): (&str, Picture)| Cell::of(picture, caption);
     let sheet = ContactSheet {
         title: "The reference human at rest".into(),
-        rows: vec![SheetRow {
+        rows: vec![Row {
             label: String::new(),
             cells: tiles.into_iter().map(cell).collect(),
         }],
@@ -47,57 +45,42 @@ pub(super) fn character(scene: &Scene<'_>, _: &[Table]) -> anyhow::Result<Pictur
 }
 
 /// Our metric at every distance.
-pub(super) fn distances(scene: &Scene<'_>, tables: &[Table]) -> anyhow::Result<Picture> {
+pub(super) fn distances(
+    scene: &EvaluatedClip<'_>,
+    tables: &[MethodTable],
+) -> anyhow::Result<Picture> {
     let table = tables.first().context("no method was played")?;
-    let lines = sheet::lines_by_distance(table);
-    sheet::played(
-        scene,
-        &lines,
-        Format::SMALL,
-        "Our metric (hold) at every distance",
-        Vec::new(),
-    )
+    let lines = drawn::lines_by_distance(table);
+    let title = "Our metric (hold) at every distance";
+    Ok(drawn::small_sheet(scene, &lines, title)?)
 }
 
 /// Every method at one distance.
-pub(super) fn methods(scene: &Scene<'_>, tables: &[Table]) -> anyhow::Result<Picture> {
-    let lines = sheet::lines_by_method(tables, MIDDLE);
-    sheet::played(
-        scene,
-        &lines,
-        Format::SMALL,
-        "Every method at one distance",
-        Vec::new(),
-    )
+pub(super) fn methods(
+    scene: &EvaluatedClip<'_>,
+    tables: &[MethodTable],
+) -> anyhow::Result<Picture> {
+    let lines = drawn::lines_by_method(tables, MIDDLE);
+    let title = "Every method at one distance";
+    Ok(drawn::small_sheet(scene, &lines, title)?)
 }
 
 /// The levels of articulation, whatever their error.
-pub(super) fn levels(scene: &Scene<'_>, tables: &[Table]) -> anyhow::Result<Picture> {
+pub(super) fn levels(scene: &EvaluatedClip<'_>, tables: &[MethodTable]) -> anyhow::Result<Picture> {
     let ladder = tables
         .iter()
-        .find(|t| matches!(t.chosen.method, Method::Loa(_)))
+        .find(|t| matches!(t.method.method, Method::Loa(_)))
         .context("no level of articulation was played")?;
     let row = ladder.rows.get(MIDDLE).context("no distance was played")?;
-    let lines = ladder
-        .chosen
-        .levels
-        .iter()
-        .enumerate()
-        .map(|(i, level)| Line {
-            label: level
-                .trim_start_matches("loa(")
-                .trim_end_matches(')')
-                .to_owned(),
-            chosen: &ladder.chosen,
+    let line = |(i, level): (usize, &String)| {
+        let label = level.trim_start_matches("loa(").trim_end_matches(')');
+        MotionLine {
+            label: label.to_owned(),
+            method: &ladder.method.method,
             parameter: i as f32,
             distance_m: row.distance_m,
-        });
-    let lines: Vec<Line<'_>> = lines.collect();
-    sheet::played(
-        scene,
-        &lines,
-        Format::SMALL,
-        "Levels of articulation",
-        Vec::new(),
-    )
+        }
+    };
+    let lines: Vec<_> = ladder.method.levels.iter().enumerate().map(line).collect();
+    Ok(drawn::small_sheet(scene, &lines, "Levels of articulation")?)
 }

@@ -5,10 +5,9 @@ use super::mesh_levels::MeshLevels;
 use super::{Folder, MIDDLE, TARGET_PX};
 use crate::commands::flatten::report as flatten;
 use crate::files;
-use crate::play::costs::Costs;
-use crate::play::rows::{Row, Table};
 use articula::Figure;
 use articula::convert::{AnimationSize, hold_joints};
+use articula::evaluate::{Costs, MethodRow, MethodTable};
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa;
 use articula_core::source;
@@ -62,14 +61,14 @@ pub(super) struct Human {
 #[derive(Debug, Serialize)]
 pub(super) struct MethodRows {
     pub(super) label: String,
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<MethodRow>,
 }
 
 /// One clip over distance.
 #[derive(Debug, Serialize)]
 pub(super) struct ClipRows {
     pub(super) clip: String,
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<MethodRow>,
 }
 
 /// One level of articulation of all clips, passive joints in their key pose.
@@ -98,7 +97,12 @@ impl Level {
 
 impl Report {
     /// Gathers what was found.
-    pub(super) fn new(folder: &Folder, figure: &Figure, tables: &[Table], found: Found) -> Self {
+    pub(super) fn new(
+        folder: &Folder,
+        figure: &Figure,
+        tables: &[MethodTable],
+        found: Found,
+    ) -> Self {
         let asset = &figure.asset;
         let clip = asset.clips.iter().find(|c| c.name == super::CLIP);
         let moving = clip.map(|c| articula_build::motion_error::moving_joints(asset, c));
@@ -118,7 +122,7 @@ impl Report {
             methods: tables
                 .iter()
                 .map(|t| MethodRows {
-                    label: t.chosen.label(),
+                    label: t.method.label(),
                     rows: t.rows.clone(),
                 })
                 .collect(),
@@ -132,7 +136,7 @@ impl Report {
     }
 
     /// The row of a method at the distance that pictures of all methods show.
-    pub(super) fn middle(&self, label: &str) -> Option<&Row> {
+    pub(super) fn middle(&self, label: &str) -> Option<&MethodRow> {
         let method = self.methods.iter().find(|m| m.label == label)?;
         method.rows.get(MIDDLE)
     }

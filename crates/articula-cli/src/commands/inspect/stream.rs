@@ -6,44 +6,12 @@ use crate::arguments::CharacterArgs;
 use crate::console::Console;
 use crate::table::Table;
 use crate::{fault, files};
-use anyhow::Context;
+use articula::inspect::{StreamFindings, inspect_stream};
 use articula_stream::StreamLimits;
-use articula_stream::mesh::{MeshStream, Receiver};
-use serde::Serialize;
 use std::path::Path;
 
 /// The extension of such files.
 const EXTENSION: &str = "ams";
-
-/// What was found.
-#[derive(Debug, Serialize)]
-struct Findings {
-    file: String,
-    format: &'static str,
-    bytes: usize,
-    /// Bytes of the head, which comes first.
-    bytes_head: usize,
-    /// Parts with chunks of their own.
-    objects: usize,
-    /// Zones that may be at a level of their own.
-    regions: Vec<String>,
-    /// The finest first.
-    levels: Vec<Level>,
-}
-
-#[derive(Debug, Serialize)]
-struct Level {
-    /// Its number in the whole character: 0 is the finest.
-    level: usize,
-    triangles: u64,
-    vertices: u64,
-    error_rest_m: Option<f32>,
-    error_motion_m: Option<f32>,
-    /// Bytes of its chunks.
-    bytes_added: usize,
-    /// Whether the file has all of them.
-    complete: bool,
-}
 
 /// Whether a file is called as streams are.
 pub(super) fn is_one(path: &Path) -> bool {
@@ -59,41 +27,11 @@ pub(super) fn run(args: &CharacterArgs, console: &Console) -> anyhow::Result<()>
     }
     let limits = StreamLimits::default();
     let bytes = files::read(&args.file, limits.bytes)?;
-    let place = || files::shown(&args.file);
-    let received = Receiver::read(&bytes, &limits).with_context(place)?;
-    let stream = received.stream();
-    let findings = Findings {
-        file: place(),
-        format: EXTENSION,
-        bytes: bytes.len(),
-        bytes_head: stream.head_bytes(),
-        objects: stream.objects.len(),
-        regions: stream.levels.regions.clone(),
-        levels: levels(stream, &received),
-    };
+    let findings = inspect_stream(&bytes, &files::shown(&args.file), &limits)?;
     console.result(&findings, text)
 }
 
-fn levels(stream: &MeshStream, received: &Receiver) -> Vec<Level> {
-    let finite = |metres: f32| metres.is_finite().then_some(metres);
-    let objects = || 0..stream.objects.len();
-    let rows = stream.levels.levels.iter().enumerate();
-    let level = |(l, row): (usize, &articula_core::LevelRow)| Level {
-        level: stream.finest_level + l,
-        triangles: row.triangles,
-        vertices: row.vertices,
-        error_rest_m: finite(row.rest.max_metres),
-        error_motion_m: finite(row.motion.max_metres),
-        bytes_added: objects()
-            .filter_map(|o| stream.chunk(l, o))
-            .map(|chunk| chunk.len())
-            .sum(),
-        complete: objects().all(|o| received.finest_level(o).is_some_and(|there| there <= l)),
-    };
-    rows.map(level).collect()
-}
-
-fn text(found: &Findings) -> String {
+fn text(found: &StreamFindings) -> String {
     let mut text = head_line(&found.file, found.format, found.bytes, "");
     text.push_str(&format!(
         "{} parts, a head of {} bytes\n",

@@ -6,15 +6,16 @@ mod report;
 use crate::arguments::{CharacterArgs, ViewArgs, not_negative, positive};
 use crate::console::Console;
 use crate::open;
-use crate::play::methods::{Chosen, MethodArgs};
-use crate::play::rows::{self, Table, Tuning};
-use crate::play::{Scene, costs, plots, sheet};
+use crate::play::methods::MethodArgs;
+use crate::play::{drawn, nanoseconds};
 use crate::{fault, files};
 use anyhow::Context;
 use articula::Figure;
+use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, Tuning};
 use articula::{StoredTables, stored_tables};
 use articula_build::evaluate::{Method, Setup};
 use articula_flat::{Picture, codec};
+use articula_report::{error_plot, gain_plot, motion_sheet, rest_sheet, stacked, updates_plot};
 use clap::Args;
 use report::Report;
 use std::path::{Path, PathBuf};
@@ -83,7 +84,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
         let what = format!("{frames} frames, the limit is {MOST_FRAMES}; trim the clip");
         anyhow::bail!("{}: clip \"{name}\": {what}", figure.opened.name.clone());
     }
-    let scene = Scene {
+    let scene = EvaluatedClip {
         clip,
         setup: args.setup(),
         options: args.method.options(),
@@ -95,7 +96,8 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     let methods = args.method.chosen(&figure.asset.rig);
     let methods = methods.with_context(|| figure.opened.name.clone())?;
     args.check_parameter(&methods)?;
-    let tables = rows::of(&scene, &methods, &args.distances, args.tuning(), console);
+    let tables =
+        console.work(|work| scene.tables(&methods, &args.distances, args.tuning(), work))?;
     let mut report = Report::new(&scene, args, &tables);
     report.motion_tables = stored.get(clip).copied();
     if let Some(path) = &args.plot {
@@ -143,7 +145,7 @@ impl LodArgs {
     }
 
     /// A number that counts frames or levels is whole and within their range.
-    fn check_parameter(&self, methods: &[Chosen]) -> anyhow::Result<()> {
+    fn check_parameter(&self, methods: &[NamedMethod]) -> anyhow::Result<()> {
         let (Some(parameter), [chosen]) = (self.parameter, methods) else {
             return Ok(());
         };
@@ -203,7 +205,9 @@ fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result
         anyhow::bail!("{}: {what}", figure.opened.name.clone());
     }
     if let Some(path) = &args.contact_sheet {
-        let sheet = sheet::at_rest(figure, &report.heading())?;
+        let mut artist = drawn::artist(figure, drawn::LARGE);
+        let sheet = rest_sheet(&figure.asset, &mut artist, &report.heading());
+        let sheet = sheet.context("the contact sheet")?;
         report.written.push(write_png(&sheet, path)?);
     }
     console.result(&report, Report::text)
@@ -211,41 +215,43 @@ fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result
 
 /// By distance for one method; by method at the middle distance for several.
 fn draw_sheet(
-    scene: &Scene<'_>,
-    tables: &[Table],
+    scene: &EvaluatedClip<'_>,
+    tables: &[MethodTable],
     title: &str,
     mut notes: Vec<String>,
 ) -> anyhow::Result<Picture> {
     let lines = match tables {
-        [table] => sheet::lines_by_distance(table),
+        [table] => drawn::lines_by_distance(table),
         _ => {
             let middle = tables.first().map_or(0, |t| (t.rows.len() - 1) / 2);
             let row = tables.first().and_then(|t| t.rows.get(middle));
             notes.extend(row.map(|r| format!("All methods at {} m.", r.distance_m)));
-            sheet::lines_by_method(tables, middle)
+            drawn::lines_by_method(tables, middle)
         }
     };
-    sheet::played(scene, &lines, sheet::Format::LARGE, title, notes)
+    let mut artist = drawn::artist(scene.figure, drawn::LARGE);
+    motion_sheet(&scene.stage(), &mut artist, &lines, 4, title, notes).context("the contact sheet")
 }
 
 /// A file gets gain and error over distance; a folder everything, costs too.
 fn write_plots(
-    scene: &Scene<'_>,
-    tables: &[Table],
+    scene: &EvaluatedClip<'_>,
+    tables: &[MethodTable],
     path: &Path,
     report: &mut Report,
 ) -> anyhow::Result<()> {
     let clip = &scene.figure.asset.clips[scene.clip].name;
     let heading = format!("clip {clip}");
+    let errors = drawn::series(tables, |r| r.error_px.p95);
     let mut all = vec![
-        plots::gain(tables, &heading),
-        plots::error(tables, &heading, report.calibrate_px),
+        gain_plot(&drawn::series(tables, |r| r.joint_update_gain), &heading),
+        error_plot(&errors, &heading, report.calibrate_px),
     ];
     if path
         .extension()
         .is_some_and(|e| e.eq_ignore_ascii_case("svg"))
     {
-        files::write(path, articula_report::stacked(&all).as_bytes())?;
+        files::write(path, stacked(&all).as_bytes())?;
         report.written.push(files::shown(path));
         return Ok(());
     }
@@ -253,9 +259,10 @@ fn write_plots(
     let middle = rows.len().saturating_sub(1) / 2;
     let distance = rows.get(middle).map_or(0.0, |r| r.distance_m);
     let at = format!("{heading}, {distance} m");
-    all.push(plots::over_the_clip(scene, tables, middle, &at));
-    let costs = costs::of(scene);
-    all.extend(plots::costs(&costs, &heading));
+    let (stage, lines) = (scene.stage(), drawn::lines_by_method(tables, middle));
+    all.push(updates_plot(&stage, &lines, &at));
+    let costs = Costs::new(&stage, &nanoseconds);
+    all.extend(drawn::cost_plots(&costs, &heading));
     report.costs = Some(costs);
     for plot in all {
         let file = path.join(plot.name);

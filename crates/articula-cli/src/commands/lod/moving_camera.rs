@@ -4,44 +4,50 @@ use super::report::Report;
 use super::{LodArgs, write_png};
 use crate::console::Console;
 use crate::files;
-use crate::play::camera_path::{self, CameraPath};
-use crate::play::{Scene, sheet};
+use crate::play::{drawn, read_camera_path};
 use anyhow::Context;
-use articula_report::{Plot, stacked};
+use articula::evaluate::{CameraPath, EvaluatedClip};
+use articula_report::{Plot, camera_path_sheet, path_plots, stacked};
 use std::path::Path;
 
 /// Plays the clip along the path and prints the report.
 pub(super) fn run(
     args: &LodArgs,
-    scene: &Scene<'_>,
+    scene: &EvaluatedClip<'_>,
     path: &Path,
     console: &Console,
 ) -> anyhow::Result<()> {
     let display_hz = f64::from(args.display_hz);
     let path = CameraPath {
-        keys: camera_path::read(path, display_hz)?,
+        keys: read_camera_path(path, display_hz)?,
         display_hz,
         options: args.method.drift(args.parameter.unwrap_or(1.0))?,
     };
     let stage = scene.stage();
     let bar = console.progress("moving the camera", 1);
     let place = || scene.figure.opened.name.clone();
-    let (run, options) = camera_path::run(&stage, &path, args.calibrate).with_context(place)?;
+    let played = path.play(&stage, args.calibrate).with_context(place)?;
     bar.finish_and_clear();
-    let (row, found) = camera_path::report(&stage, &path, &run, &options, args.calibrate);
     let mut report = Report::new(scene, args, &[]);
-    report.rows.push(row);
-    report.camera_path = Some(found);
+    report.rows.push(played.row);
     if let Some(target) = &args.plot {
         let clip = &scene.figure.asset.clips[scene.clip].name;
-        let plots = camera_path::plots(&run, options.bound_px(), &format!("clip {clip}"));
+        let plots = path_plots(
+            &played.run,
+            played.summary.bound_px,
+            &format!("clip {clip}"),
+        );
         report.written.extend(write(&plots, target)?);
     }
     if let Some(target) = &args.contact_sheet {
         let notes = vec!["From where the camera stood; the opening follows the figure. Error: p95 over the skin.".into()];
-        let picture = sheet::along_a_path(scene, &run, &report.heading(), notes)?;
+        let mut artist = drawn::artist(scene.figure, drawn::LARGE);
+        let heading = report.heading();
+        let picture = camera_path_sheet(&stage, &mut artist, &played.run, &heading, notes);
+        let picture = picture.context("the contact sheet")?;
         report.written.push(write_png(&picture, target)?);
     }
+    report.camera_path = Some(played.summary);
     console.result(&report, Report::text)
 }
 

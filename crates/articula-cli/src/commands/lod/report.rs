@@ -3,13 +3,10 @@
 use super::LodArgs;
 use crate::fault::clean;
 use crate::open;
-use crate::play::Scene;
-use crate::play::camera_path::PathReport;
-use crate::play::costs::Costs;
-use crate::play::rows::{Row, Table};
-use crate::table::Table as Text;
+use crate::table::Table;
 use articula::Figure;
 use articula::StoredTables;
+use articula::evaluate::{Costs, EvaluatedClip, MethodRow, MethodTable, PathSummary};
 use clap::ValueEnum;
 use serde::Serialize;
 
@@ -31,10 +28,10 @@ pub(super) struct Report {
     pub(super) azimuths_deg: Vec<f32>,
     pub(super) vertices_watched: usize,
     pub(super) seed: u64,
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<MethodRow>,
     /// What belongs to a moving camera alone.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(super) camera_path: Option<PathReport>,
+    pub(super) camera_path: Option<PathSummary>,
     /// Costs by zone, depth and complexity, where they are plotted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) costs: Option<Costs>,
@@ -47,7 +44,7 @@ pub(super) struct Report {
 
 impl Report {
     /// What was played and how it went.
-    pub(super) fn new(scene: &Scene<'_>, args: &LodArgs, tables: &[Table]) -> Self {
+    pub(super) fn new(scene: &EvaluatedClip<'_>, args: &LodArgs, tables: &[MethodTable]) -> Self {
         let asset = &scene.figure.asset;
         let clip = &asset.clips[scene.clip].at_key_rate();
         let moving = articula_build::motion_error::moving_joints(asset, clip);
@@ -175,8 +172,8 @@ impl Report {
         text
     }
 
-    fn rows(&self) -> Text {
-        let mut table = Text::new(&[
+    fn rows(&self) -> Table {
+        let mut table = Table::new(&[
             "method",
             "distance",
             "gain",

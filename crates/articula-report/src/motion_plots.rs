@@ -1,0 +1,160 @@
+//! Gain, error and cost as curves and bars (SVG).
+//!
+//! Source: thesis figures 6.14 and 6.15; `spec/motion-lod.md` 12.
+
+use crate::motion_sheet::MotionLine;
+use crate::plot::{BarSeries, Plot, PlotOptions, Scale, Series, Values, bar_plot, line_plot};
+use articula_build::evaluate::{PathFrame, PathRun, Stage, play};
+use articula_core::JointSet;
+
+/// Joint updates saved over distance.
+pub fn gain_plot(series: &[Series], heading: &str) -> Plot {
+    let options = PlotOptions {
+        title: format!("Joint updates saved, {heading}"),
+        x_label: "distance (m)".into(),
+        y_label: "joint updates saved".into(),
+        x: Scale::Logarithmic,
+        y: Values::Percent,
+        target: None,
+    };
+    Plot {
+        name: "gain.svg",
+        svg: line_plot(&options, series),
+    }
+}
+
+/// p95 error over distance; `limit_px` is drawn as a line.
+pub fn error_plot(series: &[Series], heading: &str, limit_px: Option<f32>) -> Plot {
+    let options = PlotOptions {
+        title: format!("Error in pixels (p95), {heading}"),
+        x_label: "distance (m)".into(),
+        y_label: "p95 error (px)".into(),
+        x: Scale::Logarithmic,
+        y: Values::Plain,
+        target: limit_px.map(|l| (f64::from(l), format!("target {l} px"))),
+    };
+    Plot {
+        name: "error.svg",
+        svg: line_plot(&options, series),
+    }
+}
+
+/// What tells the sets of joints of a cost plot apart.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CostBy {
+    /// Zone of the body.
+    Zone,
+    /// Depth in the tree of joints.
+    Depth,
+    /// Level of complexity.
+    Complexity,
+}
+
+/// Joints of each set, joints sampled and matrices changed a frame, side by side.
+pub fn cost_plot(by: CostBy, names: &[String], values: [Vec<f64>; 3], heading: &str) -> Plot {
+    let (name, by, x) = match by {
+        CostBy::Zone => ("cost-by-zone.svg", "zone", "zone"),
+        CostBy::Depth => ("cost-by-depth.svg", "depth", "joints of smaller depth"),
+        CostBy::Complexity => ("cost-by-complexity.svg", "level of complexity", "level"),
+    };
+    let options = PlotOptions {
+        title: format!("Cost by {by}, {heading}"),
+        x_label: x.into(),
+        y_label: "joints a frame".into(),
+        ..PlotOptions::default()
+    };
+    let names_of_bars = ["in the set", "sampled", "matrices changed"];
+    let bars = |(name, values): (&str, Vec<f64>)| BarSeries {
+        name: name.into(),
+        values,
+    };
+    let series: Vec<BarSeries> = names_of_bars.into_iter().zip(values).map(bars).collect();
+    Plot {
+        name,
+        svg: bar_plot(&options, names, &series),
+    }
+}
+
+/// Joints updated at each frame of the clip, for each method at its parameter.
+pub fn updates_plot(stage: &Stage<'_>, lines: &[MotionLine<'_>], heading: &str) -> Plot {
+    let rate = f64::from(stage.clip.rate_hz());
+    let line = |line: &MotionLine<'_>| {
+        let playback = play(stage, line.method, line.parameter)
+            .1
+            .into_iter()
+            .next();
+        let updated = playback.map_or(Vec::new(), |p| p.updated);
+        let point = |(frame, set): (usize, &JointSet)| (frame as f64 / rate, set.len() as f64);
+        Series {
+            name: line.label.clone(),
+            // Nothing is updated at the first frame: every method starts from the truth.
+            points: updated.iter().enumerate().skip(1).map(point).collect(),
+            dashed: line.method.name() != "skin-px",
+        }
+    };
+    let mut series: Vec<Series> = lines.iter().map(line).collect();
+    let last = (stage.clip.frames() - 1) as f64 / rate;
+    let moving = stage.moving.len() as f64;
+    series.push(Series {
+        name: "every moving joint".into(),
+        points: vec![(1.0 / rate, moving), (last.max(1.0 / rate), moving)],
+        dashed: true,
+    });
+    let options = PlotOptions {
+        title: format!("Joints updated over the clip, {heading}"),
+        x_label: "time in the clip (s)".into(),
+        y_label: "joints updated".into(),
+        ..PlotOptions::default()
+    };
+    Plot {
+        name: "over-the-clip.svg",
+        svg: line_plot(&options, &series),
+    }
+}
+
+/// Distance, joints updated and error over the time of a path; `bound_px` is what the error of one
+/// joint never exceeds.
+pub fn path_plots(run: &PathRun, bound_px: f32, heading: &str) -> Vec<Plot> {
+    let plot = |name, y: &str, target: Option<(f64, String)>, of: &dyn Fn(&PathFrame) -> f64| {
+        let options = PlotOptions {
+            title: format!("{y}, {heading}"),
+            x_label: "time (s)".into(),
+            y_label: y.into(),
+            target,
+            ..PlotOptions::default()
+        };
+        let series = Series {
+            points: run.frames.iter().skip(1).map(|f| (f.secs, of(f))).collect(),
+            ..Series::default()
+        };
+        Plot {
+            name,
+            svg: line_plot(&options, &[series]),
+        }
+    };
+    let bound = format!("bound of a joint {bound_px} px");
+    let bound = Some((f64::from(bound_px), bound));
+    vec![
+        plot(
+            "path-distance.svg",
+            "Distance to the root (m)",
+            None,
+            &|f| f64::from(f.distance_m),
+        ),
+        plot("path-updates.svg", "Joints updated", None, &|f| {
+            f.updated.len() as f64
+        }),
+        plot(
+            "path-joint-error.svg",
+            "Greatest joint error (px)",
+            bound,
+            &|f| f64::from(f.joint_error_px),
+        ),
+        plot(
+            "path-error.svg",
+            "Error of the skin (px, p95 over vertices)",
+            None,
+            &|f| f64::from(f.error_px),
+        ),
+    ]
+}

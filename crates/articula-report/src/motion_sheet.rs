@@ -1,0 +1,217 @@
+//! The character at several distances and frames, beside the reference: which joints move.
+//!
+//! Source: thesis figures 6.16 and 6.17. Each cell shows the clip as it is, and what the method
+//! shows, drawn large; the small figure in the corner has the true size on the screen.
+
+use crate::artist::{Artist, middles};
+use crate::contact_sheet::{Cell, ContactSheet, Row, Tile};
+use crate::skeleton::JointMark;
+use articula_build::Asset;
+use articula_build::evaluate::{Method, PathFrame, PathRun, Playback, Stage, play};
+use articula_core::joint_state::JointState;
+use articula_core::{LocalPose, Wrap, sample, sample_morphs};
+use articula_flat::{Picture, PictureError};
+
+/// A method with its parameter, at a distance: a row of a sheet, a line of a plot.
+#[derive(Debug, Clone)]
+pub struct MotionLine<'a> {
+    /// What it is called.
+    pub label: String,
+    /// The method.
+    pub method: &'a Method,
+    /// Its parameter.
+    pub parameter: f32,
+    /// Distance of the camera to the root, metres.
+    pub distance_m: f32,
+}
+
+/// Draws a clip as it is and as methods show it, a line for each method, at so many frames.
+///
+/// # Errors
+/// [`PictureError`] if the page is too large.
+pub fn motion_sheet(
+    stage: &Stage<'_>,
+    artist: &mut Artist<'_>,
+    lines: &[MotionLine<'_>],
+    frames: usize,
+    title: &str,
+    notes: Vec<String>,
+) -> Result<Picture, PictureError> {
+    let frames = middles(stage.truth.len(), frames);
+    let poses: Vec<_> = frames
+        .iter()
+        .map(|f| (&stage.truth[*f], morphs(stage, *f)))
+        .collect();
+    artist.frame_poses(&poses);
+    let references: Vec<Picture> = frames
+        .iter()
+        .map(|f| artist.reference(&stage.truth[*f], morphs(stage, *f)))
+        .collect::<Result<_, _>>()?;
+    let mut rows = Vec::new();
+    for line in lines {
+        let playbacks = play(stage, line.method, line.parameter).1;
+        let Some(playback) = playbacks.first() else {
+            continue;
+        };
+        let scale = stage.setup.viewport.pixels_per_metre(line.distance_m);
+        let mut cells = Vec::new();
+        for (frame, reference) in frames.iter().zip(&references) {
+            let shown = shown_pose(stage, playback, *frame);
+            let marks = marks(stage, line, playback, *frame);
+            let reduced = artist.articulated(&shown, morphs(stage, *frame), &marks, scale)?;
+            let caption = caption(stage, playback, *frame);
+            cells.push(cell(reference.clone(), reduced, caption));
+        }
+        rows.push(Row {
+            label: line.label.clone(),
+            cells,
+        });
+    }
+    let rate = stage.clip.rate_hz();
+    let columns = frames.iter().map(|f| format!("{:.2} s", *f as f32 / rate));
+    sheet(title, notes, columns.collect(), rows)
+}
+
+/// Draws moments of a run before a moving camera, each from where the camera stood.
+///
+/// # Errors
+/// [`PictureError`] if the page is too large.
+pub fn camera_path_sheet(
+    stage: &Stage<'_>,
+    artist: &mut Artist<'_>,
+    run: &PathRun,
+    title: &str,
+    notes: Vec<String>,
+) -> Result<Picture, PictureError> {
+    const IN_A_ROW: usize = 4;
+    let rig = &stage.asset.rig;
+    let mut cells = Vec::new();
+    for at in middles(run.frames.len(), 3 * IN_A_ROW) {
+        let frame = &run.frames[at];
+        let mut truth = rig.rest_pose().clone();
+        sample(&stage.clip, frame.secs, Wrap::Loop, &rig.all(), &mut truth);
+        let morphs = stage.asset.mesh.morph_weights.clone();
+        artist.eye = Some(frame.camera.eye);
+        let reference = artist.reference(&truth, morphs.clone())?;
+        let marks = path_marks(rig.root(), frame);
+        let scale = stage.setup.viewport.pixels_per_metre(frame.distance_m);
+        let shown = artist.articulated(&frame.shown, morphs, &marks, scale)?;
+        let mut cell = cell(reference, shown, format!("{:.2} px", frame.error_px));
+        cell.tiles[0].caption = format!("{:.2} s, {:.1} m", frame.secs, frame.distance_m);
+        cells.push(cell);
+    }
+    let row = |cells: &[Cell]| Row {
+        label: String::new(),
+        cells: cells.to_vec(),
+    };
+    let rows = cells.chunks(IN_A_ROW).map(row).collect();
+    sheet(title, notes, Vec::new(), rows)
+}
+
+/// Draws a character that has no clip: its rest pose, seen from four sides.
+///
+/// # Errors
+/// [`PictureError`] if the page is too large.
+pub fn rest_sheet(
+    asset: &Asset,
+    artist: &mut Artist<'_>,
+    title: &str,
+) -> Result<Picture, PictureError> {
+    let rest = asset.rig.rest_pose();
+    let marks = vec![JointMark::Passive; asset.rig.len()];
+    let morphs = &asset.mesh.morph_weights;
+    let mut cells = Vec::new();
+    for turn in 0..4 {
+        artist.azimuth = turn as f32 * std::f32::consts::FRAC_PI_2;
+        artist.frame_pose(rest, morphs);
+        let figure = artist.reference(rest, morphs.clone())?;
+        let joints = artist.articulated(rest, morphs.clone(), &marks, 0.0)?;
+        cells.push(cell(figure, joints, "joints at rest".into()));
+    }
+    let row = Row {
+        label: String::new(),
+        cells,
+    };
+    let columns = ["front", "left", "back", "right"].map(String::from);
+    let notes = vec!["The file has no clip: this is the rest pose, and nothing moves.".into()];
+    sheet(title, notes, columns.to_vec(), vec![row])
+}
+
+fn sheet(
+    title: &str,
+    notes: Vec<String>,
+    columns: Vec<String>,
+    rows: Vec<Row>,
+) -> Result<Picture, PictureError> {
+    let sheet = ContactSheet {
+        title: title.to_owned(),
+        notes,
+        columns,
+        rows,
+        explains_joints: true,
+    };
+    sheet.draw()
+}
+
+fn cell(reference: Picture, reduced: Picture, caption: String) -> Cell {
+    let tile = |picture, caption| Tile { picture, caption };
+    Cell {
+        tiles: vec![tile(reference, "reference".into()), tile(reduced, caption)],
+    }
+}
+
+fn caption(stage: &Stage<'_>, playback: &Playback, frame: usize) -> String {
+    let updated = playback.updated[frame].len();
+    format!("{updated} of {} updated", stage.moving.len())
+}
+
+fn shown_pose(stage: &Stage<'_>, playback: &Playback, frame: usize) -> LocalPose {
+    let mut pose = stage.truth[frame].clone();
+    pose.rotations.copy_from_slice(&playback.shown[frame]);
+    pose
+}
+
+/// Morph weights at a frame of the stage's clip.
+fn morphs(stage: &Stage<'_>, frame: usize) -> Vec<f32> {
+    let mut weights = stage.asset.mesh.morph_weights.clone();
+    let secs = frame as f64 / f64::from(stage.clip.rate_hz());
+    sample_morphs(&stage.clip, secs, Wrap::Clamp, &mut weights);
+    weights
+}
+
+/// What each joint does at a frame: the root always follows the clip.
+fn marks(
+    stage: &Stage<'_>,
+    line: &MotionLine<'_>,
+    playback: &Playback,
+    frame: usize,
+) -> Vec<JointMark> {
+    let rig = &stage.asset.rig;
+    let level = match line.method {
+        Method::Loa(levels) => levels.get(line.parameter as usize),
+        _ => None,
+    };
+    let mark = |joint: usize| {
+        let allowed = level.is_some_and(|l| l.contains(joint));
+        if playback.in_transition[frame].contains(joint) {
+            JointMark::InTransition
+        } else if allowed || joint == rig.root() || playback.updated[frame].contains(joint) {
+            JointMark::Active
+        } else {
+            JointMark::Passive
+        }
+    };
+    (0..rig.len()).map(mark).collect()
+}
+
+/// The same at a frame before a moving camera.
+fn path_marks(root: usize, frame: &PathFrame) -> Vec<JointMark> {
+    let mark = |(joint, state): (usize, &JointState)| match state {
+        JointState::ToActive | JointState::ToPassive => JointMark::InTransition,
+        JointState::Passive if joint != root && !frame.updated.contains(joint) => {
+            JointMark::Passive
+        }
+        _ => JointMark::Active,
+    };
+    frame.states.iter().enumerate().map(mark).collect()
+}

@@ -1,0 +1,97 @@
+//! What zones, depths and levels of complexity cost: counts, and time by the caller's clock.
+//!
+//! Source: thesis figures 6.14 and 6.15. Counts are exact: joints sampled a frame, and joints
+//! whose model matrix changes. Time is that of sampling the set and computing all model
+//! matrices on this machine with the plain code: a report, not a benchmark.
+
+use articula_build::evaluate::{Method, Stage, play};
+use articula_core::loa;
+use articula_core::{Complexity, JointSet, ModelPose, Region, Wrap, Zone, local_to_model, sample};
+use serde::Serialize;
+
+/// Passes over the clip of which the fastest counts, and most frames of a pass.
+const PASSES: usize = 7;
+const MOST_FRAMES: usize = 300;
+
+/// The cost of one set of joints.
+#[derive(Debug, Clone, Serialize)]
+pub struct Cost {
+    /// Name of the set.
+    pub name: String,
+    /// Joints in the set.
+    pub joints: usize,
+    /// Joints of it that the clip moves: sampled each frame.
+    pub joints_sampled: f32,
+    /// Joints whose model matrix changes, a frame.
+    pub fk_joints: f32,
+    /// Sampling and all model matrices, nanoseconds a frame, as measured here.
+    pub measured_ns_per_frame: f64,
+}
+
+/// Costs by zone, by depth, by complexity.
+#[derive(Debug, Clone, Serialize)]
+pub struct Costs {
+    /// Of each region of the body, and of regions together.
+    pub zones: Vec<Cost>,
+    /// Of the joints above each depth of the tree.
+    pub depths: Vec<Cost>,
+    /// Of each level of complexity.
+    pub complexities: Vec<Cost>,
+}
+
+/// Runs something once and says how long it took, nanoseconds.
+type Nanoseconds<'a> = &'a dyn Fn(&mut dyn FnMut()) -> f64;
+
+impl Costs {
+    /// Works out all costs of a clip; `nanoseconds` runs what it is given once and says how long
+    /// that took.
+    pub fn new(stage: &Stage<'_>, nanoseconds: Nanoseconds<'_>) -> Self {
+        let rig = &stage.asset.rig;
+        let cost = |name: String, set: JointSet| cost(stage, name, &set, nanoseconds);
+        let deepest = rig.skin_joints().iter().map(|j| rig.depth(j)).max();
+        let zone = |(name, zone): (&str, Zone)| cost(name.to_owned(), loa::zone(rig, zone));
+        let regions = Region::ALL.map(|r| (r.name(), Zone::from(r)));
+        let composites = [
+            ("upper", Zone::UPPER),
+            ("lower", Zone::LOWER),
+            ("all", Zone::ALL),
+        ];
+        Self {
+            zones: regions.into_iter().chain(composites).map(zone).collect(),
+            depths: (0..=deepest.unwrap_or(0) as u32 + 1)
+                .map(|k| cost(k.to_string(), loa::depth(rig, k)))
+                .collect(),
+            complexities: Complexity::ALL
+                .map(|c| cost(c.name().to_owned(), loa::complexity(rig, c)))
+                .into(),
+        }
+    }
+}
+
+fn cost(stage: &Stage<'_>, name: String, set: &JointSet, nanoseconds: Nanoseconds<'_>) -> Cost {
+    let trial = play(stage, &Method::Loa(vec![*set]), 0.0).0;
+    Cost {
+        name,
+        joints: set.intersection(stage.asset.rig.skin_joints()).len(),
+        joints_sampled: trial.joints_sampled,
+        fk_joints: trial.fk_joints,
+        measured_ns_per_frame: measured(stage, set, nanoseconds),
+    }
+}
+
+fn measured(stage: &Stage<'_>, set: &JointSet, nanoseconds: Nanoseconds<'_>) -> f64 {
+    let (rig, clip) = (&stage.asset.rig, &stage.clip);
+    let mut local = rig.rest_pose().clone();
+    let mut model = ModelPose::new(rig.len());
+    let frames = clip.frames().min(MOST_FRAMES);
+    let mut pass = || {
+        for frame in 0..frames {
+            let secs = frame as f64 / f64::from(clip.rate_hz());
+            sample(clip, secs, Wrap::Clamp, set, &mut local);
+            local_to_model(rig, std::hint::black_box(&local), &mut model);
+            std::hint::black_box(&model);
+        }
+    };
+    let passes = (0..PASSES).map(|_| nanoseconds(&mut pass) / frames as f64);
+    passes.fold(f64::INFINITY, f64::min)
+}

@@ -1,0 +1,149 @@
+//! A clip before a moving camera, under the controller that runs in a frame.
+//!
+//! Source: `spec/motion-lod.md` 4.5. The camera is a true one.
+
+use super::rows::MethodRow;
+use crate::error::{Error, Result};
+use articula_build::evaluate::{CameraKey, PathFrame, PathRun, Stage, play_camera_path};
+use articula_core::{DriftOptions, JointSet, Rig};
+use serde::Serialize;
+
+/// Tolerances between which a calibration searches, pixels, and its halvings.
+const SEARCHED_PX: (f32, f32) = (0.02, 64.0);
+const HALVINGS: usize = 12;
+
+/// A path of a camera, and how a clip is played before it.
+#[derive(Debug, Clone)]
+pub struct CameraPath {
+    /// Where the camera stands; [`read_camera_path`](crate::read_camera_path) reads them.
+    pub keys: Vec<CameraKey>,
+    /// Frames a second of the display.
+    pub display_hz: f64,
+    /// How the controller holds joints.
+    pub options: DriftOptions,
+}
+
+/// What a clip along a path showed.
+#[derive(Debug)]
+pub struct PlayedPath {
+    /// Every frame.
+    pub run: PathRun,
+    /// The run as one row, at its median distance.
+    pub row: MethodRow,
+    /// What belongs to a path alone.
+    pub summary: PathSummary,
+}
+
+/// What a run along a path found.
+#[derive(Debug, Serialize)]
+pub struct PathSummary {
+    /// Display frames.
+    pub frames: usize,
+    /// Frames a second of the display.
+    pub display_hz: f64,
+    /// Tolerance of the controller, pixels.
+    pub tolerance_px: f32,
+    /// What the error of one joint never exceeds.
+    pub bound_px: f32,
+    /// The greatest error of one joint that was met.
+    pub joint_error_px_max: f32,
+    /// Nearest that the camera came to the root, metres.
+    pub distance_m_min: f32,
+    /// Farthest that it was, metres.
+    pub distance_m_max: f32,
+}
+
+impl CameraPath {
+    /// Plays the path; with a limit at the greatest tolerance whose p95 error meets it, pixels.
+    ///
+    /// # Errors
+    /// [`Error::Unsuited`] if the path has no key frame.
+    pub fn play(&self, stage: &Stage<'_>, limit_px: Option<f32>) -> Result<PlayedPath> {
+        let play = |epsilon_px: f32| {
+            let options = DriftOptions {
+                epsilon_px,
+                ..self.options
+            };
+            let run = play_camera_path(stage, &self.keys, self.display_hz, options);
+            let run = run.ok_or_else(|| Error::unsuited("the path has no key frame"))?;
+            Ok((run, options))
+        };
+        let (run, options) = match limit_px {
+            Some(limit) => calibrated(play, limit)?,
+            None => play(self.options.epsilon_px)?,
+        };
+        Ok(self.played(stage, run, &options, limit_px))
+    }
+
+    fn played(
+        &self,
+        stage: &Stage<'_>,
+        run: PathRun,
+        options: &DriftOptions,
+        limit_px: Option<f32>,
+    ) -> PlayedPath {
+        let mut distances: Vec<f32> = run.frames.iter().map(|f| f.distance_m).collect();
+        distances.sort_by(f32::total_cmp);
+        let at = |i: usize| distances.get(i).copied().unwrap_or(0.0);
+        let frames = run.frames.len().saturating_sub(1).max(1) as f32;
+        let mean = |count: &dyn Fn(&PathFrame) -> usize| {
+            run.frames.iter().skip(1).map(count).sum::<usize>() as f32 / frames
+        };
+        let rig = &stage.asset.rig;
+        let joint_errors = run.frames.iter().map(|f| f.joint_error_px);
+        PlayedPath {
+            row: MethodRow {
+                method: "skin-px",
+                variant: Some("drift"),
+                distance_m: at(distances.len() / 2),
+                joint_update_gain: run.joint_update_gain,
+                evaluations_saved: run.evaluations_saved,
+                parameter: options.epsilon_px,
+                level: None,
+                error_px: run.error_px.into(),
+                joints_sampled: mean(&|f| f.sampled.intersection(&stage.moving).len()),
+                fk_joints: mean(&|f| at_or_below(rig, &f.updated)),
+                foot_slide_mm: None,
+                meets_target: limit_px.map(|l| run.error_px.p95 <= l),
+            },
+            summary: PathSummary {
+                frames: run.frames.len(),
+                display_hz: self.display_hz,
+                tolerance_px: options.epsilon_px,
+                bound_px: options.bound_px(),
+                joint_error_px_max: joint_errors.fold(0.0, f32::max),
+                distance_m_min: at(0),
+                distance_m_max: at(distances.len().saturating_sub(1)),
+            },
+            run,
+        }
+    }
+}
+
+fn calibrated(
+    play: impl Fn(f32) -> Result<(PathRun, DriftOptions)>,
+    limit_px: f32,
+) -> Result<(PathRun, DriftOptions)> {
+    let (mut low, mut high) = SEARCHED_PX;
+    let mut best = play(low)?;
+    for _ in 0..HALVINGS {
+        let tried = play((low * high).sqrt())?;
+        if tried.0.error_px.p95 <= limit_px {
+            low = tried.1.epsilon_px;
+            best = tried;
+        } else {
+            high = tried.1.epsilon_px;
+        }
+    }
+    Ok(best)
+}
+
+fn at_or_below(rig: &Rig, updated: &JointSet) -> usize {
+    let mut dirty = *updated;
+    for joint in 0..rig.len() {
+        if rig.parent(joint).is_some_and(|p| dirty.contains(p)) {
+            dirty.insert(joint);
+        }
+    }
+    dirty.len()
+}

@@ -1,0 +1,153 @@
+//! Gain and error of methods over distance.
+
+use super::{EvaluatedClip, NamedMethod};
+use crate::error::Result;
+use crate::work::Work;
+use articula_build::evaluate::{self, Method, Row, Stage, Trial, calibrate, play, sweep};
+use serde::Serialize;
+
+/// How the one parameter of a method is found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Tuning {
+    /// What the method would take at each distance.
+    Usual,
+    /// This value at every distance.
+    Fixed(f32),
+    /// The greatest gain whose p95 error is at most so many pixels.
+    Calibrated(f32),
+}
+
+/// One method at one distance.
+#[derive(Debug, Clone, Serialize)]
+pub struct MethodRow {
+    /// Name of the method.
+    pub method: &'static str,
+    /// Form of the method, where it has several.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub variant: Option<&'static str>,
+    /// Distance of the camera to the root, metres; the median along a camera path.
+    pub distance_m: f32,
+    /// Share of joint updates saved.
+    pub joint_update_gain: f32,
+    /// Share of frames at which no joint was updated.
+    pub evaluations_saved: f32,
+    /// The method's one parameter.
+    pub parameter: f32,
+    /// The level of articulation that `parameter` counts to.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub level: Option<String>,
+    /// What it cost, pixels.
+    pub error_px: ErrorPx,
+    /// Mean number of joints sampled a frame.
+    pub joints_sampled: f32,
+    /// Mean number of joints a frame whose model matrix changed.
+    pub fk_joints: f32,
+    /// Mean way that standing feet slide because of what is held; null along a camera path.
+    pub foot_slide_mm: Option<f32>,
+    /// Whether the error meets the target of a calibration.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub meets_target: Option<bool>,
+}
+
+/// Statistics of the error over frames, of the 95th percentile over the skin.
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct ErrorPx {
+    /// Median over frames.
+    pub p50: f32,
+    /// 95th percentile over frames.
+    pub p95: f32,
+    /// Worst frame.
+    pub max: f32,
+}
+
+impl From<evaluate::ErrorPx> for ErrorPx {
+    fn from(error: evaluate::ErrorPx) -> Self {
+        Self {
+            p50: error.p50,
+            p95: error.p95,
+            max: error.max,
+        }
+    }
+}
+
+/// One method at all distances.
+#[derive(Debug, Clone)]
+pub struct MethodTable {
+    /// The method.
+    pub method: NamedMethod,
+    /// One row for each distance.
+    pub rows: Vec<MethodRow>,
+}
+
+/// Plays a method at every distance; a method without any parameter to calibrate is played as
+/// it usually is.
+pub fn rows(stage: &Stage<'_>, method: &Method, distances_m: &[f32], tuning: Tuning) -> Vec<Row> {
+    let swept = match tuning {
+        Tuning::Calibrated(_) => sweep(stage, method),
+        _ => Vec::new(),
+    };
+    let row =
+        |distance: &f32| stage.row(trial(stage, method, &swept, *distance, tuning), *distance);
+    distances_m.iter().map(row).collect()
+}
+
+fn trial(
+    stage: &Stage<'_>,
+    method: &Method,
+    swept: &[Trial],
+    distance_m: f32,
+    tuning: Tuning,
+) -> Trial {
+    let usual = || play(stage, method, stage.usual_parameter(method, distance_m)).0;
+    match tuning {
+        Tuning::Usual => usual(),
+        Tuning::Fixed(parameter) => play(stage, method, parameter).0,
+        Tuning::Calibrated(limit) => {
+            calibrate(stage, swept, distance_m, limit).unwrap_or_else(usual)
+        }
+    }
+}
+
+impl EvaluatedClip<'_> {
+    /// Plays all methods at all distances. Jobs are the methods.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`](crate::Error::Cancelled) alone.
+    pub fn tables(
+        &self,
+        methods: &[NamedMethod],
+        distances_m: &[f32],
+        tuning: Tuning,
+        work: &Work<'_>,
+    ) -> Result<Vec<MethodTable>> {
+        work.map("playing methods", methods.iter().collect(), |named| {
+            let rows = rows(&self.stage(), &named.method, distances_m, tuning);
+            Ok(MethodTable {
+                method: named.clone(),
+                rows: rows.iter().map(|r| named_row(named, r, tuning)).collect(),
+            })
+        })
+    }
+}
+
+fn named_row(named: &NamedMethod, row: &Row, tuning: Tuning) -> MethodRow {
+    let trial = &row.trial;
+    let target = match tuning {
+        Tuning::Calibrated(limit) => Some(row.error_px.p95 <= limit * 1.0001),
+        _ => None,
+    };
+    MethodRow {
+        method: named.method.name(),
+        variant: named.variant,
+        distance_m: row.distance_m,
+        joint_update_gain: trial.joint_update_gain,
+        evaluations_saved: trial.evaluations_saved,
+        parameter: trial.parameter,
+        level: named.levels.get(trial.parameter as usize).cloned(),
+        error_px: row.error_px.into(),
+        joints_sampled: trial.joints_sampled,
+        fk_joints: trial.fk_joints,
+        foot_slide_mm: Some(1000.0 * trial.foot_slide_metres),
+        meets_target: target,
+    }
+}
