@@ -14,6 +14,7 @@ mod clip_edits;
 mod fit_clips;
 mod khr_character;
 mod morphs;
+mod pose_kind;
 mod reduction;
 mod same_joints;
 mod written;
