@@ -317,11 +317,7 @@ fn motions_of_bvh_files_come_through() {
             println!("skipped: no data");
             return;
         };
-        let source = bvh::read(
-            &bytes,
-            &ReadOptions::default(),
-            &Limits::default(),
-        );
+        let source = bvh::read(&bytes, &ReadOptions::default(), &Limits::default());
         let source = source.unwrap().value;
         let secs = source.frame_time_secs;
         let keys = source.character.clips[0].channels[0].times_secs.len();

@@ -124,11 +124,7 @@ fn acclaim_pairs() {
 fn bva_files() {
     let mut trees = 0;
     check(BVA, |bytes| {
-        let read = bva::read(
-            bytes,
-            &ReadOptions::default(),
-            &Limits::default(),
-        );
+        let read = bva::read(bytes, &ReadOptions::default(), &Limits::default());
         let Ok(read) = read else { return false };
         sound(&read.value.character);
         if let Some(tree) = articula_build::joint_names::segments(

@@ -101,11 +101,7 @@ fn biovision(lost_lengths_back: bool) -> Option<Character> {
         let found = "OFFSET 0 0 0".len();
         text.replace_range(offset..offset + found, &format!("OFFSET {x} {y} {z}"));
     }
-    let read = bvh::read(
-        text.as_bytes(),
-        &ReadOptions::default(),
-        &Limits::default(),
-    );
+    let read = bvh::read(text.as_bytes(), &ReadOptions::default(), &Limits::default());
     Some(read.unwrap().value.character)
 }
 

@@ -262,11 +262,7 @@ fn real_motions_survive() {
             println!("skipped: no data");
             return;
         };
-        let read = bvh::read(
-            &bytes,
-            &ReadOptions::default(),
-            &Limits::default(),
-        );
+        let read = bvh::read(&bytes, &ReadOptions::default(), &Limits::default());
         let mut file = read.unwrap().value;
         for clip in &mut file.character.clips {
             clip.duration_secs = clip.duration_secs.min(2.0);
