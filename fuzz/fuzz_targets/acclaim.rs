@@ -2,8 +2,8 @@
 //! whatever is read can be mapped and written.
 #![no_main]
 
-use articula_formats::acclaim::{self, ReadOptions, WriteOptions};
-use articula_formats::{Limits, profile};
+use articula_formats::acclaim::{self, WriteOptions};
+use articula_formats::{Limits, ReadOptions, profile};
 use libfuzzer_sys::fuzz_target;
 
 /// A clip of hours in few bytes would only cost time.
@@ -23,7 +23,7 @@ fuzz_target!(|bytes: &[u8]| {
         end_sites: file.end_sites,
     };
     if let Ok(written) = acclaim::write(&file.character, clip, &options) {
-        let amc = written.amc.as_deref();
-        let _ = acclaim::read(&written.asf, amc, &ReadOptions::default(), &Limits::default());
+        let amc = written.motion.as_deref();
+        let _ = acclaim::read(&written.bytes, amc, &ReadOptions::default(), &Limits::default());
     }
 });

@@ -1,8 +1,7 @@
 //! Any bytes as a BVA file: a value or an error, and what is read may be put together.
 #![no_main]
 
-use articula_formats::bva::{self, ReadOptions};
-use articula_formats::{Limits, profile};
+use articula_formats::{Limits, ReadOptions, bva, profile};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

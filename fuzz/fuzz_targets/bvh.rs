@@ -1,8 +1,7 @@
 //! Any bytes as a BVH file: a value or an error, and whatever is read can be mapped.
 #![no_main]
 
-use articula_formats::bvh::{self, ReadOptions};
-use articula_formats::{Limits, profile};
+use articula_formats::{Limits, ReadOptions, bvh, profile};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -3,7 +3,7 @@
 #![no_main]
 
 use articula_stream::StreamLimits;
-use articula_stream::mesh::{Layout, MorphLayout, decode_level, decode_refinement};
+use articula_stream::mesh::{Layout, MorphLayout, decode_level};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -27,12 +27,13 @@ fuzz_target!(|bytes: &[u8]| {
         ..StreamLimits::default()
     };
     let (coarse, fine) = rest.split_at(rest.len().min(usize::from(*cut) * 4));
-    let Ok(coarse) = decode_level(coarse, &layout, &limits) else {
+    let Ok(coarse) = decode_level(None, coarse, &layout, &limits) else {
         return;
     };
     assert!(coarse.check(&layout).is_ok());
-    if let Ok(fine) = decode_refinement(&coarse, fine, &layout, &limits) {
+    if let Ok(fine) = decode_level(Some(&coarse), fine, &layout, &limits) {
         assert!(fine.check(&layout).is_ok());
-        assert!(fine.points() >= coarse.points() && fine.wedges() >= coarse.wedges());
+        assert!(fine.positions.len() >= coarse.positions.len());
+        assert!(fine.wedge_points.len() >= coarse.wedge_points.len());
     }
 });

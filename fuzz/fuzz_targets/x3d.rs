@@ -1,7 +1,7 @@
 //! Any bytes as an X3D or VRML97 file: a value or an error, and whatever is read can be written.
 #![no_main]
 
-use articula_formats::x3d::{self, WriteOptions};
+use articula_formats::x3d;
 use articula_formats::{Limits, profile};
 use libfuzzer_sys::fuzz_target;
 
@@ -18,10 +18,8 @@ fuzz_target!(|bytes: &[u8]| {
     };
     let character = &file.value.character;
     let mapping = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
-    let options = WriteOptions {
-        sites: file.value.sites,
-    };
-    let written = x3d::write(character, &mapping.articulation, &options).expect("it has joints");
+    let written =
+        x3d::write(character, &mapping.articulation, &file.value.sites).expect("it has joints");
     if let Err(error) = x3d::read(&written.bytes, &Limits::default(), &mut picture) {
         // A figure as large as numbers go grows when its joints are added up.
         let why = error.to_string();

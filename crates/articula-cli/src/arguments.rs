@@ -1,7 +1,7 @@
 //! Flags that commands share, and how their values are spelled.
 
 use articula_core::Viewport;
-use articula_formats::bvh::Up;
+use articula_formats::Up;
 use articula_formats::mpeg4::fap::Absent;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;

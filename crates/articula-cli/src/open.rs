@@ -79,7 +79,12 @@ mod tests {
 
     #[test]
     fn a_guess_names_its_flag() {
-        let guessed = |guess| advised(&Warning::guess("file", "inches", guess));
+        let guessed = |guess| {
+            advised(&Warning {
+                guess: Some(guess),
+                ..Warning::new("file", "inches")
+            })
+        };
         let said = "inches; give --unit-metres M if that is wrong";
         assert_eq!(guessed(Guess::Unit), said);
         let said = "inches; give --up y or --up z if that is wrong";

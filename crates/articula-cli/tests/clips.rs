@@ -39,7 +39,7 @@ fn read(data: &Path, name: &str) -> (Character, Vec<(usize, Vec3)>) {
     let bytes = std::fs::read(data.join(name)).unwrap();
     let limits = Limits::default();
     if name.ends_with(".bvh") {
-        let file = bvh::read(&bytes, &bvh::ReadOptions::default(), &limits)
+        let file = bvh::read(&bytes, &articula_formats::ReadOptions::default(), &limits)
             .unwrap()
             .value;
         return (file.character, file.end_sites);

@@ -12,7 +12,6 @@ mod thinned;
 
 use articula_build::Clustered;
 use articula_formats::Limits;
-use articula_formats::gltf::LevelNodes;
 use articula_formats::gltf::{self, GltfFile};
 use judges::{ask, data_folder, data_is_here, judges_are_here};
 use serde_json::Value;
@@ -54,12 +53,11 @@ fn store(name: &str) -> Stored {
     let stem = Path::new(name).file_stem().unwrap().to_string_lossy();
     let [stored, nodes] = ["stored", "nodes"].map(|how| folder.join(format!("{stem}.{how}.glb")));
     std::fs::write(&stored, changed.document.write_glb().unwrap()).unwrap();
-    let opts = LevelNodes::new(1.0);
     for node in &file.node_of_mesh {
         let table = thinned::table(LEVELS);
         changed
             .document
-            .add_level_nodes(*node, &table, &opts)
+            .add_level_nodes(*node, &table, 1.0)
             .unwrap();
     }
     std::fs::write(&nodes, changed.document.write_glb().unwrap()).unwrap();

@@ -207,7 +207,11 @@ fn captured_hands_and_feet_come_to_their_places() {
             println!("skipped: no data");
             return;
         };
-        let read = bvh::read(&bytes, &bvh::ReadOptions::default(), &Limits::default());
+        let read = bvh::read(
+            &bytes,
+            &articula_formats::ReadOptions::default(),
+            &Limits::default(),
+        );
         let source = read.unwrap().value.character;
         let names = articula_build::joint_names::map(&source.skeleton, profile::builtin(), None)
             .articulation;

@@ -50,7 +50,7 @@ pub enum ReadError {
 
 impl ReadError {
     /// A [`ReadError::Malformed`].
-    pub fn malformed(at: impl Into<String>, what: impl Into<String>) -> Self {
+    pub(crate) fn malformed(at: impl Into<String>, what: impl Into<String>) -> Self {
         Self::Malformed {
             at: at.into(),
             what: what.into(),
@@ -111,7 +111,7 @@ impl Warning {
     }
 
     /// Says what was guessed at a place, and by which signs.
-    pub fn guess(at: impl Into<String>, what: impl Into<String>, guess: Guess) -> Self {
+    pub(crate) fn guess(at: impl Into<String>, what: impl Into<String>, guess: Guess) -> Self {
         Self {
             guess: Some(guess),
             ..Self::new(at, what)

@@ -15,16 +15,18 @@
 //! - [`loa_profile`]: a saved selection of levels of articulation
 //! - [`motion_table`]: motion-error tables as bytes
 //! - [`Limits`], [`ReadError`], [`Warning`]: how much is too much, what can be wrong, what was odd
+//! - [`ReadOptions`], [`MotionFile`]: what files of motion do not say, and what they hold
+//! - [`Written`], [`WriteError`]: what writers give
 //!
 //! ```
 //! use articula_formats::gltf::{self, Document};
-//! use articula_formats::{Limits, bvh};
+//! use articula_formats::{Limits, ReadOptions, bvh};
 //!
 //! let text = "HIERARCHY\nROOT Hips\n{\n OFFSET 0 90 0\n CHANNELS 3 Zrotation Xrotation Yrotation\n \
 //!     JOINT Head\n {\n  OFFSET 0 60 0\n  CHANNELS 3 Zrotation Xrotation Yrotation\n  End Site\n  \
 //!     {\n   OFFSET 0 20 0\n  }\n }\n}\nMOTION\nFrames: 2\nFrame Time: 0.5\n0 0 0 0 0 0\n0 0 9 0 0 0\n";
 //! let limits = Limits::default();
-//! let motion = bvh::read(text.as_bytes(), &bvh::ReadOptions::default(), &limits)?;
+//! let motion = bvh::read(text.as_bytes(), &ReadOptions::default(), &limits)?;
 //! assert_eq!(motion.value.character.skeleton.joints[0].name, "Hips");
 //!
 //! // The same as a GLB, and back.
@@ -47,6 +49,7 @@ pub mod gltf;
 mod limits;
 pub mod loa_profile;
 pub mod meshopt;
+mod motion_file;
 pub mod motion_table;
 pub mod mpeg4;
 mod notes;
@@ -55,10 +58,14 @@ mod sampled;
 mod units;
 mod uri;
 mod words;
+mod written;
 pub mod x3d;
 
 pub use error::{Guess, Read, ReadError, Warning};
 pub use limits::Limits;
+pub use motion_file::{MotionFile, ReadOptions};
+pub use units::Up;
+pub use written::{WriteError, Written};
 
 /// Fetches what lies beside a file by its relative URI (already percent-decoded).
 pub type Resolver<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;

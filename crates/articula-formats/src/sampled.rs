@@ -2,54 +2,11 @@
 //! neither scale nor other nodes than joints start from.
 
 use articula_core::LocalPose;
-use articula_core::source::{Character, Clip, Skeleton, evaluate};
+use articula_core::source::{Clip, Skeleton, evaluate};
 use glam::{Affine3A, Mat3A, Quat, Vec3};
-use thiserror::Error;
 
 /// A position that moves by more than this share of the figure is written.
 const STILL: f32 = 1e-5;
-
-/// Why a motion could not be written.
-#[derive(Debug, Clone, Copy, PartialEq, Error)]
-pub enum WriteError {
-    /// There is no such clip.
-    #[error("clip {index} was asked for, the character has {count}")]
-    NoClip {
-        /// The index asked for.
-        index: usize,
-        /// Clips of the character.
-        count: usize,
-    },
-    /// There is no joint.
-    #[error("the character has no joint to write")]
-    NoJoint,
-    /// A number of the options is not positive.
-    #[error("{which} is {found}, a positive number is expected")]
-    NotPositive {
-        /// Which one.
-        which: &'static str,
-        /// What it is.
-        found: f32,
-    },
-}
-
-impl WriteError {
-    /// Refuses numbers that are not above zero.
-    pub(crate) fn check(numbers: &[(&'static str, f32)]) -> Result<(), Self> {
-        let bad = |(_, found): &&(&str, f32)| !(found.is_finite() && *found > 0.0);
-        match numbers.iter().find(bad) {
-            Some(&(which, found)) => Err(Self::NotPositive { which, found }),
-            None => Ok(()),
-        }
-    }
-
-    /// The clip of this index.
-    pub(crate) fn clip(character: &Character, index: usize) -> Result<&Clip, Self> {
-        let count = character.clips.len();
-        let clip = character.clips.get(index);
-        clip.ok_or(Self::NoClip { index, count })
-    }
-}
 
 /// Where a joint is.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -15,8 +15,9 @@ mod real;
 
 use articula_core::LocalPose;
 use articula_core::source::{Character, Property, evaluate};
-use articula_formats::bva::{self, BvaFile, ReadOptions, Up};
+use articula_formats::bva;
 use articula_formats::{Limits, Read, ReadError, bvh, profile};
+use articula_formats::{MotionFile, ReadOptions, Up};
 use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
 use std::fmt::Write as _;
 
@@ -36,7 +37,7 @@ INCHES INCHES INCHES DEGREES DEGREES DEGREES RATIO RATIO RATIO
 20 50 0 0 0 90 1 2 1
 ";
 
-fn read(text: &str) -> Result<Read<BvaFile>, ReadError> {
+fn read(text: &str) -> Result<Read<MotionFile>, ReadError> {
     bva::read(text.as_bytes(), &ReadOptions::default(), &Limits::default())
 }
 
@@ -136,6 +137,7 @@ fn unit_and_up_axis_can_be_given() {
     let options = ReadOptions {
         scale_to_metres: Some(0.1),
         up: Up::Z,
+        ..ReadOptions::default()
     };
     let file = bva::read(TWO.as_bytes(), &options, &Limits::default())
         .unwrap()
@@ -149,6 +151,7 @@ fn unit_and_up_axis_can_be_given() {
         let options = ReadOptions {
             scale_to_metres: Some(scale),
             up: Up::Auto,
+            ..ReadOptions::default()
         };
         assert!(bva::read(TWO.as_bytes(), &options, &Limits::default()).is_err());
     }
@@ -314,7 +317,7 @@ fn motions_of_bvh_files_come_through() {
             println!("skipped: no data");
             return;
         };
-        let source = bvh::read(&bytes, &bvh::ReadOptions::default(), &Limits::default());
+        let source = bvh::read(&bytes, &ReadOptions::default(), &Limits::default());
         let source = source.unwrap().value;
         let secs = source.frame_time_secs;
         let keys = source.character.clips[0].channels[0].times_secs.len();
@@ -328,7 +331,7 @@ fn motions_of_bvh_files_come_through() {
                 .and_then(|s| bva::tree(&flat, &s))
                 .unwrap();
         assert_eq!(tree.warnings.len(), 1, "{name}: {:?}", tree.warnings);
-        let tree = tree.character;
+        let tree = tree.value;
         let (mut flat_apart, mut tree_apart) = (0.0f32, 0.0f32);
         for frame in 0..frames {
             let time = frame as f32 * secs;
@@ -384,7 +387,7 @@ fn segments_of_unknown_names_stay_side_by_side() {
         .and_then(|s| bva::tree(&read(TWO).unwrap().value, &s)),
         None
     );
-    let empty = BvaFile::default();
+    let empty = MotionFile::default();
     assert_eq!(
         articula_build::joint_names::segments(&empty.character.skeleton, profile::builtin())
             .and_then(|s| bva::tree(&empty, &s)),
@@ -430,7 +433,7 @@ fn what_does_not_stand_at_zero_rests_in_its_first_frame() {
             .what
             .contains("first frame was taken as the rest pose")
     );
-    let skeleton = &tree.character.skeleton;
+    let skeleton = &tree.value.skeleton;
     let parent = |name: &str| {
         let joint = &skeleton.joints[skeleton.find(name).unwrap()];
         joint.parent.map(|p| skeleton.joints[p].name.as_str())
@@ -450,7 +453,7 @@ fn what_does_not_stand_at_zero_rests_in_its_first_frame() {
     }
     let still = Character {
         clips: Vec::new(),
-        ..tree.character.clone()
+        ..tree.value.clone()
     };
     for (index, place) in world(&still, 0.0).iter().enumerate() {
         let name = &skeleton.joints[index].name;

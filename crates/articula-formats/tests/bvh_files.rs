@@ -11,22 +11,24 @@ mod real;
 
 use articula_core::LocalPose;
 use articula_core::source::{Character, Property, evaluate};
-use articula_formats::bvh::{self, BvhFile, ChannelOrder, ReadOptions, Up, WriteOptions};
+use articula_formats::bvh::{self, ChannelOrder, WriteOptions};
 use articula_formats::profile;
 use articula_formats::{Limits, ReadError};
+use articula_formats::{MotionFile, ReadOptions, Up};
 use glam::{Affine3A, Quat, Vec3};
 use real::bytes;
 
-fn read(bytes: &[u8]) -> BvhFile {
+fn read(bytes: &[u8]) -> MotionFile {
     let read = bvh::read(bytes, &ReadOptions::default(), &Limits::default());
     read.unwrap().value
 }
 
 /// Reads text in which one unit is a metre and +Y is up.
-fn plain(text: &str) -> Result<articula_formats::Read<BvhFile>, ReadError> {
+fn plain(text: &str) -> Result<articula_formats::Read<MotionFile>, ReadError> {
     let options = ReadOptions {
         scale_to_metres: Some(1.0),
         up: Up::Y,
+        ..ReadOptions::default()
     };
     bvh::read(text.as_bytes(), &options, &Limits::default())
 }
@@ -344,6 +346,7 @@ fn real_files_survive_writing() {
                 &ReadOptions {
                     scale_to_metres: Some(0.01),
                     up: Up::Y,
+                    ..ReadOptions::default()
                 },
                 &Limits::default(),
             )

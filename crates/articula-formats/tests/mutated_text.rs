@@ -4,7 +4,8 @@
 //! mutations of good files.
 
 use articula_core::source::Character;
-use articula_formats::bvh::{self, ReadOptions};
+use articula_formats::ReadOptions;
+use articula_formats::bvh;
 use articula_formats::{Limits, acclaim, bva, loa_profile, profile};
 use articula_mutate::{Edit, Mutations};
 
@@ -109,7 +110,7 @@ fn sound(character: &Character) {
 #[test]
 fn acclaim_pairs() {
     let read = |asf: &[u8], amc: &[u8]| {
-        let options = acclaim::ReadOptions::default();
+        let options = ReadOptions::default();
         let read = acclaim::read(asf, Some(amc), &options, &Limits::default());
         let Ok(read) = read else { return false };
         sound(&read.value.character);
@@ -123,7 +124,7 @@ fn acclaim_pairs() {
 fn bva_files() {
     let mut trees = 0;
     check(BVA, |bytes| {
-        let read = bva::read(bytes, &bva::ReadOptions::default(), &Limits::default());
+        let read = bva::read(bytes, &ReadOptions::default(), &Limits::default());
         let Ok(read) = read else { return false };
         sound(&read.value.character);
         if let Some(tree) = articula_build::joint_names::segments(
@@ -133,7 +134,7 @@ fn bva_files() {
         .and_then(|s| bva::tree(&read.value, &s))
         {
             trees += 1;
-            sound(&tree.character);
+            sound(&tree.value);
         }
         true
     });

@@ -3,8 +3,7 @@
 use anyhow::{Context, Result, anyhow};
 use articula::convert::write_data;
 use articula::{Data, DataFormat, Format, OpenOptions, Opened, fs, open_data};
-use articula_formats::bvh::Up;
-use articula_formats::{Guess, Warning};
+use articula_formats::{Guess, Up, Warning};
 use std::path::Path;
 
 /// What a file turned out to be.
@@ -143,7 +142,10 @@ fn parameters(path: &Path, format: DataFormat) -> Result<Parameters> {
         }
         Data::Epf(frames) => (format!("{} frames", frames.len()), None),
         Data::Fdp(face) => {
-            let (points, faps) = (face.points.len(), face.faps());
+            let (points, faps) = (
+                face.points.len(),
+                face.moved().iter().filter(|m| **m).count(),
+            );
             (format!("{points} feature points, {faps} FAPs"), None)
         }
     };

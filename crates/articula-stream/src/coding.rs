@@ -39,7 +39,7 @@ impl Coding {
     ///
     /// # Errors
     /// A [`Mismatch`] if no number of this coding can stand there, or the stream ends before.
-    pub fn read(self, stream: &[u8], bits: &Range<u64>) -> Result<u64, Mismatch> {
+    pub(crate) fn read(self, stream: &[u8], bits: &Range<u64>) -> Result<u64, Mismatch> {
         let wrong = |what: String| Mismatch::new(format!("bits {bits:?}"), what);
         self.check(bits, 0).map_err(wrong)?;
         let bytes = touched(bits, stream.len()).map_err(wrong)?;

@@ -19,16 +19,6 @@ pub struct Marker {
     pub value: u32,
 }
 
-impl Marker {
-    /// A number on a scale.
-    pub fn new(scheme: impl Into<Cow<'static, str>>, value: u32) -> Self {
-        Self {
-            scheme: scheme.into(),
-            value,
-        }
-    }
-}
-
 /// A number in the stream that a cut must write anew, such as a length or a count.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Field {
@@ -69,12 +59,6 @@ impl Unit {
             fields: Vec::new(),
             children: Vec::new(),
         }
-    }
-
-    /// The number on one of its scales.
-    pub fn marker(&self, scheme: &str) -> Option<u32> {
-        let of_scheme = |m: &&Marker| m.scheme == scheme;
-        self.markers.iter().find(of_scheme).map(|m| m.value)
     }
 
     /// Length in whole bytes, rounded up.

@@ -13,8 +13,7 @@ use articula_core::Mesh;
 use articula_formats::{Limits, gltf};
 use articula_stream::StreamLimits;
 use articula_stream::mesh::{
-    Grid, Layout, Precision, Quantised, QuantisedMesh, decode_level, decode_refinement,
-    encode_level, encode_refinement, quantise,
+    Grid, Layout, Precision, Quantised, QuantisedMesh, decode_level, encode_level, quantise,
 };
 
 #[path = "../../articula-formats/tests/real/mod.rs"]
@@ -82,24 +81,27 @@ fn faces(mesh: &QuantisedMesh) -> Vec<[Corner; 3]> {
 fn whole(levels: &[QuantisedMesh], layout: &Layout) -> usize {
     let limits = StreamLimits::default();
     let coarsest = levels.last().unwrap();
-    let bytes = encode_level(coarsest, layout).unwrap();
-    let mut shown = decode_level(&bytes, layout, &limits).unwrap();
+    let bytes = encode_level(None, coarsest, layout).unwrap();
+    let mut shown = decode_level(None, &bytes, layout, &limits).unwrap();
     assert_eq!(faces(&shown), faces(coarsest));
     let mut size = bytes.len();
     for pair in levels.windows(2).rev() {
         let [fine, coarse] = [&pair[0], &pair[1]];
-        let bytes = encode_refinement(coarse, fine, layout).unwrap();
-        let finer = decode_refinement(&shown, &bytes, layout, &limits).unwrap();
+        let bytes = encode_level(Some(coarse), fine, layout).unwrap();
+        let finer = decode_level(Some(&shown), &bytes, layout, &limits).unwrap();
         assert_eq!(faces(&finer), faces(fine));
-        assert_eq!(finer.positions[..shown.points()], shown.positions);
-        assert_eq!(finer.skins[..shown.points()], shown.skins);
-        assert_eq!(finer.wedge_points[..shown.wedges()], shown.wedge_points);
+        assert_eq!(finer.positions[..shown.positions.len()], shown.positions);
+        assert_eq!(finer.skins[..shown.positions.len()], shown.skins);
+        assert_eq!(
+            finer.wedge_points[..shown.wedge_points.len()],
+            shown.wedge_points
+        );
         assert_eq!(finer.normals[..shown.normals.len()], shown.normals);
         assert_eq!(finer.texcoords[..shown.texcoords.len()], shown.texcoords);
         // A level that came alone is refined by the same bytes to the same mesh.
-        let alone = encode_level(coarse, layout).unwrap();
-        let alone = decode_level(&alone, layout, &limits).unwrap();
-        let other = decode_refinement(&alone, &bytes, layout, &limits).unwrap();
+        let alone = encode_level(None, coarse, layout).unwrap();
+        let alone = decode_level(None, &alone, layout, &limits).unwrap();
+        let other = decode_level(Some(&alone), &bytes, layout, &limits).unwrap();
         assert_eq!(faces(&other), faces(fine));
         shown = finer;
         size += bytes.len();
@@ -112,8 +114,8 @@ fn whole(levels: &[QuantisedMesh], layout: &Layout) -> usize {
 fn check_sizes(name: &str, draco: usize, meshopt: usize) {
     let Some(found) = levels(name) else { return };
     let finest = &found.levels[0];
-    let alone = encode_level(finest, &found.layout).unwrap();
-    let back = decode_level(&alone, &found.layout, &StreamLimits::default()).unwrap();
+    let alone = encode_level(None, finest, &found.layout).unwrap();
+    let back = decode_level(None, &alone, &found.layout, &StreamLimits::default()).unwrap();
     assert_eq!(faces(&back), faces(finest));
     let whole = whole(&found.levels, &found.layout);
     println!(

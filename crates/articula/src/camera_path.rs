@@ -45,7 +45,8 @@ pub fn read_camera_path(bytes: &[u8], display_hz: f64) -> Result<Vec<CameraKey>>
 /// JSON that is none, or not of the form.
 pub(crate) fn malformed(error: &serde_json::Error, mend: &str) -> Error {
     let at = format!("line {} column {}", error.line(), error.column());
-    ReadError::malformed(at, format!("{error}; {mend}")).into()
+    let what = format!("{error}; {mend}");
+    ReadError::Malformed { at, what }.into()
 }
 
 /// An error unless something holds.

@@ -130,10 +130,8 @@ macro_rules! boxed {
 }
 
 boxed! {
-    articula_formats::acclaim::WriteError => Write,
-    articula_formats::gltf::WriteError => Write,
+    articula_formats::WriteError => Write,
     articula_formats::mpeg4::bap::SampleError => Write,
-    articula_formats::x3d::WriteError => Write,
     articula_flat::PictureError => Picture,
 }
 
@@ -166,7 +164,11 @@ mod tests {
         assert_eq!(outer.to_string(), "a.glb: clips: no such clip");
         assert!(outer.is_argument());
         assert!(matches!(outer.cause(), Error::Argument(_)));
-        let read: Result<()> = Err(ReadError::malformed("line 1", "no joint")).context("a.bvh");
+        let wrong = ReadError::Malformed {
+            at: "line 1".into(),
+            what: "no joint".into(),
+        };
+        let read: Result<()> = Err(wrong).context("a.bvh");
         assert!(!read.unwrap_err().is_argument());
     }
 }

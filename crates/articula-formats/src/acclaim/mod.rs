@@ -19,7 +19,5 @@ mod hierarchy;
 mod reader;
 mod writer;
 
-pub use crate::sampled::WriteError;
-pub use crate::units::Up;
-pub use reader::{AcclaimFile, ReadOptions, read};
-pub use writer::{WriteOptions, Written, write};
+pub use reader::read;
+pub use writer::{WriteOptions, write};

@@ -5,8 +5,9 @@ use super::asf::{self, Dof, SkeletonText, turned};
 use super::hierarchy::{self, Hierarchy};
 use crate::error::{Guess, Read, ReadError, Warning};
 use crate::limits::Limits;
+use crate::motion_file::{MotionFile, ReadOptions};
 use crate::notes::Notes;
-use crate::units::{self, Up};
+use crate::units;
 use crate::words::FRAME_TIMES_SECS;
 use articula_core::source::{self, Character, Clip, Interpolation, Joint, Property, Skeleton};
 use articula_core::{Transform, same_hemisphere};
@@ -15,30 +16,8 @@ use glam::{Quat, Vec3};
 /// Frames a second of the CMU and most other motions.
 const USUAL_RATE_HZ: f32 = 120.0;
 
-/// What the files do not say.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ReadOptions {
-    /// Metres of one unit; told from `length` of the skeleton and the figure's height without.
-    pub scale_to_metres: Option<f32>,
-    /// The axis that points up.
-    pub up: Up,
-    /// Frames a second; without it what the motion says, or 120.
-    pub rate_hz: Option<f32>,
-}
-
-/// What a skeleton and a motion file hold.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct AcclaimFile {
-    /// A joint for the root and for the start of every bone, all `in_skin`, and at most one
-    /// clip, called `motion`. A joint's rest orientation is the bone's axis.
-    pub character: Character,
-    /// Joint and offset of the end of each last bone, in metres of the joint's space.
-    pub end_sites: Vec<(usize, Vec3)>,
-    /// Frames a second; 0 without motion.
-    pub rate_hz: f32,
-}
-
-/// Reads a skeleton file and, with it, a motion file. Rotations are keyed for every bone that
+/// Reads a skeleton file and, with it, a motion file. There is a joint for the root and for the
+/// start of every bone, and its rest orientation is the bone's axis. Rotations are keyed for every bone that
 /// the motion turns, translations for every one that it moves.
 ///
 /// # Errors
@@ -49,7 +28,7 @@ pub fn read(
     amc: Option<&[u8]>,
     options: &ReadOptions,
     limits: &Limits,
-) -> Result<Read<AcclaimFile>, ReadError> {
+) -> Result<Read<MotionFile>, ReadError> {
     let length = asf.len().max(amc.map_or(0, <[u8]>::len));
     Limits::check("file", "bytes", length as u64, limits.bytes)?;
     let mut notes = Notes::default();
@@ -271,7 +250,7 @@ impl Figure {
         })
     }
 
-    fn file(&self, basis: &Basis) -> AcclaimFile {
+    fn file(&self, basis: &Basis) -> MotionFile {
         let joint = |slot: usize| {
             let (place, rotation) = self.placed(slot, None, basis.scale, basis.rest);
             let name = match self.tree.bones[slot] {
@@ -291,8 +270,8 @@ impl Figure {
         };
         let joints = (0..self.axes.len()).map(joint).collect();
         let clip = self.clip(basis);
-        AcclaimFile {
-            rate_hz: clip.as_ref().map_or(0.0, |_| self.rate_hz),
+        MotionFile {
+            frame_time_secs: clip.as_ref().map_or(0.0, |_| self.rate_hz.recip()),
             character: Character {
                 name: self.text.name.clone(),
                 skeleton: Skeleton { joints },

@@ -10,7 +10,8 @@ use super::amc::RATE;
 use super::asf::ROOT_NAME;
 use super::bones::{self, Bone, Bones};
 use crate::euler;
-use crate::sampled::{self, Place, WriteError};
+use crate::sampled::{self, Place};
+use crate::written::{WriteError, Written};
 use articula_core::source::{Character, Clip, Property, Skeleton};
 use glam::{EulerRot, Quat, Vec3};
 use std::collections::BTreeSet;
@@ -43,17 +44,6 @@ impl Default for WriteOptions {
     }
 }
 
-/// The two files.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Written {
-    /// The skeleton.
-    pub asf: Vec<u8>,
-    /// The motion, if a clip was asked for.
-    pub amc: Option<Vec<u8>>,
-    /// What the format could not hold, in words.
-    pub left_out: Vec<String>,
-}
-
 /// Writes the skeleton and a clip, sampled at a uniform rate; without a skin all joints are
 /// written, with one its joints and what stands above them (but for nodes above a single
 /// joint, whose motion becomes that joint's).
@@ -82,8 +72,8 @@ pub fn write(
     let moves = figure.moving(frames.as_deref().unwrap_or_default());
     let amc = frames.map(|frames| figure.motion(&frames, &moves, options.rate_hz));
     Ok(Written {
-        asf: figure.asf(&character.name, &moves).into_bytes(),
-        amc: amc.map(String::into_bytes),
+        bytes: figure.asf(&character.name, &moves).into_bytes(),
+        motion: amc.map(String::into_bytes),
         left_out: figure.left_out(clip),
     })
 }

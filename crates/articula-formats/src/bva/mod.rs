@@ -9,6 +9,5 @@
 mod reader;
 mod tree;
 
-pub use crate::units::Up;
-pub use reader::{BvaFile, ReadOptions, read};
-pub use tree::{Tree, tree};
+pub use reader::read;
+pub use tree::tree;

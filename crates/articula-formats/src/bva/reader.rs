@@ -2,6 +2,7 @@
 
 use crate::error::{Read, ReadError};
 use crate::limits::Limits;
+use crate::motion_file::{MotionFile, ReadOptions};
 use crate::notes::Notes;
 use crate::units::{self, Up};
 use crate::words::{MAX_FRAMES, frame_time, number, shortened, value_of};
@@ -31,26 +32,8 @@ const LENGTHS: [(&str, f32); 12] = [
     ("M", 1.0),
 ];
 
-/// What to believe instead of the file.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ReadOptions {
-    /// Metres of one unit; without it what the file says.
-    pub scale_to_metres: Option<f32>,
-    /// The axis that points up; [`Up::Auto`] is +Y, as the format has it.
-    pub up: Up,
-}
-
-/// What a BVA file holds.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct BvaFile {
-    /// A joint without parent for each segment, all `in_skin`, at rest where its first frame
-    /// puts it, and at most one clip, called `motion`.
-    pub character: Character,
-    /// Seconds from frame to frame; 0 without frames.
-    pub frame_time_secs: f32,
-}
-
-/// Reads a BVA file.
+/// Reads a BVA file: a joint without parent for each segment, at rest where its first frame puts
+/// it.
 ///
 /// # Errors
 /// [`ReadError::Malformed`] naming the line, what was found and what was expected;
@@ -59,7 +42,7 @@ pub fn read(
     bytes: &[u8],
     options: &ReadOptions,
     limits: &Limits,
-) -> Result<Read<BvaFile>, ReadError> {
+) -> Result<Read<MotionFile>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim_start_matches('\u{feff}');
@@ -349,7 +332,7 @@ impl File {
     }
 
     /// `turn` takes the file's world, and the axes of its segments, to +Y up.
-    fn character(self, turn: Quat) -> BvaFile {
+    fn character(self, turn: Quat) -> MotionFile {
         let frames = self.segments.iter().map(|s| s.frames.len()).max();
         let last_frame = frames.and_then(|f| f.checked_sub(1));
         let mut character = Character::default();
@@ -378,7 +361,8 @@ impl File {
             duration_secs: time_secs(frame, self.frame_time_secs),
             channels,
         }));
-        BvaFile {
+        MotionFile {
+            end_sites: Vec::new(),
             frame_time_secs: last_frame.map_or(0.0, |_| self.frame_time_secs),
             character,
         }

@@ -4,8 +4,9 @@
 //! from the known one against which it moves least. The figure stands where the segments
 //! stand in every frame: what does not keep its distance to its parent gets translation keys.
 
-use super::reader::{self, BvaFile};
-use crate::error::Warning;
+use super::reader;
+use crate::error::{Read, Warning};
+use crate::motion_file::MotionFile;
 use crate::sampled::still_metres;
 use articula_core::Transform;
 use articula_core::hanim_table::{self, JOINTS};
@@ -22,21 +23,12 @@ const NEARER: f32 = 0.01;
 /// Unknown segments beyond this many hang from the root unseen.
 const MOST_COMPARED: usize = 512;
 
-/// A figure that was put together.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Tree {
-    /// The segments as a tree, with the same motion.
-    pub character: Character,
-    /// How it was put together.
-    pub warnings: Vec<Warning>,
-}
-
 /// Puts the segments of a file together by what they are (`articula-build` tells it by their
-/// names); `None` if there is no motion, or none of them is the root of a human.
+/// names): a tree with the same motion, and how it was made; `None` if there is no motion, or none of them is the root of a human.
 ///
 /// At rest every segment has zero rotations, as in BVH; if the figure would not stand then,
 /// the first frame is its rest pose. Scale is left out, since it would reach the children.
-pub fn tree(file: &BvaFile, segments: &Segments) -> Option<Tree> {
+pub fn tree(file: &MotionFile, segments: &Segments) -> Option<Read<Character>> {
     let clip = file.character.clips.first()?;
     let skeleton = &file.character.skeleton;
     if segments.joints.len() != skeleton.joints.len() {
@@ -57,8 +49,8 @@ pub fn tree(file: &BvaFile, segments: &Segments) -> Option<Tree> {
         ),
     )];
     let character = world.figure(file, &order, &meanings, &mut warnings);
-    Some(Tree {
-        character,
+    Some(Read {
+        value: character,
         warnings,
     })
 }
@@ -126,7 +118,7 @@ impl World {
 
     fn figure(
         &self,
-        file: &BvaFile,
+        file: &MotionFile,
         order: &[Slot],
         meanings: &[Option<usize>],
         warnings: &mut Vec<Warning>,

@@ -4,14 +4,12 @@
 //! `docs/formats/bvh.md`. A joint's channels are intrinsic rotations in the order they are
 //! declared; position channels replace the joint's offset.
 //! Differs: units and up axis are not in the file, so both are told from the figure, and said
-//! in a warning; [`ReadOptions`] overrides them.
+//! in a warning; [`ReadOptions`](crate::ReadOptions) overrides them.
 
 mod hierarchy;
 mod motion;
 mod reader;
 mod writer;
 
-pub use crate::sampled::WriteError;
-pub use crate::units::Up;
-pub use reader::{BvhFile, ReadOptions, read};
+pub use reader::read;
 pub use writer::{ChannelOrder, WriteOptions, write};

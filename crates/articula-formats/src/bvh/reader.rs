@@ -4,30 +4,11 @@ use super::hierarchy::{self, Channel, Hierarchy, RawJoint};
 use super::motion::{self, Motion};
 use crate::error::{Read, ReadError, Warning};
 use crate::limits::Limits;
-use crate::units::{self, Up};
+use crate::motion_file::{MotionFile, ReadOptions};
+use crate::units;
 use articula_core::source::{self, Character, Clip, Interpolation, Joint, Property, Skeleton};
 use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
-
-/// What the file does not say.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ReadOptions {
-    /// Metres of one unit; guessed from the figure's height without it.
-    pub scale_to_metres: Option<f32>,
-    /// The axis that points up.
-    pub up: Up,
-}
-
-/// What a BVH file holds.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct BvhFile {
-    /// Skeleton and at most one clip, called `motion`; every joint is `in_skin`.
-    pub character: Character,
-    /// Joint and offset of each end site, in metres of the joint's space.
-    pub end_sites: Vec<(usize, Vec3)>,
-    /// Seconds from frame to frame; 0 without motion.
-    pub frame_time_secs: f32,
-}
 
 /// Reads a BVH file. Rest rotations are the identity; rotations are keyed for every joint with
 /// rotation channels, translations for every joint with position channels.
@@ -39,7 +20,7 @@ pub fn read(
     bytes: &[u8],
     options: &ReadOptions,
     limits: &Limits,
-) -> Result<Read<BvhFile>, ReadError> {
+) -> Result<Read<MotionFile>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim_start_matches('\u{feff}');
@@ -158,7 +139,7 @@ impl Raw {
         })
     }
 
-    fn file(&self, basis: &Basis) -> BvhFile {
+    fn file(&self, basis: &Basis) -> MotionFile {
         let offset = |v: Vec3| basis.figure * v * basis.scale;
         let joint = |raw: &RawJoint| Joint {
             name: raw.name.clone(),
@@ -167,7 +148,7 @@ impl Raw {
             in_skin: true,
         };
         let sites = self.hierarchy.end_sites.iter();
-        BvhFile {
+        MotionFile {
             character: Character {
                 skeleton: Skeleton {
                     joints: self.hierarchy.joints.iter().map(joint).collect(),

@@ -6,7 +6,8 @@
 //! A joint whose position moves against its parent gets position channels of its own.
 
 use crate::euler;
-use crate::sampled::{self, Place, WriteError};
+use crate::sampled::{self, Place};
+use crate::written::WriteError;
 use articula_core::source::{Character, Clip, Skeleton};
 use glam::{EulerRot, Quat, Vec3};
 use std::fmt::Write as _;

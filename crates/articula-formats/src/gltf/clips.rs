@@ -6,7 +6,7 @@ use super::extension::ARTICULATION;
 use super::khr_character::named;
 use super::vrm::expression_nodes;
 use super::vrm::facing::{faces_back, parents, turned_back};
-use super::write::WriteError;
+use crate::written::WriteError;
 use articula_core::source::{Channel, Clip, Interpolation, Property};
 use serde_json::{Value, json};
 use std::borrow::Cow;

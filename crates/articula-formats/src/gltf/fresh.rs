@@ -3,8 +3,8 @@
 use super::append::{Use, float_bytes, push, set, short, shorts};
 use super::document::Document;
 use super::geometry::add_primitive;
-use super::write::WriteError;
 use crate::uri::mime_type;
+use crate::written::WriteError;
 use articula_core::Transform;
 use articula_core::source::{Character, Image, Joint, Material, Mesh, Primitive, Skin};
 use glam::{Affine3A, Mat4, Vec4};

@@ -2,7 +2,7 @@
 
 use super::append::{Use, exact, float_bytes, set};
 use super::document::Document;
-use super::write::WriteError;
+use crate::written::WriteError;
 use articula_core::source::{MorphTarget, Primitive};
 use glam::Vec3;
 use serde_json::{Value, json};

@@ -58,18 +58,14 @@ mod vrm;
 mod weight;
 mod write;
 
-pub use clustered::{LevelNodes, MeshParts, PartLevels};
+pub use clustered::{MeshParts, PartLevels};
 pub use document::Document;
-pub use khr_character::{
-    ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping, pose_kind,
-};
+pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
 pub use vrm::Kept;
-pub use write::WriteError;
 
 use crate::error::{Read, ReadError};
 use crate::{Limits, Resolver};
 use articula_core::source::Character;
-use glam::Vec3A;
 use place::Place;
 use reader::{Notes, Reader};
 
@@ -93,23 +89,6 @@ pub struct GltfFile {
     pub khr_character: Option<KhrCharacter>,
     /// What stays in the document but changes nothing here, such as spring bones.
     pub kept: Vec<Kept>,
-}
-
-impl GltfFile {
-    /// Height of the hips above the ground at rest, metres; what motions are scaled by between
-    /// humans of different size. `None` if no joint is said to be the hips.
-    pub fn hips_height_metres(&self) -> Option<f32> {
-        let bones = self.humanoid.as_ref()?;
-        let (hips, _) = bones.iter().find(|(_, bone)| bone == "hips")?;
-        let joints = &self.character.skeleton.joints;
-        let mut place = Vec3A::ZERO;
-        let mut at = Some(*hips);
-        while let Some(j) = at {
-            place = joints[j].rest.to_affine().transform_point3a(place);
-            at = joints[j].parent;
-        }
-        Some(place.y)
-    }
 }
 
 /// Reads a GLB or glTF 2.0 file (VRM 0 and 1 and VRMA included) as one character.

@@ -5,36 +5,8 @@
 use super::append::{entries_mut, index, object, push, set};
 use super::document::Document;
 use crate::uri::mime_type;
+use crate::written::WriteError;
 use serde_json::{Value, json};
-use thiserror::Error;
-
-/// Why a document cannot be written.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub enum WriteError {
-    /// A GLB counts its bytes with 32 bits.
-    #[error("the file would take {bytes} bytes, a GLB holds less than 4 GiB")]
-    TooLarge {
-        /// Bytes that the file would take.
-        bytes: u64,
-    },
-    /// What the caller gave does not belong to the document.
-    #[error("{at}: {what}")]
-    Mismatch {
-        /// Which argument or path.
-        at: String,
-        /// What does not fit.
-        what: String,
-    },
-}
-
-impl WriteError {
-    pub(super) fn mismatch(at: impl Into<String>, what: impl Into<String>) -> Self {
-        Self::Mismatch {
-            at: at.into(),
-            what: what.into(),
-        }
-    }
-}
 
 impl Document {
     /// Writes the document as one GLB.

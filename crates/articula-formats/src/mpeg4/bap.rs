@@ -1,14 +1,14 @@
 //! BAP text: body animation parameters, frame by frame, and the body that they drive.
 //!
 //! Source: the reference encoder's form, versions 3.1 and 3.2 (`docs/formats/mpeg4.md`). 186
-//! parameters have a meaning ([`TABLE`]); 110 more are extensions that only their maker knows.
+//! parameters have a meaning; 110 more are extensions that only their maker knows.
 
 use super::parameter_text::{self, Frame, Layout, Reader};
 use crate::{Limits, Read, ReadError, Warning};
 
 pub use super::bap_body::{character, figure};
 pub use super::bap_sample::{Residual, SampleError, Sampled, sample};
-pub use super::bap_table::{BAPS, Bap, Motion, TABLE};
+pub(super) use super::bap_table::{BAPS, Motion, TABLE};
 pub use super::fap::Absent;
 
 /// Parameters with extensions.
@@ -46,7 +46,7 @@ pub struct BapClip {
 
 impl BapClip {
     /// Parameters that are other than 0 in at least one frame, as many as a frame has values.
-    pub fn moving(&self) -> Vec<bool> {
+    pub(super) fn moving(&self) -> Vec<bool> {
         let mut moving = vec![false; self.coded.len()];
         for frame in &self.frames {
             for (moves, value) in moving.iter_mut().zip(&frame.values) {

@@ -15,7 +15,8 @@ use super::bap_limb::{Limb, limbs};
 use super::bap_split::{near, split};
 use super::bap_table;
 use crate::Limits;
-use crate::sampled::{self, Place, WriteError};
+use crate::sampled::{self, Place};
+use crate::written::WriteError;
 use articula_core::Articulation;
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS, find};
 use articula_core::source::Character;
@@ -324,3 +325,11 @@ fn apart_degrees(a: Vec3, b: Vec3) -> f32 {
     };
     a.dot(b).clamp(-1.0, 1.0).acos().to_degrees()
 }
+
+#[cfg(test)]
+#[allow(
+    clippy::print_stdout,
+    clippy::disallowed_methods,
+    reason = "a test reads files, and says what it skips"
+)]
+mod tests;

@@ -11,7 +11,7 @@ use glam::Vec3;
 
 /// What a parameter does to its joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Motion {
+pub(super) enum Motion {
     /// Turns it about this axis, 1e-5 rad a unit.
     Turn(Vec3),
     /// Shifts it along this axis, 1 mm a unit.
@@ -20,24 +20,24 @@ pub enum Motion {
 
 /// One body animation parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bap {
+pub(super) struct Bap {
     /// Name in the standard's spelling, lower case.
-    pub name: &'static str,
+    pub(super) name: &'static str,
     /// H-Anim 1.1 name of the joint.
-    pub joint: &'static str,
+    pub(super) joint: &'static str,
     /// What it does.
-    pub motion: Motion,
+    pub(super) motion: Motion,
 }
 
 /// Number of parameters that the standard names.
-pub const BAPS: usize = 186;
+pub(super) const BAPS: usize = 186;
 
 /// First and last index of the parameters of spine and skull, which go from the top down.
 const SPINE: std::ops::RangeInclusive<usize> = 47..=121;
 
 /// BAP `n` stands at index `n - 1`.
 #[rustfmt::skip]
-pub static TABLE: [Bap; BAPS] = [
+pub(super) static TABLE: [Bap; BAPS] = [
     turn("sacroiliac_tilt", "sacroiliac", Vec3::NEG_X),
     turn("sacroiliac_torsion", "sacroiliac", Vec3::Y),
     turn("sacroiliac_roll", "sacroiliac", Vec3::Z),

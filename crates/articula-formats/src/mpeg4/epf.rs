@@ -20,20 +20,6 @@ const LONGEST_WORD: usize = 4;
 /// A file with more unknown words is none of this form.
 const MOST_UNKNOWN: u64 = 16;
 
-/// Which parameters a frame carries.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Streams {
-    /// Neither; nothing is coded.
-    #[default]
-    None,
-    /// The face's.
-    Face,
-    /// The body's.
-    Body,
-    /// Both.
-    Both,
-}
-
 /// How one group of parameters is coded.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum GroupMask {
@@ -63,8 +49,10 @@ pub struct Coding {
 /// What is said of one frame.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EpfFrame {
-    /// `FBM`: what it carries.
-    pub streams: Streams,
+    /// `FBM`: whether it carries parameters of the face.
+    pub carries_face: bool,
+    /// `FBM`: whether it carries those of the body.
+    pub carries_body: bool,
     /// `FFR`: its number.
     pub number: Option<i32>,
     /// `ISI`: whether it stands alone.
@@ -216,12 +204,8 @@ impl EpfFrame {
     fn apply(&mut self, statement: &Statement) -> Result<bool, ReadError> {
         match statement.word.as_str() {
             "FBM" => {
-                self.streams = match statement.one(0, 3)? {
-                    0 => Streams::None,
-                    1 => Streams::Face,
-                    2 => Streams::Body,
-                    _ => Streams::Both,
-                };
+                let carried = statement.one(0, 3)?;
+                (self.carries_face, self.carries_body) = (carried & 1 > 0, carried & 2 > 0);
             }
             "FFR" => self.number = Some(statement.one(0, i32::MAX)?),
             "ISI" => self.intra = Some(statement.one(0, 1)? == 1),
@@ -315,8 +299,8 @@ mod tests {
             panic!("{} frames", read.value.len())
         };
         assert_eq!(
-            (a.streams, a.number, a.intra),
-            (Streams::Face, Some(0), Some(true))
+            (a.carries_face, a.carries_body, a.number, a.intra),
+            (true, false, Some(0), Some(true))
         );
         // 29 15/16 frames a second, a thousandth less: 29.9375 x 1000 / 1001.
         assert!((a.rate_hz.unwrap() - 29.907_592).abs() < 1e-5);
@@ -339,8 +323,8 @@ mod tests {
             (Some(2), [60, 60].as_slice())
         );
         assert_eq!(
-            (b.streams, b.intra, b.body.quantiser),
-            (Streams::Both, Some(false), Some(31))
+            (b.carries_face && b.carries_body, b.intra, b.body.quantiser),
+            (true, Some(false), Some(31))
         );
         assert_eq!(b.body.body_masks, [1, 0, 1]);
         assert_eq!(b.face, Coding::default());

@@ -10,7 +10,7 @@ use articula_core::fap_table::{FAPS, TABLE};
 /// High-level parameters, which stand before the others.
 const HIGH: usize = 2;
 /// Low-level parameters: FAP 3 to 68.
-pub const LOW: usize = FAPS - HIGH;
+const LOW: usize = FAPS - HIGH;
 const VERSIONS: [&str; 2] = ["2.1", "2.2"];
 /// Highest viseme, expression, and weight of either.
 const HIGHEST: (i32, i32, i32) = (14, 6, 63);

@@ -101,11 +101,6 @@ impl FdpFile {
         }
         moved
     }
-
-    /// How many FAPs move at least one vertex.
-    pub fn faps(&self) -> usize {
-        self.moved().iter().filter(|m| **m).count()
-    }
 }
 
 /// Reads a file.

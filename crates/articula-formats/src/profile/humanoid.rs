@@ -23,7 +23,7 @@ const FINGERS: [&str; 4] = ["Index", "Middle", "Ring", "Little"];
 const PARTS: [&str; 3] = ["Proximal", "Intermediate", "Distal"];
 
 /// Whether VRM 1.0 has a human bone of exactly this name.
-pub fn is_vrm_bone(name: &str) -> bool {
+pub(crate) fn is_vrm_bone(name: &str) -> bool {
     let Some(part) = name
         .strip_prefix("left")
         .or_else(|| name.strip_prefix("right"))

@@ -1,7 +1,7 @@
 //! Joint-name profiles as files: which names of a kind of rig mean which H-Anim joint.
 //!
 //! - [`builtin`], [`parse`]: the profiles that come along, and the user's own
-//! - [`is_vrm_bone`], [`vrm_bones`]: the names in the map that a VRM file brings itself
+//! - [`vrm_bones`]: the names in the map that a VRM file brings itself
 //!
 //! They are data; `articula-build` matches a skeleton with them. Source: thesis 3.1.3; H-Anim 1.1
 //! and 2 (ISO/IEC 19774); the rules are described in `docs/formats/profile.md`.
@@ -14,4 +14,5 @@ mod standard;
 
 pub use builtin::builtin;
 pub use file::parse;
-pub use humanoid::{is_vrm_bone, vrm_bones};
+pub(crate) use humanoid::is_vrm_bone;
+pub use humanoid::vrm_bones;

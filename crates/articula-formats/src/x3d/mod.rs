@@ -41,4 +41,4 @@ mod write;
 mod xml;
 
 pub use reader::{Site, X3dFile, read};
-pub use write::{WriteError, WriteOptions, Written, write};
+pub use write::write;

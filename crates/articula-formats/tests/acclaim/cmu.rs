@@ -10,7 +10,8 @@
 use super::real;
 use super::world;
 use articula_core::source::Character;
-use articula_formats::acclaim::{self, ReadOptions};
+use articula_formats::ReadOptions;
+use articula_formats::acclaim;
 use articula_formats::bvh;
 use articula_formats::{Limits, profile};
 use glam::Vec3;
@@ -84,7 +85,7 @@ fn acclaim() -> Option<Character> {
     let warned: Vec<&str> = read.warnings.iter().map(|w| w.what.as_str()).collect();
     assert_eq!(warned.len(), 2, "{warned:?}");
     assert!(warned[0].contains("120 frames a second") && warned[1].contains("length 0.45"));
-    assert_eq!(read.value.rate_hz, 120.0);
+    assert_eq!(read.value.frame_time_secs, 1.0 / 120.0);
     // Toes, head, fingers and thumbs.
     assert_eq!(read.value.end_sites.len(), 7);
     Some(read.value.character)
@@ -100,11 +101,7 @@ fn biovision(lost_lengths_back: bool) -> Option<Character> {
         let found = "OFFSET 0 0 0".len();
         text.replace_range(offset..offset + found, &format!("OFFSET {x} {y} {z}"));
     }
-    let read = bvh::read(
-        text.as_bytes(),
-        &bvh::ReadOptions::default(),
-        &Limits::default(),
-    );
+    let read = bvh::read(text.as_bytes(), &ReadOptions::default(), &Limits::default());
     Some(read.unwrap().value.character)
 }
 

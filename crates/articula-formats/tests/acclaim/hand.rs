@@ -2,8 +2,9 @@
 
 use super::{AMC, ASF, at_rest, plain, world};
 use articula_core::source::{Character, Property};
-use articula_formats::acclaim::{self, ReadOptions, Up};
+use articula_formats::acclaim;
 use articula_formats::{Limits, profile};
+use articula_formats::{ReadOptions, Up};
 use glam::{Quat, Vec3};
 
 fn place(character: &Character, name: &str, time_secs: f32) -> Vec3 {
@@ -20,7 +21,10 @@ fn a_leg_and_an_arm() {
     assert!(file.warnings.is_empty(), "{:?}", file.warnings);
     let file = file.value;
     let character = &file.character;
-    assert_eq!((character.name.as_str(), file.rate_hz), ("TEST", 2.0));
+    assert_eq!(
+        (character.name.as_str(), file.frame_time_secs),
+        ("TEST", 0.5)
+    );
     let joints = &character.skeleton.joints;
     let names: Vec<&str> = joints.iter().map(|j| j.name.as_str()).collect();
     assert_eq!(names, ["root", "joint", "arm", "thigh", "shin"]);
@@ -195,13 +199,13 @@ fn the_rate_may_stand_in_the_file() {
             &Limits::default(),
         );
         let read = read.unwrap();
-        (read.value.rate_hz, read.warnings.len())
+        (read.value.frame_time_secs, read.warnings.len())
     };
-    assert_eq!(rate(AMC, None), (120.0, 1));
-    assert_eq!(rate(AMC, Some(60.0)), (60.0, 0));
+    assert_eq!(rate(AMC, None), (1.0 / 120.0, 1));
+    assert_eq!(rate(AMC, Some(60.0)), (1.0 / 60.0, 0));
     assert_eq!(
         rate(&format!(":SAMPLES-PER-SECOND 30\n{AMC}"), None),
-        (30.0, 0)
+        (1.0 / 30.0, 0)
     );
     assert_eq!(
         rate(&format!("# samples-per-second 25.5\n{AMC}"), None),

@@ -1,7 +1,8 @@
 //! Every fault names its line; counts are bounded; truncated files give a value or an error.
 
 use super::{AMC, ASF, plain};
-use articula_formats::acclaim::{self, ReadOptions};
+use articula_formats::ReadOptions;
+use articula_formats::acclaim;
 use articula_formats::{Limits, ReadError};
 
 /// What is replaced by what in the skeleton, and what the error then says.
@@ -198,7 +199,7 @@ fn oddities_are_read_with_a_warning() {
         );
     }
     let without_motion = plain(ASF, Some("")).unwrap().value;
-    assert!(without_motion.character.clips.is_empty() && without_motion.rate_hz == 0.0);
+    assert!(without_motion.character.clips.is_empty() && without_motion.frame_time_secs == 0.0);
 }
 
 #[test]

@@ -18,8 +18,9 @@ mod written;
 
 use articula_core::LocalPose;
 use articula_core::source::{Character, evaluate};
-use articula_formats::acclaim::{self, AcclaimFile, ReadOptions, Up};
+use articula_formats::acclaim;
 use articula_formats::{Limits, Read, ReadError};
+use articula_formats::{MotionFile, ReadOptions, Up};
 use glam::{Affine3A, Vec3};
 
 /// A thigh with axes of its own, a shin that shares them, and a connecting bone to an arm.
@@ -97,7 +98,7 @@ arm 1 90
 ";
 
 /// Reads texts in which one unit is a metre, +Y is up and two frames make a second.
-fn plain(asf: &str, amc: Option<&str>) -> Result<Read<AcclaimFile>, ReadError> {
+fn plain(asf: &str, amc: Option<&str>) -> Result<Read<MotionFile>, ReadError> {
     let options = ReadOptions {
         scale_to_metres: Some(1.0),
         up: Up::Y,

@@ -3,21 +3,22 @@
 use super::{AMC, ASF, plain, real, world};
 use articula_core::Transform;
 use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
-use articula_formats::acclaim::{self, AcclaimFile, ReadOptions, WriteOptions, Written};
+use articula_formats::acclaim::{self, WriteOptions};
 use articula_formats::{Limits, bvh, gltf};
+use articula_formats::{MotionFile, ReadOptions, Written};
 use glam::{EulerRot, Quat, Vec3};
 use proptest::prelude::*;
 
 const RATE_HZ: f32 = 30.0;
 const FRAMES: usize = 4;
 
-fn reopened(written: &Written) -> AcclaimFile {
+fn reopened(written: &Written) -> MotionFile {
     let options = ReadOptions {
-        up: acclaim::Up::Y,
+        up: articula_formats::Up::Y,
         ..ReadOptions::default()
     };
-    let amc = written.amc.as_deref();
-    let read = acclaim::read(&written.asf, amc, &options, &Limits::default()).unwrap();
+    let amc = written.motion.as_deref();
+    let read = acclaim::read(&written.bytes, amc, &options, &Limits::default()).unwrap();
     let warned: Vec<&str> = read.warnings.iter().map(|w| w.what.as_str()).collect();
     assert!(
         warned.len() == 1 && warned[0].contains("length 0.45"),
@@ -140,7 +141,7 @@ proptest! {
         let options = WriteOptions { rate_hz: RATE_HZ, ..WriteOptions::default() };
         let written = acclaim::write(&character, Some(0), &options).unwrap();
         let back = reopened(&written);
-        prop_assert_eq!(back.rate_hz, RATE_HZ);
+        prop_assert_eq!(back.frame_time_secs, RATE_HZ.recip());
         let apart = apart_metres(&character, &back.character, RATE_HZ, FRAMES);
         prop_assert!(apart < 2e-5, "{} m", apart);
         // Written again it does not grow, and stays where it is.
@@ -182,7 +183,7 @@ fn a_pair_written_again_is_the_same_figure() {
         assert!(a.0 == b.0 && a.1.distance(b.1) < 1e-5);
     }
     // Only the arm moves, so it alone has translations.
-    let asf = String::from_utf8(written.asf).unwrap();
+    let asf = String::from_utf8(written.bytes).unwrap();
     assert_eq!(asf.matches("dof tx ty tz rx ry rz").count(), 1);
     assert_eq!(
         asf.matches("dof rx ry rz").count(),
@@ -207,7 +208,7 @@ fn names_that_the_format_cannot_hold_are_replaced() {
         ..Character::default()
     };
     let written = acclaim::write(&character, None, &WriteOptions::default()).unwrap();
-    assert!(written.amc.is_none());
+    assert!(written.motion.is_none());
     assert!(
         written.left_out.iter().any(|l| l.starts_with("7 names")),
         "{:?}",
@@ -261,7 +262,7 @@ fn real_motions_survive() {
             println!("skipped: no data");
             return;
         };
-        let read = bvh::read(&bytes, &bvh::ReadOptions::default(), &Limits::default());
+        let read = bvh::read(&bytes, &ReadOptions::default(), &Limits::default());
         let mut file = read.unwrap().value;
         for clip in &mut file.character.clips {
             clip.duration_secs = clip.duration_secs.min(2.0);

@@ -5,8 +5,8 @@ use crate::thinned::{clustered, levels, part, store, table};
 use crate::tiny::{Tiny, read};
 use articula_build::Clustered;
 use articula_core::source::{Mesh, Primitive};
+use articula_formats::gltf::MeshParts;
 use articula_formats::gltf::{Document, GltfFile};
-use articula_formats::gltf::{LevelNodes, MeshParts};
 use serde_json::{Value, json};
 
 /// A sheet of 4 x 4 squares with every kind of array: interleaved and strided, integers, sparse
@@ -99,8 +99,7 @@ pub(crate) fn stored() -> Vec<u8> {
     let mut file = sheet().read().unwrap().value;
     let of = vec![clustered(&file.character.meshes[0], 4)];
     store(&mut file, &of).unwrap();
-    let opts = LevelNodes::new(1.0);
-    file.document.add_level_nodes(2, &table(4), &opts).unwrap();
+    file.document.add_level_nodes(2, &table(4), 1.0).unwrap();
     file.document.write_glb().unwrap()
 }
 
@@ -321,8 +320,7 @@ fn strips_fans_points_and_shared_arrays() {
     let bytes = file.document.write_glb().unwrap();
     let after = read(&bytes).unwrap().value;
     same_levels(&before, &after.character.meshes[0], &of[0], 3);
-    let opts = LevelNodes::new(1.0);
-    file.document.add_level_nodes(0, &table(3), &opts).unwrap();
+    file.document.add_level_nodes(0, &table(3), 1.0).unwrap();
     let coarser = &file.document.json["meshes"][1]["primitives"];
     let modes: Vec<_> = coarser
         .as_array()
@@ -355,9 +353,7 @@ fn levels_survive_new_clips() {
     let mut file = tiny.read().unwrap().value;
     let of = vec![clustered(&file.character.meshes[0], 4)];
     store(&mut file, &of).unwrap();
-    file.document
-        .add_level_nodes(2, &table(4), &LevelNodes::new(1.0))
-        .unwrap();
+    file.document.add_level_nodes(2, &table(4), 1.0).unwrap();
     let before = reread(&file.document).character;
     let count = |d: &Document| d.json["accessors"].as_array().unwrap().len();
     let accessors = count(&file.document);
@@ -571,10 +567,9 @@ fn level_nodes_show_the_same_levels() {
     let mut file = sheet().read().unwrap().value;
     let of = vec![clustered(&file.character.meshes[0], 4)];
     store(&mut file, &of).unwrap();
-    let opts = LevelNodes::new(1.0);
     let levels = table(4);
     let arrays = file.document.buffers[0].len();
-    file.document.add_level_nodes(2, &levels, &opts).unwrap();
+    file.document.add_level_nodes(2, &levels, 1.0).unwrap();
     assert!(
         file.document.buffers[0].len() < arrays + 400,
         "vertices are shared"
@@ -612,7 +607,7 @@ fn level_nodes_show_the_same_levels() {
     // Asked again there are no more of them; new levels of the mesh take them away.
     let nodes = |f: &GltfFile| f.document.json["nodes"].as_array().unwrap().len();
     let meshes = |f: &GltfFile| reread(&f.document).character.meshes[0].levels.len();
-    file.document.add_level_nodes(2, &levels, &opts).unwrap();
+    file.document.add_level_nodes(2, &levels, 1.0).unwrap();
     assert_eq!((nodes(&file), meshes(&file)), (9, 3));
     let mut file = reread(&file.document);
     let of = vec![clustered(&file.character.meshes[0], 2)];
@@ -634,9 +629,7 @@ fn a_mesh_that_vanishes_is_not_drawn_when_small() {
     let order = articula_build::Order::Store;
     let of = articula_build::cluster(&levels, 27, &[], order).unwrap();
     store(&mut file, &[vec![of]]).unwrap();
-    file.document
-        .add_level_nodes(2, &table(3), &LevelNodes::new(0.5))
-        .unwrap();
+    file.document.add_level_nodes(2, &table(3), 0.5).unwrap();
     let mesh = &reread(&file.document).character.meshes[0];
     assert_eq!(mesh.levels.len(), 1);
     assert!(mesh.levels[0].screen_coverage > Some(0.0));

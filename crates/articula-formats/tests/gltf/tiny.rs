@@ -4,6 +4,18 @@ use articula_formats::gltf::{self, GltfFile};
 use articula_formats::{Limits, Read, ReadError};
 use serde_json::{Value, json};
 
+/// Height of the hips above the ground at rest.
+pub(crate) fn hips_height_metres(file: &GltfFile) -> f32 {
+    let mut bones = file.humanoid.iter().flatten();
+    let (hips, _) = bones.find(|(_, bone)| bone == "hips").unwrap();
+    let joints = &file.character.skeleton.joints;
+    let above = std::iter::successors(Some(*hips), |j| joints[*j].parent);
+    let place = above.fold(glam::Vec3::ZERO, |place, j| {
+        joints[j].rest.to_affine().transform_point3(place)
+    });
+    place.y
+}
+
 /// A document under construction with one buffer.
 pub(crate) struct Tiny {
     pub(crate) json: Value,

@@ -1,7 +1,7 @@
 //! VRM 0.x, VRM 1.0 and VRM animation: humanoid map, expressions, credits, what is kept, and the
 //! way that a VRM 0.x character faces.
 
-use crate::tiny::{Tiny, read};
+use crate::tiny::{Tiny, hips_height_metres, read};
 use articula_core::source::{Channel, Expression, Mask, MaskKind, MorphBinding, Property};
 use articula_formats::gltf::{GltfFile, Kept};
 use serde_json::{Value, json};
@@ -133,7 +133,7 @@ fn vrm_1_by_hand() {
     let file = value(&new());
     assert_eq!(file.version.as_deref(), Some("VRM 1.0"));
     assert_eq!(file.humanoid.as_ref().map(Vec::len), Some(3));
-    assert_eq!(file.hips_height_metres(), Some(1.0));
+    assert_eq!(hips_height_metres(&file), 1.0);
     let expressions = &file.character.expressions;
     let names: Vec<_> = expressions.iter().map(|e| e.name.as_str()).collect();
     assert_eq!(names, ["happy", "blink", "aa", "wink"]);

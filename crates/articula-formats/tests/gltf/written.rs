@@ -3,7 +3,8 @@
 use crate::tiny::{Tiny, read};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
 use articula_core::{Articulation, JointArticulation, Region};
-use articula_formats::gltf::{Document, GltfFile, WriteError};
+use articula_formats::WriteError;
+use articula_formats::gltf::{Document, GltfFile};
 use serde_json::{Value, json};
 
 fn written(document: &Document) -> GltfFile {

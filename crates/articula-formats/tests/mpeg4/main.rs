@@ -7,7 +7,6 @@
     reason = "a test reads files, stops at the first surprise, and says what it skips"
 )]
 
-mod bap_motion;
 mod bap_text;
 mod fap_text;
 mod fdp_files;

@@ -8,7 +8,8 @@
 use articula_build::{Clustered, Order, cluster};
 use articula_core::source::{Mesh, Primitive};
 use articula_core::{LevelRow, LevelTable, SurfaceError};
-use articula_formats::gltf::{GltfFile, WriteError};
+use articula_formats::WriteError;
+use articula_formats::gltf::GltfFile;
 use articula_formats::gltf::{MeshParts, PartLevels};
 
 /// Levels of a primitive, finest first: in each step vertices move onto neighbours that stay.

@@ -2,7 +2,7 @@
 //! the bytes, reading ends with a value of bounded size or an error, and what was read can be
 //! written and read again.
 
-use articula_formats::x3d::{self, WriteOptions};
+use articula_formats::x3d;
 use articula_formats::{Limits, profile};
 use articula_mutate::{Edit, Mutations, cut_off};
 
@@ -123,10 +123,7 @@ fn survives(bytes: &[u8]) -> bool {
         }
     }
     let mapping = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
-    let options = WriteOptions {
-        sites: read.value.sites,
-    };
-    let written = x3d::write(&character, &mapping.articulation, &options).unwrap();
+    let written = x3d::write(&character, &mapping.articulation, &read.value.sites).unwrap();
     let again = x3d::read(&written.bytes, &Limits::default(), &mut picture);
     // A figure may be as large as numbers go, and then be larger by what joints add.
     assert!(again.is_ok() || is_huge(&again.unwrap_err().to_string()));

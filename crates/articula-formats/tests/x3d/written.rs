@@ -5,7 +5,8 @@ use crate::real;
 use articula_core::Articulation;
 use articula_core::hanim_table;
 use articula_core::source::Character;
-use articula_formats::x3d::{self, WriteError, WriteOptions, X3dFile};
+use articula_formats::WriteError;
+use articula_formats::x3d::{self, X3dFile};
 use articula_formats::{Limits, gltf, profile};
 use articula_human::{HumanOptions, human};
 use glam::DVec3;
@@ -18,16 +19,15 @@ const BOUND: f64 = 5e-6;
 /// Writes and reads a character; also says whether the rest pose is that of the source.
 fn written(character: &Character) -> (X3dFile, bool) {
     let mapping = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
-    let options = WriteOptions::default();
-    let written = x3d::write(character, &mapping.articulation, &options).unwrap();
+    let written = x3d::write(character, &mapping.articulation, &[]).unwrap();
     let mut alone = |name: &str| Err(format!("{name}: nothing lies here"));
     let read = x3d::read(&written.bytes, &Limits::default(), &mut alone).unwrap();
     assert_eq!(read.warnings, []);
     // Skin that was bound in another pose than that of rest makes its pose the figure's own.
     let at_rest = written
-        .warnings
+        .left_out
         .iter()
-        .all(|w| !w.what.contains("that of binding"));
+        .all(|w| !w.contains("that of binding"));
     (read.value, at_rest)
 }
 
@@ -162,8 +162,7 @@ fn real_characters_read_again() {
 fn what_cannot_be_written_is_refused() {
     let none = Character::default();
     let unmapped = Articulation::default();
-    let options = WriteOptions::default();
-    let refused = |c: &Character, a: &Articulation| x3d::write(c, a, &options).unwrap_err();
+    let refused = |c: &Character, a: &Articulation| x3d::write(c, a, &[]).unwrap_err();
     assert_eq!(refused(&none, &unmapped), WriteError::NoJoint);
     let character = human(&HumanOptions::default()).unwrap();
     let other = refused(&character, &unmapped);

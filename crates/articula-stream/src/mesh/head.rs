@@ -1,6 +1,6 @@
 //! The head of a stream: what the objects are, what each level costs, where each chunk lies.
 
-use super::codec::{Grid, Layout, MorphLayout, Scale, TexcoordGrid};
+use super::codec::{Grid, Layout, MorphLayout, Scale};
 use super::hash::{Hash, hash_of};
 use crate::coding::Coding;
 use crate::unit::{Field, Marker, Unit, bits_of};
@@ -186,11 +186,6 @@ impl MeshStream {
         hash_of(number, level == coarsest, record, chunk) == entry.1
     }
 
-    /// Bytes of the whole stream.
-    pub fn bytes(&self) -> usize {
-        self.head_bytes + self.entries.iter().map(|e| e.0 as usize).sum::<usize>()
-    }
-
     /// What is where: a unit for each level, the coarsest first as the bytes are, in it one for
     /// each object's chunk, marked `level` (of the whole character), `object`, `mesh` and
     /// `region`. A cut that drops a chunk writes 0 into the head's field of its length, in the
@@ -222,15 +217,13 @@ impl MeshStream {
                     ("region", object.region),
                 ];
                 chunks.push(Unit {
-                    markers: marks
-                        .map(|(scheme, value)| Marker::new(scheme, value))
-                        .into(),
+                    markers: marks.map(|(scheme, value)| marker(scheme, value)).into(),
                     ..Unit::of_bytes("chunk", at..end)
                 });
                 at = end;
             }
             children.push(Unit {
-                markers: vec![Marker::new("level", number)],
+                markers: vec![marker("level", number)],
                 children: chunks,
                 ..Unit::of_bytes("level", start..at)
             });
@@ -239,6 +232,13 @@ impl MeshStream {
             children,
             ..Unit::of_bytes("mesh stream", 0..at)
         }
+    }
+}
+
+fn marker(scheme: &'static str, value: u32) -> Marker {
+    Marker {
+        scheme: scheme.into(),
+        value,
     }
 }
 
@@ -303,9 +303,9 @@ pub(super) fn record(object: &StreamObject) -> Vec<u8> {
     push_varint(&mut out, layout.morphs.len() as u64);
     out.extend(layout.morphs.iter().map(|m| u8::from(m.has_normals)));
     let scale = &object.scale;
-    let mut metres = vec![scale.grid.step, scale.texcoords.step];
+    let mut metres = vec![scale.grid.step, scale.texcoord_step];
     metres.extend(scale.grid.origin.to_array());
-    metres.extend(scale.texcoords.origin.to_array());
+    metres.extend(scale.texcoord_origin.to_array());
     metres.iter().for_each(|v| out.extend(v.to_le_bytes()));
     out
 }
@@ -403,10 +403,8 @@ fn read_object(r: &mut Bytes<'_>) -> Result<StreamObject, StreamError> {
             step: r.positive("a step")?,
             origin: Vec3::ZERO,
         },
-        texcoords: TexcoordGrid {
-            step: r.positive("a step")?,
-            origin: Vec2::ZERO,
-        },
+        texcoord_origin: Vec2::ZERO,
+        texcoord_step: r.positive("a step")?,
     };
     let mut finite = || {
         let value = f32::from_le_bytes(r.take()?);
@@ -427,10 +425,8 @@ fn read_object(r: &mut Bytes<'_>) -> Result<StreamObject, StreamError> {
                 origin,
                 ..scale.grid
             },
-            texcoords: TexcoordGrid {
-                origin: texcoord_origin,
-                ..scale.texcoords
-            },
+            texcoord_origin,
+            texcoord_step: scale.texcoord_step,
         },
     })
 }

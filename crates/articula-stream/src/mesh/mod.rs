@@ -6,7 +6,7 @@
 //! Any prefix of whole levels shows the character.
 //!
 //! - [`quantise`], [`restore`]: from floating point to whole numbers and back
-//! - [`encode_level`], [`encode_refinement`], [`decode_level`], [`decode_refinement`]: one level
+//! - [`encode_level`], [`decode_level`]: one level
 //!   alone, or what one level adds to a coarser one, as bytes
 //! - [`write()`]: all levels of all objects to bytes, with the map of what is where
 //! - [`MeshStream`]: the head, opened
@@ -75,8 +75,8 @@ mod receiver;
 mod write;
 
 pub use codec::{
-    Grid, Layout, MorphLayout, Precision, Quantised, QuantisedMesh, Scale, TexcoordGrid,
-    decode_level, decode_refinement, encode_level, encode_refinement, quantise, restore,
+    Grid, Layout, MorphLayout, Precision, Quantised, QuantisedMesh, Scale, decode_level,
+    encode_level, quantise, restore,
 };
 pub use head::{MeshStream, StreamObject};
 pub use receiver::Receiver;

@@ -1,9 +1,8 @@
 //! The client's side of a stream: chunks in, vertices that only grow at the end out.
 
-use super::codec::{QuantisedMesh, decode_level, decode_refinement, restore};
+use super::codec::{QuantisedMesh, decode_level};
 use super::head::MeshStream;
 use crate::{StreamError, StreamLimits};
-use articula_core::source::Primitive;
 use articula_core::{Cluster, ClusteredTriangles, Clusters, Mismatch};
 
 /// What of one object is there.
@@ -33,7 +32,7 @@ pub struct Receiver {
 
 impl Receiver {
     /// Waits for the chunks of a stream.
-    pub fn new(stream: MeshStream, limits: StreamLimits) -> Self {
+    fn new(stream: MeshStream, limits: StreamLimits) -> Self {
         let held = vec![Held::default(); stream.objects.len()];
         Self {
             stream,
@@ -112,9 +111,9 @@ impl Receiver {
         let held = &mut self.held[object];
         let layout = &self.stream.objects[object].layout;
         let mesh = if held.levels.is_empty() {
-            decode_level(chunk, layout, &self.limits)?
+            decode_level(None, chunk, layout, &self.limits)?
         } else {
-            decode_refinement(&held.mesh, chunk, layout, &self.limits)?
+            decode_level(Some(&held.mesh), chunk, layout, &self.limits)?
         };
         held.levels
             .push((mesh.points(), mesh.wedges(), mesh.faces.clone()));
@@ -148,20 +147,14 @@ impl Receiver {
         mesh.faces = faces.clone();
     }
 
-    /// An object at the finest level that is there, in whole numbers.
+    /// An object at the finest level that is there, in whole numbers; [`restore`](super::restore)
+    /// gives it in metres.
     pub fn mesh(&self, object: usize) -> Option<&QuantisedMesh> {
         self.held.get(object).map(|h| &h.mesh)
     }
 
-    /// An object at the finest level that is there.
-    pub fn primitive(&self, object: usize) -> Option<Primitive> {
-        let held = self.held.get(object)?;
-        let object = &self.stream.objects[object];
-        Some(restore(&held.mesh, &object.layout, &object.scale))
-    }
-
     /// The triangles of all levels of an object that are there, over the vertices of
-    /// [`Self::primitive`]: for the frame, that only switches ranges. Level 0 is the finest that is
+    /// [`Self::mesh`]: for the frame, that only switches ranges. Level 0 is the finest that is
     /// there. `None` if none is.
     pub fn triangles(&self, object: usize) -> Option<ClusteredTriangles> {
         let held = self.held.get(object)?;

@@ -1,6 +1,6 @@
 //! From the levels of all objects to a stream.
 
-use super::codec::{QuantisedMesh, encode_level, encode_refinement};
+use super::codec::{QuantisedMesh, encode_level};
 use super::hash::{Hash, hash_of};
 use super::head::{self, MeshStream, StreamObject};
 use crate::StreamLimits;
@@ -59,9 +59,9 @@ pub fn write(
             let layout = &object.object.layout;
             let mesh = &object.levels[level];
             let chunk = if level == coarsest {
-                encode_level(mesh, layout)
+                encode_level(None, mesh, layout)
             } else {
-                encode_refinement(&object.levels[level + 1], mesh, layout)
+                encode_level(Some(&object.levels[level + 1]), mesh, layout)
             };
             let within = |e: Mismatch| Mismatch::new(format!("objects[{o}].{}", e.at), e.what);
             let chunk = chunk.map_err(within)?;

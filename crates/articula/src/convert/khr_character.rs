@@ -1,8 +1,9 @@
 //! The draft glTF extensions for characters, written into a GLB.
 
+use super::pose_kind::pose_kind;
 use crate::error::Result;
 use crate::open::Opened;
-use articula_formats::gltf::{Document, pose_kind};
+use articula_formats::gltf::Document;
 use articula_formats::profile::vrm_bones;
 
 /// Writes them into the document that becomes the file. `node_of_joint` is the way from the

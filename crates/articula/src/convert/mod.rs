@@ -17,6 +17,7 @@ mod fit_report;
 mod khr_character;
 mod left_out;
 mod morphs;
+mod pose_kind;
 mod reduction;
 mod same_joints;
 mod written;

@@ -75,9 +75,9 @@ fn acclaim_pair(opened: &Opened, format: Format) -> Result<Written> {
     };
     let clip = (!clips.is_empty()).then_some(0);
     let made = acclaim::write(&opened.character, clip, &options)?;
-    let (bytes, beside) = match (format, made.amc) {
-        (Format::Amc, Some(motion)) => (motion, Some((Format::Asf, made.asf))),
-        (_, motion) => (made.asf, motion.map(|motion| (Format::Amc, motion))),
+    let (bytes, beside) = match (format, made.motion) {
+        (Format::Amc, Some(motion)) => (motion, Some((Format::Asf, made.bytes))),
+        (_, motion) => (made.bytes, motion.map(|motion| (Format::Amc, motion))),
     };
     let notes = made.left_out.into_iter().map(LeftOut::Note);
     Ok(Written {
@@ -109,12 +109,9 @@ fn humanoid(opened: &Opened) -> Result<Written> {
         name: String::new(),
         offset: *offset,
     };
-    let options = x3d::WriteOptions {
-        sites: opened.end_sites.iter().map(site).collect(),
-    };
-    let written = x3d::write(&opened.character, &opened.articulation(), &options)?;
-    let notes = written.warnings.into_iter();
-    let notes = notes.map(|note| LeftOut::Note(format!("{}: {}", note.at, note.what)));
+    let sites: Vec<Site> = opened.end_sites.iter().map(site).collect();
+    let written = x3d::write(&opened.character, &opened.articulation(), &sites)?;
+    let notes = written.left_out.into_iter().map(LeftOut::Note);
     Ok(Written {
         bytes: written.bytes,
         beside: None,

@@ -49,7 +49,10 @@ pub fn open_with(path: impl AsRef<Path>, options: &OpenOptions) -> Result<Opened
         if let Some(how) = how {
             let file = skeleton.file_name().unwrap_or_default().to_string_lossy();
             let what = format!("{file} was taken, {how}");
-            let warning = Warning::guess("skeleton", what, Guess::Skeleton);
+            let warning = Warning {
+                guess: Some(Guess::Skeleton),
+                ..Warning::new("skeleton", what)
+            };
             opened.warnings.insert(0, warning);
         }
         return Ok(opened);

@@ -3,7 +3,7 @@
 use super::{Face, Warning};
 use crate::open::{Data, DataFormat, OpenedData};
 use articula_core::fap_table::{FAPS, GROUPS, TABLE};
-use articula_formats::mpeg4::epf::{EpfFrame, Streams};
+use articula_formats::mpeg4::epf::EpfFrame;
 use articula_formats::mpeg4::fap::FapClip;
 use articula_formats::mpeg4::fdp::{self, FdpFile};
 use serde::Serialize;
@@ -233,8 +233,8 @@ fn of_epf(frames: &[EpfFrame]) -> DataFindings {
         coding: Some(EncoderSettings {
             frames: frames.len(),
             intra: count(|f| f.intra == Some(true)),
-            face: count(|f| matches!(f.streams, Streams::Face | Streams::Both)),
-            body: count(|f| matches!(f.streams, Streams::Body | Streams::Both)),
+            face: count(|f| f.carries_face),
+            body: count(|f| f.carries_body),
             fps: frames.iter().find_map(|f| f.rate_hz),
             quantiser_max: quantisers.flatten().max(),
         }),

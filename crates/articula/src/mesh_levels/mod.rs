@@ -14,7 +14,7 @@ use articula_build::SkinPose;
 use articula_build::{MeshLevels, mesh_levels};
 use articula_flat::Bounds;
 use articula_formats::gltf::Document;
-use articula_formats::gltf::{LevelNodes, MeshParts, PartLevels};
+use articula_formats::gltf::{MeshParts, PartLevels};
 use glam::Vec3;
 
 /// The mesh levels of a character, and the same coded for the wire.
@@ -55,9 +55,9 @@ pub(crate) fn add(
         for (parts, node) in parts_of_meshes(figure).into_iter().zip(&gltf.node_of_mesh) {
             let parts = &asset.mesh.parts[parts];
             let vertices = parts.iter().flat_map(|p| &rest[p.vertices.clone()]);
-            let nodes = LevelNodes::new(radius_metres(vertices));
+            let radius = radius_metres(vertices);
             gltf.document
-                .add_level_nodes(*node, &levels.table, &nodes)?;
+                .add_level_nodes(*node, &levels.table, radius)?;
         }
     }
     work.step(WHAT, 3, 3)?;

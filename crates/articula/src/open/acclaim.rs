@@ -2,7 +2,7 @@
 
 use super::{Input, Opened};
 use crate::error::{Error, Result};
-use articula_formats::acclaim;
+use articula_formats::{ReadOptions, acclaim};
 
 /// Reads a skeleton file by itself.
 pub(super) fn open_skeleton(input: &mut Input<'_, '_>) -> Result<Opened> {
@@ -19,7 +19,7 @@ pub(super) fn open_motion(input: &mut Input<'_, '_>) -> Result<Opened> {
 }
 
 fn read(input: &Input<'_, '_>, asf: &[u8], amc: Option<&[u8]>) -> Result<Opened> {
-    let options = acclaim::ReadOptions {
+    let options = ReadOptions {
         scale_to_metres: input.options.unit_metres,
         up: input.options.up,
         rate_hz: input.options.amc_rate_hz,

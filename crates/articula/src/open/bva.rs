@@ -2,13 +2,14 @@
 
 use super::{Input, Opened};
 use crate::error::Result;
-use articula_formats::{Warning, bva};
+use articula_formats::{ReadOptions, Warning, bva};
 
 /// Reads a BVA file.
 pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
-    let options = bva::ReadOptions {
+    let options = ReadOptions {
         scale_to_metres: input.options.unit_metres,
         up: input.options.up,
+        ..ReadOptions::default()
     };
     let read = bva::read(input.bytes, &options, &input.options.limits)?;
     let mut warnings = read.warnings;
@@ -17,7 +18,7 @@ pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
         articula_build::joint_names::segments(&read.value.character.skeleton, input.profiles)
             .and_then(|s| bva::tree(&read.value, &s))
     {
-        character = tree.character;
+        character = tree.value;
         warnings.extend(tree.warnings);
     } else {
         let what = "the format has no hierarchy, and the segments are not called like those of a human \

@@ -2,13 +2,14 @@
 
 use super::{Input, Opened};
 use crate::error::Result;
-use articula_formats::bvh;
+use articula_formats::{ReadOptions, bvh};
 
 /// Reads a BVH file; the unit and the up axis are the caller's or a guess.
 pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
-    let options = bvh::ReadOptions {
+    let options = ReadOptions {
         scale_to_metres: input.options.unit_metres,
         up: input.options.up,
+        ..ReadOptions::default()
     };
     let read = bvh::read(input.bytes, &options, &input.options.limits)?;
     let mut opened = input.opened(read.value.character, read.warnings, None);

@@ -1,10 +1,9 @@
 //! How a file is understood where it does not say it.
 
 use articula_core::joint_names::Profile;
-use articula_formats::Limits;
-use articula_formats::bvh::Up;
 use articula_formats::mpeg4::fap::Absent;
 use articula_formats::profile;
+use articula_formats::{Limits, Up};
 
 /// How a file is understood: its joint names and, where it does not say, its unit, up axis and
 /// rate.

@@ -12,8 +12,8 @@ use crate::gltf::extension::CLUSTERED_MESH;
 use crate::gltf::origin::mesh_of;
 use crate::gltf::place::whole;
 use crate::gltf::reader::{Notes, Reader};
-use crate::gltf::write::WriteError;
 use crate::limits::Limits;
+use crate::written::WriteError;
 use articula_core::{ClusteredTriangles, LevelTable, judged_metres};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -21,50 +21,34 @@ use std::collections::{BTreeMap, BTreeSet};
 const LOD: &str = "MSFT_lod";
 const COVERAGE: &str = "MSFT_screencoverage";
 
-/// On which screen a level may be shown.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct LevelNodes {
-    /// Radius of the ball around the mesh at rest, metres.
-    pub radius_metres: f32,
-    /// Error of a level that may be seen, pixels.
-    pub error_px: f32,
-    /// Width and height of the screen, pixels.
-    pub screen_px: [u32; 2],
-}
+/// Error of a level that may be seen, pixels.
+const ERROR_PX: f32 = 1.0;
+/// Width and height of the screen that levels are chosen for, pixels.
+const SCREEN_PX: [u32; 2] = [1920, 1080];
 
-impl LevelNodes {
-    /// One pixel on a screen of 1920 by 1080.
-    pub fn new(radius_metres: f32) -> Self {
-        Self {
-            radius_metres,
-            error_px: 1.0,
-            screen_px: [1920, 1080],
-        }
+/// The share of the screen that the mesh covers where the error of a level in motion, judged
+/// as levels are chosen by ([`judged_metres`]), is what may be seen: from there down the
+/// level is good enough.
+///
+/// With `k = ERROR_PX / error_metres` pixels a metre, the ball covers `pi (radius k)^2` of
+/// `width * height` pixels.
+fn coverage(radius_metres: f32, levels: &LevelTable, level: usize) -> f32 {
+    let error = levels.levels.get(level).map_or(f32::INFINITY, |l| {
+        judged_metres(l.motion.p95_metres, l.motion.max_metres)
+    });
+    if error <= 0.0 {
+        return 1.0;
     }
-
-    /// The share of the screen that the mesh covers where the error of a level in motion, judged
-    /// as levels are chosen by ([`judged_metres`]), is what may be seen: from there down the
-    /// level is good enough.
-    ///
-    /// With `k = error_px / error_metres` pixels a metre, the ball covers `pi (radius k)^2` of
-    /// `width * height` pixels.
-    fn coverage(&self, levels: &LevelTable, level: usize) -> f32 {
-        let error = levels.levels.get(level).map_or(f32::INFINITY, |l| {
-            judged_metres(l.motion.p95_metres, l.motion.max_metres)
-        });
-        if error <= 0.0 {
-            return 1.0;
-        }
-        let radius_px = f64::from(self.radius_metres * self.error_px) / f64::from(error);
-        let screen = self.screen_px.map(f64::from).iter().product::<f64>();
-        let share = std::f64::consts::PI * radius_px * radius_px / screen;
-        (share as f32).clamp(0.0, 1.0)
-    }
+    let radius_px = f64::from(radius_metres * ERROR_PX) / f64::from(error);
+    let screen = SCREEN_PX.map(f64::from).iter().product::<f64>();
+    let share = std::f64::consts::PI * radius_px * radius_px / screen;
+    (share as f32).clamp(0.0, 1.0)
 }
 
 impl Document {
     /// Shows the levels of a node's mesh, which [`Document::set_mesh_levels`] wrote, as nodes that
-    /// stand in for it as it gets smaller on the screen.
+    /// stand in for it as it gets smaller on a screen of 1920 by 1080, where a pixel of error may
+    /// be seen. `radius_metres` is that of the ball around the mesh at rest.
     ///
     /// # Errors
     /// [`WriteError::Mismatch`] if the mesh of the node has no levels, or not as many as the table.
@@ -72,7 +56,7 @@ impl Document {
         &mut self,
         node: usize,
         levels: &LevelTable,
-        opts: &LevelNodes,
+        radius_metres: f32,
     ) -> Result<(), WriteError> {
         let wrong =
             |e: ReadError| WriteError::mismatch(format!("nodes[{node}].mesh"), e.to_string());
@@ -88,7 +72,7 @@ impl Document {
         let mut least = 1.0f32;
         let mut arrays = BTreeMap::new();
         for level in 1..count {
-            least = least.min(opts.coverage(levels, level));
+            least = least.min(coverage(radius_metres, levels, level));
             coverages.push(least);
             let parts = self.level_primitives((node, level), &objects, &mut arrays);
             if parts.is_empty() {

@@ -6,7 +6,7 @@ use crate::gltf::append::{set, short};
 use crate::gltf::extension::CLUSTERED_MESH;
 use crate::gltf::place::Place;
 use crate::gltf::reader::Reader;
-use crate::gltf::write::WriteError;
+use crate::written::WriteError;
 use articula_core::source::Mesh;
 use articula_core::{LevelRow, LevelTable, SurfaceError};
 use serde_json::{Value, json};

@@ -17,7 +17,6 @@ mod read;
 mod version;
 mod write;
 
-pub use level_nodes::LevelNodes;
 pub use write::{MeshParts, PartLevels};
 
 pub(super) use level_table::read_levels;

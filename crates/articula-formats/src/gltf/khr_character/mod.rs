@@ -2,7 +2,6 @@
 //!
 //! - `skeleton`: which node stands for which joint of a known rig
 //! - `expressions`: animations that are driven by one number, with masks and mappings
-//! - `pose`: which pose a skeleton rests in
 //! - `write`: character, skeleton mapping and reference pose into a document
 //!
 //! Written against the schemas of KhronosGroup/glTF pull request 2512 as of July 2026; read with
@@ -11,11 +10,8 @@
 //! `docs/formats/khr-character.md`.
 
 mod expressions;
-mod pose;
 mod skeleton;
 mod write;
-
-pub use pose::pose_kind;
 
 pub(super) use expressions::read as read_expressions;
 pub(super) use skeleton::bones;

@@ -18,4 +18,4 @@ mod tracks;
 mod writer;
 mod zero;
 
-pub use writer::{WriteError, WriteOptions, Written, write};
+pub use writer::write;

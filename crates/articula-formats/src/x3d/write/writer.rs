@@ -7,11 +7,11 @@ use super::names::{Names, token};
 use super::shapes::Shapes;
 use super::tracks::{self, Driven, axis_angle};
 use crate::error::Warning;
+use crate::written::{WriteError, Written};
 use crate::x3d::Site;
 use articula_core::Articulation;
 use articula_core::source::{Character, Credits, Property};
 use glam::{DQuat, Vec3};
-use thiserror::Error;
 
 /// Where the XML schema of X3D 4.0 is published; nothing here asks for it.
 const SCHEMA: &str = "https://www.web3d.org/specifications/x3d-4.0.xsd";
@@ -19,39 +19,7 @@ const SCHEMA: &str = "https://www.web3d.org/specifications/x3d-4.0.xsd";
 /// Name of the list of skin points.
 const SKIN_POINTS: &str = "skin_points";
 
-/// What a file is to hold beside the character.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct WriteOptions {
-    /// Named places on joints, as the reader gives them.
-    pub sites: Vec<Site>,
-}
-
-/// A file, and what of the character it shows otherwise.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Written {
-    /// The whole file.
-    pub bytes: Vec<u8>,
-    /// What could not be written as it is.
-    pub warnings: Vec<Warning>,
-}
-
-/// Why a file could not be written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-pub enum WriteError {
-    /// There is no joint.
-    #[error("the character has no joint to write")]
-    NoJoint,
-    /// The articulation is of another skeleton.
-    #[error("the articulation has {found} joints, the character {expected}")]
-    OtherSkeleton {
-        /// Joints of the articulation.
-        found: usize,
-        /// Joints of the character.
-        expected: usize,
-    },
-}
-
-/// Writes a character with all its clips.
+/// Writes a character with all its clips, and `sites` as the reader gives them.
 ///
 /// Joints that `articulation` maps get their names of H-Anim 2, others a legal name of their
 /// own; the name in the skeleton is the joint's description. At rest every joint is unturned, as
@@ -64,7 +32,7 @@ pub enum WriteError {
 pub fn write(
     character: &Character,
     articulation: &Articulation,
-    options: &WriteOptions,
+    sites: &[Site],
 ) -> Result<Written, WriteError> {
     let joints = character.skeleton.joints.len();
     if joints == 0 {
@@ -94,13 +62,13 @@ pub fn write(
     let bone_defs = bones.list.iter().map(def).collect();
     let mut document = Document {
         displacer_defs: displacer_defs(character, &bodies, &mut defs),
-        hangs: hangs(&bones, &bodies, &options.sites),
+        hangs: hangs(&bones, &bodies, sites),
         shapes: Shapes::new(character),
         markup: Markup::new(),
         segment_defs: Vec::new(),
         site_defs: Vec::new(),
         character,
-        options,
+        sites,
         names,
         defs,
         bone_defs,
@@ -111,8 +79,14 @@ pub fn write(
     document.write();
     Ok(Written {
         bytes: document.markup.finish(),
-        warnings,
+        motion: None,
+        left_out: warnings.into_iter().map(in_words).collect(),
     })
+}
+
+/// A warning with its place.
+fn in_words(warning: Warning) -> String {
+    format!("{}: {}", warning.at, warning.what)
 }
 
 /// Says what X3D has no place for.
@@ -160,7 +134,7 @@ fn displacer_defs(
 
 struct Document<'c> {
     character: &'c Character,
-    options: &'c WriteOptions,
+    sites: &'c [Site],
     bones: Bones,
     bodies: Vec<Body>,
     weights: SkinWeights,
@@ -420,7 +394,7 @@ impl Document<'_> {
     }
 
     fn site(&mut self, bone: usize, index: usize) {
-        let site = &self.options.sites[index];
+        let site = &self.sites[index];
         let usual = format!("{}_tip", self.bones.list[bone].name);
         let name = self.names.give(&site.name, &usual);
         let def = self.defs.give(&format!("hanim_{name}"), "site");

@@ -9,10 +9,7 @@ use articula_build::LevelTriangles;
 use articula_build::{Order, cluster};
 use articula_core::source::Primitive;
 use articula_stream::StreamLimits;
-use articula_stream::mesh::{
-    Grid, Quantised, QuantisedMesh, decode_level, decode_refinement, encode_level,
-    encode_refinement, quantise,
-};
+use articula_stream::mesh::{Grid, Quantised, QuantisedMesh, decode_level, encode_level, quantise};
 
 /// Bytes of all parts of a character at one level.
 #[derive(Debug, Clone, Default)]
@@ -144,11 +141,11 @@ fn add_ours(objects: &[Object], rounds: usize, sizes: &mut Sizes) -> Result<()> 
         for (l, chunk) in chunks.iter().enumerate() {
             sizes.levels[l].chunk += chunk.len();
             sizes.levels[l].direct +=
-                encode_level(&object.bare.levels[l], &object.bare.layout)?.len();
+                encode_level(None, &object.bare.levels[l], &object.bare.layout)?.len();
         }
         let full = object.full.as_ref().unwrap_or(&object.bare);
         let finest = full.levels.last().context("no level")?;
-        let finest = encode_level(finest, &full.layout)?.len();
+        let finest = encode_level(None, finest, &full.layout)?.len();
         let whole = match &object.full {
             Some(full) => self::chunks(full)?.iter().map(Vec::len).sum(),
             None => chunks.iter().map(Vec::len).sum::<usize>(),
@@ -174,8 +171,8 @@ fn chunks(part: &Quantised) -> Result<Vec<Vec<u8>>> {
     let mut chunks = Vec::new();
     for (l, fine) in part.levels.iter().enumerate() {
         chunks.push(match l.checked_sub(1) {
-            Some(coarse) => encode_refinement(&part.levels[coarse], fine, layout)?,
-            None => encode_level(fine, layout)?,
+            Some(coarse) => encode_level(Some(&part.levels[coarse]), fine, layout)?,
+            None => encode_level(None, fine, layout)?,
         });
     }
     Ok(chunks)
@@ -194,9 +191,9 @@ fn race(objects: &[Object]) -> Result<[f64; 2]> {
         for chunk in chunks {
             level = Some(match level {
                 Some(coarse) => {
-                    decode_refinement(&coarse, chunk, layout, &StreamLimits::default())?
+                    decode_level(Some(&coarse), chunk, layout, &StreamLimits::default())?
                 }
-                None => decode_level(chunk, layout, &StreamLimits::default())?,
+                None => decode_level(None, chunk, layout, &StreamLimits::default())?,
             });
         }
         back.push(level.context("no level")?);
@@ -204,7 +201,8 @@ fn race(objects: &[Object]) -> Result<[f64; 2]> {
     let end = thread_ns();
     for (object, mesh) in objects.iter().zip(&back) {
         let finest = object.bare.levels.last().context("no level")?;
-        let same = (mesh.faces.len(), mesh.wedges()) == (finest.faces.len(), finest.wedges());
+        let same = (mesh.faces.len(), mesh.wedge_points.len())
+            == (finest.faces.len(), finest.wedge_points.len());
         ensure!(same, "another mesh comes back");
     }
     Ok([middle - start, end - middle].map(|ns| 1e-9 * ns as f64))

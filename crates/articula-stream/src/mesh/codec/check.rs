@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 impl Layout {
     /// # Errors
     /// A [`Mismatch`] if a number of bits is out of range.
-    pub fn check(&self) -> Result<(), Mismatch> {
+    pub(crate) fn check(&self) -> Result<(), Mismatch> {
         let ranges = [
             ("position_bits", self.position_bits, 1, 20, false),
             ("normal_bits", self.normal_bits, 2, 16, true),

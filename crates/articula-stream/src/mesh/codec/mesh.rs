@@ -59,12 +59,12 @@ pub struct QuantisedMesh {
 
 impl QuantisedMesh {
     /// Number of points.
-    pub fn points(&self) -> usize {
+    pub(crate) fn points(&self) -> usize {
         self.positions.len()
     }
 
     /// Number of wedges.
-    pub fn wedges(&self) -> usize {
+    pub(crate) fn wedges(&self) -> usize {
         self.wedge_points.len()
     }
 

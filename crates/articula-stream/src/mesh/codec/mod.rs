@@ -35,5 +35,5 @@ mod seams;
 mod surface;
 
 pub use mesh::{Layout, MorphLayout, QuantisedMesh};
-pub use quantise::{Grid, Precision, Quantised, Scale, TexcoordGrid, quantise, restore};
-pub use refinement::{decode_level, decode_refinement, encode_level, encode_refinement};
+pub use quantise::{Grid, Precision, Quantised, Scale, quantise, restore};
+pub use refinement::{decode_level, encode_level};

@@ -55,31 +55,15 @@ pub struct Grid {
     pub step: f32,
 }
 
-/// Texture coordinates as `origin + step * n`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct TexcoordGrid {
-    /// Place of (0, 0).
-    pub origin: Vec2,
-    /// Distance of neighbouring values.
-    pub step: f32,
-}
-
-impl Default for TexcoordGrid {
-    fn default() -> Self {
-        Self {
-            origin: Vec2::ZERO,
-            step: 1.0,
-        }
-    }
-}
-
 /// What takes whole numbers back to metres and textures.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Scale {
     /// Of positions and morph offsets.
     pub grid: Grid,
-    /// Of texture coordinates.
-    pub texcoords: TexcoordGrid,
+    /// The texture coordinates of (0, 0): they are `origin + step * n` too.
+    pub texcoord_origin: Vec2,
+    /// Distance of neighbouring texture coordinates.
+    pub texcoord_step: f32,
 }
 
 /// All levels of a part in whole numbers.
@@ -191,10 +175,11 @@ pub fn quantise(
     precision: &Precision,
 ) -> Result<Quantised, Mismatch> {
     let layout = layout_of(part, precision)?;
-    let texcoords = texcoord_grid(part, layout.texcoord_bits)?;
+    let (texcoord_origin, texcoord_step) = texcoord_grid(part, layout.texcoord_bits)?;
     let scale = Scale {
         grid: *grid,
-        texcoords,
+        texcoord_origin,
+        texcoord_step,
     };
     let whole = whole_numbers(part, &layout, &scale)?;
     let moved = part.positions.iter().zip(&whole.positions);
@@ -232,10 +217,10 @@ pub fn restore(mesh: &QuantisedMesh, layout: &Layout, scale: &Scale) -> Primitiv
         triangles: mesh.faces.clone(),
         ..Primitive::default()
     };
-    let uv = &scale.texcoords;
     let place = |n: &[i32; 2]| {
         let n = n.map(f64::from);
-        let at = |i: usize| f64::from(uv.origin[i]) + n[i] * f64::from(uv.step);
+        let at =
+            |i: usize| f64::from(scale.texcoord_origin[i]) + n[i] * f64::from(scale.texcoord_step);
         Vec2::new(at(0) as f32, at(1) as f32)
     };
     out.texcoords = mesh.texcoords.iter().map(place).collect();
@@ -315,9 +300,10 @@ fn morph_layout(morph: &MorphTarget) -> MorphLayout {
     }
 }
 
-fn texcoord_grid(part: &Primitive, bits: u8) -> Result<TexcoordGrid, Mismatch> {
+/// Origin and step of the texture coordinates.
+fn texcoord_grid(part: &Primitive, bits: u8) -> Result<(Vec2, f32), Mismatch> {
     let Some(first) = part.texcoords.first() else {
-        return Ok(TexcoordGrid::default());
+        return Ok((Vec2::ZERO, 1.0));
     };
     let (mut low, mut high) = (*first, *first);
     for (v, t) in part.texcoords.iter().enumerate() {
@@ -326,10 +312,7 @@ fn texcoord_grid(part: &Primitive, bits: u8) -> Result<TexcoordGrid, Mismatch> {
     }
     let extent = (high.as_dvec2() - low.as_dvec2()).max_element();
     let reach = low.abs().max(high.abs()).max_element();
-    Ok(TexcoordGrid {
-        origin: low,
-        step: step_of(extent, f64::from(reach), bits),
-    })
+    Ok((low, step_of(extent, f64::from(reach), bits)))
 }
 
 /// The part as a mesh of one point and one wedge for each vertex, without faces.
@@ -353,9 +336,8 @@ fn whole_numbers(
         out.normals
             .push(octahedral::nearest(n.as_dvec3(), layout.normal_bits));
     }
-    let uv = &scale.texcoords;
     for t in &part.texcoords {
-        let n = (t.as_dvec2() - uv.origin.as_dvec2()) / f64::from(uv.step);
+        let n = (t.as_dvec2() - scale.texcoord_origin.as_dvec2()) / f64::from(scale.texcoord_step);
         out.texcoords
             .push(n.to_array().map(|n| on_grid(n, layout.texcoord_bits)));
     }

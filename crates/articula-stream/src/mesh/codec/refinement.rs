@@ -19,37 +19,19 @@ use super::surface::Surface;
 use crate::{StreamError, StreamLimits};
 use articula_core::Mismatch;
 
-/// One level alone.
+/// One level alone, or what turns a coarser level into it.
 ///
-/// Points and wedges that no face uses are not part of it.
-///
-/// # Errors
-/// A [`Mismatch`] if the mesh is not of the layout.
-pub fn encode_level(mesh: &QuantisedMesh, layout: &Layout) -> Result<Vec<u8>, Mismatch> {
-    encode_refinement(&QuantisedMesh::empty(layout), mesh, layout)
-}
-
-/// The level that [`encode_level`] was given, in an order of its own.
-///
-/// # Errors
-/// A [`StreamError`] that says where the bytes make no level, or that it is too large.
-pub fn decode_level(
-    bytes: &[u8],
-    layout: &Layout,
-    limits: &StreamLimits,
-) -> Result<QuantisedMesh, StreamError> {
-    decode_refinement(&QuantisedMesh::empty(layout), bytes, layout, limits)
-}
-
-/// What turns a coarser level into a finer one.
+/// Points and wedges that no face uses are not part of a level alone.
 ///
 /// # Errors
 /// A [`Mismatch`] if either mesh is not of the layout.
-pub fn encode_refinement(
-    coarse: &QuantisedMesh,
+pub fn encode_level(
+    coarse: Option<&QuantisedMesh>,
     fine: &QuantisedMesh,
     layout: &Layout,
 ) -> Result<Vec<u8>, Mismatch> {
+    let nothing = QuantisedMesh::empty(layout);
+    let coarse = coarse.unwrap_or(&nothing);
     coarse.check(layout)?;
     fine.check(layout)?;
     let (coarse, fine) = (Canonical::new(coarse), Canonical::new(fine));
@@ -72,18 +54,21 @@ pub fn encode_refinement(
     Ok(encoder.finish())
 }
 
-/// The finer level: its first points and wedges are those of the coarser one, by the same ids,
-/// new ones follow in the order of discovery; the faces are its own.
+/// The level that [`encode_level`] was given, over the same coarser level if there was one. Its
+/// first points and wedges are then those of the coarser one, by the same ids, new ones follow in
+/// the order of discovery; the faces are its own. A level alone comes in an order of its own.
 ///
 /// # Errors
 /// A [`StreamError`] that says where the bytes make no level over this coarser one, or that it is
 /// too large.
-pub fn decode_refinement(
-    coarse: &QuantisedMesh,
+pub fn decode_level(
+    coarse: Option<&QuantisedMesh>,
     bytes: &[u8],
     layout: &Layout,
     limits: &StreamLimits,
 ) -> Result<QuantisedMesh, StreamError> {
+    let nothing = QuantisedMesh::empty(layout);
+    let coarse = coarse.unwrap_or(&nothing);
     let wrong = |m: Mismatch| StreamError::malformed(format!("coarser level: {}", m.at), m.what);
     coarse.check(layout).map_err(wrong)?;
     let sorted = Canonical::new(coarse);

@@ -171,7 +171,7 @@ proptest! {
         let kept = out.levels[0].faces.len() + out.degenerate_faces + out.duplicate_faces;
         prop_assert_eq!(kept, faces.len());
         let back = restore(&out.levels[0], &out.layout, &out.scale);
-        let (step, uv_step) = (out.scale.grid.step, out.scale.texcoords.step);
+        let (step, uv_step) = (out.scale.grid.step, out.scale.texcoord_step);
         prop_assert!(out.rounding_metres <= step * 0.5 * 3f32.sqrt() * 1.001);
         // Each restored vertex stands for one of the part, within half a step of each kind.
         for v in 0..back.positions.len() {

@@ -84,25 +84,28 @@ fn shuffled(mesh: &QuantisedMesh, seed: u64) -> QuantisedMesh {
 
 fn check_chain(coarse: &QuantisedMesh, fine: &QuantisedMesh) {
     let (layout, limits) = (layout(), StreamLimits::default());
-    let alone = encode_level(fine, &layout).unwrap();
+    let alone = encode_level(None, fine, &layout).unwrap();
     assert_eq!(
-        soup(&decode_level(&alone, &layout, &limits).unwrap()),
+        soup(&decode_level(None, &alone, &layout, &limits).unwrap()),
         soup(fine)
     );
-    assert_eq!(encode_level(&shuffled(fine, 7), &layout).unwrap(), alone);
+    assert_eq!(
+        encode_level(None, &shuffled(fine, 7), &layout).unwrap(),
+        alone
+    );
 
-    let bytes = encode_refinement(coarse, fine, &layout).unwrap();
-    let found = decode_refinement(coarse, &bytes, &layout, &limits).unwrap();
+    let bytes = encode_level(Some(coarse), fine, &layout).unwrap();
+    let found = decode_level(Some(coarse), &bytes, &layout, &limits).unwrap();
     assert_eq!(soup(&found), soup(fine));
     assert_eq!(found.positions[..coarse.points()], coarse.positions);
     assert_eq!(found.wedge_points[..coarse.wedges()], coarse.wedge_points);
     assert_eq!(found.texcoords[..coarse.wedges()], coarse.texcoords);
     let other = shuffled(coarse, 99);
     assert_eq!(
-        encode_refinement(&other, &shuffled(fine, 5), &layout).unwrap(),
+        encode_level(Some(&other), &shuffled(fine, 5), &layout).unwrap(),
         bytes
     );
-    let found = decode_refinement(&other, &bytes, &layout, &limits).unwrap();
+    let found = decode_level(Some(&other), &bytes, &layout, &limits).unwrap();
     assert_eq!(soup(&found), soup(fine));
 }
 
@@ -180,7 +183,7 @@ fn mesh_position(mesh: &QuantisedMesh, wedge: usize) -> [i32; 3] {
 fn nothing_comes_back_as_nothing() {
     let none = QuantisedMesh::empty(&layout());
     check_chain(&none, &none);
-    assert!(encode_level(&none, &layout()).unwrap().len() <= 4);
+    assert!(encode_level(None, &none, &layout()).unwrap().len() <= 4);
 }
 
 #[test]
@@ -245,12 +248,12 @@ fn what_comes_back_keeps_its_id() {
         faces: first.faces[..20].to_vec(),
         ..first.clone()
     };
-    let bytes = encode_refinement(&first, &second, &layout).unwrap();
-    let kept = decode_refinement(&first, &bytes, &layout, &limits).unwrap();
+    let bytes = encode_level(Some(&first), &second, &layout).unwrap();
+    let kept = decode_level(Some(&first), &bytes, &layout, &limits).unwrap();
     assert_eq!(kept.wedge_points, first.wedge_points);
     assert_eq!(soup(&kept), soup(&second));
-    let bytes = encode_refinement(&second, &first, &layout).unwrap();
-    let found = decode_refinement(&kept, &bytes, &layout, &limits).unwrap();
+    let bytes = encode_level(Some(&second), &first, &layout).unwrap();
+    let found = decode_level(Some(&kept), &bytes, &layout, &limits).unwrap();
     assert_eq!(found.positions, first.positions);
     assert_eq!(found.texcoords, first.texcoords);
     assert_eq!(soup(&found), soup(&first));
@@ -284,16 +287,16 @@ proptest! {
     ) {
         let (layout, limits) = (layout(), StreamLimits::default());
         let coarse = coarser(&fine, seed);
-        let bytes = encode_refinement(&coarse, &fine, &layout).unwrap();
+        let bytes = encode_level(Some(&coarse), &fine, &layout).unwrap();
         let cut = at.index(bytes.len().max(1));
-        if let Ok(found) = decode_refinement(&coarse, &bytes[..cut.min(bytes.len())], &layout, &limits) {
+        if let Ok(found) = decode_level(Some(&coarse), &bytes[..cut.min(bytes.len())], &layout, &limits) {
             found.check(&layout).unwrap();
         }
         let mut altered = bytes.clone();
         if let Some(byte) = altered.get_mut(cut) {
             *byte ^= flip;
         }
-        if let Ok(found) = decode_refinement(&coarse, &altered, &layout, &limits) {
+        if let Ok(found) = decode_level(Some(&coarse), &altered, &layout, &limits) {
             found.check(&layout).unwrap();
         }
     }
@@ -301,7 +304,7 @@ proptest! {
     #[test]
     fn any_bytes_are_harmless(bytes in prop::collection::vec(any::<u8>(), 0..200), coarse in any_soup()) {
         let limits = StreamLimits { elements: 20_000, ..StreamLimits::default() };
-        if let Ok(found) = decode_refinement(&coarse, &bytes, &layout(), &limits) {
+        if let Ok(found) = decode_level(Some(&coarse), &bytes, &layout(), &limits) {
             found.check(&layout()).unwrap();
         }
     }

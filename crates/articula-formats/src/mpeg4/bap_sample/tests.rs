@@ -1,13 +1,16 @@
 //! BAP on the standard humanoid: joint positions by hand, any motion as BAP and back.
 
-use crate::real::bytes;
+use crate::mpeg4::bap::{self, BAPS, BapClip, BapFrame, Motion, SampleError, TABLE};
+use crate::{Limits, ReadOptions, WriteError, bvh, profile};
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS, find};
 use articula_core::source::{Channel, Character, Clip, Interpolation, Property, evaluate};
 use articula_core::{Articulation, LocalPose};
-use articula_formats::mpeg4::bap::{self, BAPS, BapClip, BapFrame, Motion, SampleError, TABLE};
-use articula_formats::{Limits, bvh, profile};
 use articula_mutate::Dice;
 use glam::{Affine3A, Quat, Vec3};
+use real::bytes;
+
+#[path = "../../../tests/real/mod.rs"]
+mod real;
 
 /// Half a turn by two in units.
 const QUARTER: i32 = 157_080;
@@ -275,7 +278,7 @@ fn a_captured_walk_is_as_far_off_as_the_residuals_say() {
         println!("skipped: no data");
         return;
     };
-    let read = bvh::read(&text, &bvh::ReadOptions::default(), &Limits::default());
+    let read = bvh::read(&text, &ReadOptions::default(), &Limits::default());
     let walk = read.unwrap().value.character;
     // CMU rests with arms out, the standard with arms down: legs, spine and head rest alike.
     let figure = shown_by_the_standard(&walk, |joint| {
@@ -344,7 +347,7 @@ fn figures_that_rest_in_another_pose_are_refused() {
         |figure: &Character, clip, rate| bap::sample(figure, &names, clip, rate).unwrap_err();
     assert_eq!(
         refused(&figure, 1, 30.0),
-        SampleError::Write(bvh::WriteError::NoClip { index: 1, count: 1 })
+        SampleError::Write(WriteError::NoClip { index: 1, count: 1 })
     );
     assert!(matches!(refused(&figure, 0, 0.0), SampleError::Write(_)));
     figure.clips[0].duration_secs = 1e9;

@@ -8,7 +8,7 @@ use glam::{Affine3A, Vec3A};
 
 /// Gives `TPose`, `APose` or `IPose` for a skeleton whose VRM human bones are known, by how far
 /// its arms hang at rest; `TPose` if it has no arms.
-pub fn pose_kind(skeleton: &Skeleton, bones: &[(usize, String)]) -> &'static str {
+pub(super) fn pose_kind(skeleton: &Skeleton, bones: &[(usize, String)]) -> &'static str {
     let place = |bone: &str| {
         let (joint, _) = bones.iter().find(|(_, name)| name == bone)?;
         skeleton.joints.get(*joint)?;
