@@ -2,10 +2,10 @@
 
 use crate::fault;
 use anyhow::Context;
+use articula_build::ChainShare;
 use articula_build::evaluate::ThresholdCurve;
 use articula_build::evaluate::{Direction, Radius};
 use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
-use articula_build::motion_error::ChainShare;
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::{self, Expression};
 use articula_core::{Complexity, DriftOptions, JointSet, Rig};

@@ -101,7 +101,7 @@ impl Report {
     pub(super) fn new(folder: &Folder, figure: &Figure, tables: &[Table], found: Found) -> Self {
         let asset = &figure.asset;
         let clip = asset.clips.iter().find(|c| c.name == super::CLIP);
-        let moving = clip.map(|c| articula_build::motion_error::moving_joints(asset, c));
+        let moving = clip.map(|c| articula_build::moving_joints(asset, c));
         Self {
             version: env!("CARGO_PKG_VERSION"),
             page: files::shown(&folder.file("index.html")),

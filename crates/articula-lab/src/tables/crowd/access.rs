@@ -4,7 +4,7 @@ use super::ours::{Batched, plain};
 use super::{Bench, Line, Report, evaluation};
 use crate::measure::{Contestant, race};
 use anyhow::Result;
-use articula_build::scene::plaza;
+use articula_build::{Plaza, plaza};
 use articula_core::{ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
 
 /// Ways through a clip.
@@ -43,7 +43,7 @@ impl Access {
             let phases = match self {
                 // Another seed at each frame: the phases of another crowd.
                 Self::Random => {
-                    let other = plaza(count, 1, f as u64 + 2);
+                    let other = plaza(count, 1, f as u64 + 2, Plaza::Still);
                     other.members.iter().map(|m| m.play.phase).collect()
                 }
                 _ => phases.clone(),
