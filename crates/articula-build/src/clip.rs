@@ -66,7 +66,7 @@ pub fn source_rate_hz(clip: &source::Clip) -> f32 {
 ///
 /// # Panics
 /// If there is not one entry of `morph_counts` for each of `morph_slots`.
-pub fn resample(
+pub(crate) fn resample(
     clip: &source::Clip,
     skeleton: &source::Skeleton,
     morph_slots: &[usize],

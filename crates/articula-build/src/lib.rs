@@ -4,17 +4,18 @@
 //! - [`clip_edit`]: source clips trimmed, looped, thinned out before anything else
 //! - [`joint_names`]: what the joints of a skeleton are, told by their names
 //! - [`retarget`]: a motion of one skeleton put onto another
-//! - [`expression`]: expressions written out as morph weights and joint transforms
-//! - [`motion_error`]: levers, contacts and nested keys for the error of a motion
+//! - [`bake`], [`resolve`]: expressions written out as morph weights and joint transforms
+//! - [`levers`], [`contact_intervals`], [`key_table`], [`pose_keys`]: what the error of a motion
+//!   and nested keys are told by
 //! - [`merged_levels`]: merged levels of a crowd: joint order, skins and errors of every level
 //! - [`simplify`], [`decimate`], [`cluster`], [`mesh_levels`]: fewer triangles for a character that
 //!   moves, in levels that are ranges of one object
-//! - [`surface_distance`]: how far a mesh level lies from the original, at rest and in motion
+//! - [`surface_distances`]: how far a mesh level lies from the original, at rest and in motion
 //! - [`figure_levels`]: levels of joints and mesh that are shown together
 //! - [`cached_poses`], [`motion_bounds`], [`occluders`]: what a crowd reads instead of working it out
 //! - [`reduce`]: a motion saved at a level of articulation
 //! - [`evaluate`]: a clip played under a method, its gain and its error in pixels
-//! - [`scene`]: who stands where in a crowd, and where its camera goes
+//! - [`Scene`], [`plaza`]: who stands where in a crowd, and where its camera goes
 //!
 //! ```
 //! use articula_build::{ClipOptions, SimplifyOptions, character, simplify};
@@ -36,33 +37,35 @@
 
 pub mod clip_edit;
 pub mod evaluate;
-pub mod expression;
 pub mod joint_names;
-pub mod motion_error;
 pub mod retarget;
-pub mod scene;
-pub mod surface_distance;
 
 mod character;
 mod clip;
 mod clusters;
 mod decimate;
+mod expression;
 mod figure_levels;
 mod influences;
 mod ladder;
 mod mesh_levels;
 mod motion_bounds;
+mod motion_error;
 mod occluders;
+mod points;
 mod pose_cache;
 mod poses;
 mod reduce;
+mod scene;
 mod simplify;
 mod split_mix;
+mod surface_distance;
 
 pub use character::{Asset, character};
-pub use clip::{ClipOptions, resample, source_rate_hz};
+pub use clip::{ClipOptions, source_rate_hz};
 pub use clusters::{Clustered, Order, cluster};
 pub use decimate::decimate;
+pub use expression::{bake, resolve};
 pub use figure_levels::{FigureLevel, FigureLevels, figure_levels};
 pub use ladder::{
     FarLevels, LevelOptions, LevelSkin, LevelSkins, MergedLevels, far_levels, far_order,
@@ -71,10 +74,21 @@ pub use ladder::{
 };
 pub use mesh_levels::{MeasuredOn, MeshLevelOptions, MeshLevels, mesh_levels};
 pub use motion_bounds::motion_bounds;
+pub use motion_error::{
+    ChainShare, contact_intervals, joint_bounds, key_table, levers, moving_joints, pose_keys,
+    table_hashes,
+};
 pub use occluders::occluders;
+pub use points::draw_vertices;
 pub use pose_cache::{CacheOptions, CacheReport, CachedPoses, Fate, cached_poses};
 pub use poses::{Origin, PoseOptions, PoseSource, Poses, SkinPose, poses, positions};
 pub use reduce::{MotionSize, motion_size, reduce};
+pub use scene::{
+    CrossFade, Member, PLAZA_COUNT, Play, Plaza, Scene, plaza, put_in_place, root_path,
+};
 pub use simplify::{
     LevelTriangles, Simplified, SimplifyOptions, Weighting, region_weights, simplify,
+};
+pub use surface_distance::{
+    DistanceOptions, LevelDistances, SkinPoint, attach, corners, surface_distances,
 };

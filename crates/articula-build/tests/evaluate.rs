@@ -3,22 +3,21 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use articula_build::ClipOptions;
-use articula_build::evaluate::Points;
 use articula_build::evaluate::{
     CameraKey, Method, MethodOptions, Setup, SkinPxVariant, Stage, Trial, calibrate, play,
     play_camera_path, pose_key_frames, sweep, uniform_key_frames,
 };
-use articula_build::motion_error::levers;
-use articula_build::motion_error::pose_keys;
-use articula_build::motion_error::{ChainShare, LeverKind, joint_bounds};
-use articula_build::motion_error::{hashes, key_table};
+use articula_build::levers;
+use articula_build::pose_keys;
 use articula_build::{Asset, character};
+use articula_build::{ChainShare, joint_bounds};
+use articula_build::{key_table, table_hashes};
 use articula_core::source::{
     Channel, Character, Clip, Interpolation, Joint, Mesh, Primitive, Property, Skeleton, Skin,
 };
 use articula_core::{
-    Articulation, DriftOptions, JointArticulation, JointSet, KeyMode, Region, Track, Tracks,
-    Transform,
+    Articulation, DriftOptions, JointArticulation, JointSet, KeyMode, PosedMesh, Region, Track,
+    Tracks, Transform, Wrap,
 };
 use glam::{Affine3A, Quat, Vec3};
 
@@ -228,7 +227,9 @@ fn tables_are_nested_and_fit_only_their_own_clip() {
     let levers = levers(&asset.rig, &asset.mesh);
     for mode in [KeyMode::Hold, KeyMode::Linear] {
         let table = key_table(&asset, clip, &levers, mode);
-        table.check(&hashes(&asset.rig, clip, &asset.mesh)).unwrap();
+        table
+            .check(&table_hashes(&asset.rig, clip, &asset.mesh))
+            .unwrap();
         let counts: Vec<usize> = table.keys[1].iter().map(Vec::len).collect();
         assert!(counts.windows(2).all(|w| w[1] <= w[0]), "{counts:?}");
         assert!(counts[0] > counts[9] || mode == KeyMode::Linear);
@@ -246,11 +247,11 @@ fn tables_are_nested_and_fit_only_their_own_clip() {
             duration_secs: 1.0,
             ..Clip::default()
         };
-        articula_build::resample(&source, &skeleton_of(&asset), &[], &[], &opts).unwrap()
+        clip_of(&asset, source, &opts)
     };
     let table = key_table(&asset, clip, &levers, KeyMode::Hold);
     let e = table
-        .check(&hashes(&other.rig, &other.clips[0], &other.mesh))
+        .check(&table_hashes(&other.rig, &other.clips[0], &other.mesh))
         .unwrap_err();
     assert_eq!(e.at, "hashes.clip");
 }
@@ -259,10 +260,16 @@ fn tables_are_nested_and_fit_only_their_own_clip() {
 fn palettes_blended_between_pose_keys_stay_within_their_level() {
     let asset = asset();
     let clip = &asset.clips[0];
-    let points = Points::draw(&asset, 3, 1);
-    let keys = pose_keys(&asset, clip, &points);
+    let keys = pose_keys(&asset, clip, 3, 1);
+    let mut posed = PosedMesh::new(&asset.rig, &asset.mesh);
     assert_eq!((keys.tick_hz, keys.ticks), (120.0, 240));
-    let at = |tick: u32| points.at(&asset, clip, f64::from(tick) / 120.0)[0];
+    let mut at = |tick: u32| {
+        let mut point = [Vec3::ZERO];
+        posed
+            .pose_at(clip, f64::from(tick) / 120.0, Wrap::Clamp)
+            .points(&[0], &mut point);
+        point[0]
+    };
     // An arc of 0.6 rad leaves its chord by 1 - cos(0.3): 45 mm, level 7 and coarser need no key
     // between the ends. 0.5 mm allow 0.0632 rad, 25 ticks of 0.0025: ten spans at least.
     let counts: Vec<usize> = keys.levels.iter().flatten().map(Vec::len).collect();
@@ -330,11 +337,10 @@ fn with_motion(frames: usize, interpolation: Interpolation, angle: impl Fn(usize
                 .collect(),
         }],
     };
-    let skeleton = skeleton_of(&asset);
     let opts = ClipOptions {
         rate_hz: Some(RATE),
     };
-    asset.clips = vec![articula_build::resample(&source, &skeleton, &[], &[], &opts).unwrap()];
+    asset.clips = vec![clip_of(&asset, source, &opts)];
     asset
 }
 
@@ -364,7 +370,7 @@ fn a_clip_of_ten_minutes_takes_seconds() {
         let table = key_table(&asset, clip, &levers, mode);
         assert!(table.keys[1][9].len() < 100);
     }
-    let keys = pose_keys(&asset, clip, &Points::draw(&asset, 3, 1));
+    let keys = pose_keys(&asset, clip, 3, 1);
     assert!(keys.levels[9].as_ref().unwrap().len() < 100);
 }
 
@@ -381,8 +387,8 @@ fn sweep_end(method: &Method) -> &'static f32 {
 fn nothing_bounds_the_speed_of_a_jump() {
     let asset = with_motion(9, Interpolation::Step, |i| if i < 4 { 0.0 } else { 1.0 });
     let levers = levers(&asset.rig, &asset.mesh);
-    let (rest, whole) = (LeverKind::Rest, ChainShare::Whole);
-    let bounds = joint_bounds(&asset, &asset.clips[0], &levers, rest, whole);
+    let rest_metres: Vec<f32> = levers.iter().map(|l| l.rest_metres).collect();
+    let bounds = joint_bounds(&asset, &asset.clips[0], &rest_metres, ChainShare::Whole);
     assert_eq!(bounds[1].speed_metres_per_sec, f32::INFINITY);
     assert_eq!(bounds[0].speed_metres_per_sec, 0.0);
 }
@@ -462,6 +468,18 @@ fn the_thesis_never_updates_a_slow_joint_beside_a_quick_one() {
     // A pixel at 5 m is 5.8 mm: on the floor of 10 mm, a correction every 33 degrees.
     let pixel = stage.usual_parameter(&Method::SkinPx(SkinPxVariant::Hold), 5.0);
     assert_eq!(updates(&Method::SkinPx(SkinPxVariant::Hold), pixel), 1);
+}
+
+/// A clip for the rig of an asset.
+fn clip_of(asset: &Asset, source: Clip, opts: &ClipOptions) -> articula_core::Clip {
+    let source = Character {
+        skeleton: skeleton_of(asset),
+        clips: vec![source],
+        ..Character::default()
+    };
+    let articulation = asset.rig.articulation().clone();
+    let built = character(&source, Some(articulation), opts).unwrap();
+    built.clips.into_iter().next().unwrap()
 }
 
 fn skeleton_of(asset: &Asset) -> Skeleton {

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use articula_build::ClipOptions;
-use articula_build::surface_distance::attach;
+use articula_build::attach;
 use articula_build::{Asset, character};
 use articula_build::{FigureLevels, figure_levels};
 use articula_build::{LevelOptions, MergedLevels, merged_levels};

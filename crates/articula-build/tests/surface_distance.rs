@@ -2,8 +2,8 @@
 #![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
 
 use articula_build::ClipOptions;
-use articula_build::surface_distance::{DistanceOptions, LevelDistances, surface_distances};
 use articula_build::{Asset, character};
+use articula_build::{DistanceOptions, LevelDistances, surface_distances};
 use articula_build::{PoseOptions, poses, positions};
 use articula_core::SurfaceError;
 use articula_human::{HumanOptions, human};
@@ -253,7 +253,7 @@ fn a_human_in_motion_is_measured_as_the_slow_way_does() {
     )
     .unwrap();
     let motion = positions(&asset, &found.measuring);
-    let rest = found.shaping[0].positions(&asset);
+    let rest = positions(&asset, &found.shaping[..1]).remove(0);
     let levels = [clustered(&asset, 0.05), clustered(&asset, 0.1)];
     let original = &asset.mesh.triangles;
     let opts = DistanceOptions {

@@ -8,7 +8,7 @@
 
 mod program;
 
-use articula_build::retarget::{self, Figure, RetargetOptions};
+use articula_build::retarget::{Figure, RetargetOptions, Retargeter};
 use articula_core::LocalPose;
 use articula_core::source::{Character, evaluate};
 use articula_formats::mpeg4::bap;
@@ -227,7 +227,9 @@ fn captured_hands_and_feet_come_to_their_places() {
             articulation: &standard,
         };
         let clip = &source.clips[0];
-        let moved = retarget::retarget(from, onto, clip, &RetargetOptions::default()).unwrap();
+        let moved = Retargeter::new(from, onto)
+            .and_then(|r| r.retarget(clip, &RetargetOptions::default()))
+            .unwrap();
         figure.clips.push(moved.clip);
         let sampled = bap::sample(&figure, &standard, 0, 30.0).unwrap();
         let back = bap::character(&sampled.clip);

@@ -8,7 +8,7 @@
 
 mod program;
 
-use articula_build::expression::{bake, resolve};
+use articula_build::{bake, resolve};
 use articula_core::source::{Channel, Clip, Expression, Interpolation, Property, evaluate};
 use articula_formats::Limits;
 use articula_formats::gltf::{self, GltfFile};

@@ -9,8 +9,8 @@
 mod real;
 
 use articula_build::ClipOptions;
-use articula_build::surface_distance::{DistanceOptions, surface_distances};
 use articula_build::{Asset, character};
+use articula_build::{DistanceOptions, surface_distances};
 use articula_build::{PoseOptions, poses, positions};
 use articula_build::{Simplified, SimplifyOptions, Weighting, simplify};
 use articula_formats::{Limits, gltf, profile};

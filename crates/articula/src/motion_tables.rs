@@ -6,10 +6,9 @@
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use articula_build::Asset;
-use articula_build::evaluate::Points;
-use articula_build::motion_error::levers;
-use articula_build::motion_error::pose_keys;
-use articula_build::motion_error::{hashes, key_table};
+use articula_build::levers;
+use articula_build::pose_keys;
+use articula_build::{key_table, table_hashes};
 use articula_core::{JointLever, KeyMode, KeyTable, Mismatch, PoseKeys};
 use articula_formats::Limits;
 use articula_formats::motion_table::{read_pose_keys, read_segs, write_pose_keys, write_segs};
@@ -37,7 +36,7 @@ pub struct ClipTables {
 pub(crate) struct TableMaker<'a> {
     asset: &'a Asset,
     levers: Vec<JointLever>,
-    points: Points,
+    seed: u64,
 }
 
 impl<'a> TableMaker<'a> {
@@ -46,7 +45,7 @@ impl<'a> TableMaker<'a> {
         Self {
             asset,
             levers: levers(&asset.rig, &asset.mesh),
-            points: Points::draw(asset, WATCHED, seed),
+            seed,
         }
     }
 
@@ -54,13 +53,14 @@ impl<'a> TableMaker<'a> {
     pub(crate) fn tables(&self, clip: usize) -> ClipTables {
         let clip = &self.asset.clips[clip];
         let table = key_table(self.asset, clip, &self.levers, KeyMode::Hold);
+        let pose_keys = pose_keys(self.asset, clip, WATCHED, self.seed);
         let at = |level: usize| {
             let lists = table.keys.iter().filter_map(|joint| joint.get(level));
             lists.map(Vec::len).sum()
         };
         ClipTables {
             segs: write_segs(&table),
-            pose_keys: write_pose_keys(&pose_keys(self.asset, clip, &self.points)),
+            pose_keys: write_pose_keys(&pose_keys),
             keys: (0..table.levels()).map(at).collect(),
         }
     }
@@ -118,7 +118,7 @@ fn of_clip(figure: &Figure, clip: usize) -> Result<StoredTables> {
 
 fn check_segs(asset: &Asset, clip: usize, table: &KeyTable) -> Result<(), Mismatch> {
     let played = &asset.clips[clip];
-    table.check(&hashes(&asset.rig, played, &asset.mesh))?;
+    table.check(&table_hashes(&asset.rig, played, &asset.mesh))?;
     let last = table.keys.iter().flatten().filter_map(|keys| keys.last());
     if last.max().is_some_and(|k| *k as usize >= played.frames()) {
         let what = "a key lies beyond the clip; build the asset again";
@@ -137,5 +137,5 @@ fn check_pose_keys(asset: &Asset, clip: usize, keys: &PoseKeys) -> Result<(), Mi
         mode: KeyMode::Linear,
         keys: Vec::new(),
     };
-    as_table.check(&hashes(&asset.rig, &asset.clips[clip], &asset.mesh))
+    as_table.check(&table_hashes(&asset.rig, &asset.clips[clip], &asset.mesh))
 }

@@ -61,7 +61,7 @@ impl<'a> Subject<'a> {
 
     /// The joint that carries the body: the root of the humanoid, its sacrum where no joint
     /// stands for the root, else the first joint of the skin.
-    pub fn hips(&self) -> usize {
+    pub(super) fn hips(&self) -> usize {
         let joints = &self.rig.articulation().joints;
         let named = |name: &str| joints.iter().position(|j| j.hanim.as_deref() == Some(name));
         named("humanoid_root")

@@ -3,8 +3,8 @@
 //! Source: `spec/motion-lod.md` 4.5 and 12. What is measured here is the controller that runs
 //! in a frame, not a table: its bound holds while the view moves.
 
-use super::stage::{ErrorPx, Stage};
-use crate::motion_error::bounds::{LeverKind, joint_bounds};
+use super::stage::{FrameErrors, Stage};
+use crate::motion_error::bounds::joint_bounds;
 use crate::motion_error::contacts::attention;
 use articula_core::joint_state::JointState;
 use articula_core::percentile;
@@ -62,7 +62,7 @@ pub struct PathRun {
     /// Share of frames after the first at which no joint changed.
     pub evaluations_saved: f32,
     /// Percentiles over frames of [`PathFrame::error_px`].
-    pub error_px: ErrorPx,
+    pub error_px: FrameErrors,
 }
 
 /// Plays a clip (looping) along a camera path at a display rate. `None` without a key.
@@ -74,13 +74,8 @@ pub fn play_camera_path(
 ) -> Option<PathRun> {
     let (first, last) = (path.first()?, path.last()?);
     let (asset, clip) = (stage.asset, &stage.clip);
-    let bounds = joint_bounds(
-        asset,
-        clip,
-        &stage.levers,
-        LeverKind::Rest,
-        stage.options.chain,
-    );
+    let levers_metres: Vec<f32> = stage.levers.iter().map(|l| l.rest_metres).collect();
+    let bounds = joint_bounds(asset, clip, &levers_metres, stage.options.chain);
     let mut drift = Drift::new(asset.rig.rest_pose(), bounds, opts);
     let mut wanted = asset.rig.rest_pose().clone();
     let mut truth = wanted.clone();
@@ -160,7 +155,7 @@ fn summary(stage: &Stage<'_>, frames: Vec<PathFrame>) -> PathRun {
         .count();
     let mut errors: Vec<f32> = frames.iter().map(|f| f.error_px).collect();
     let mut at = |fraction| percentile(&mut errors, fraction);
-    let error_px = ErrorPx {
+    let error_px = FrameErrors {
         p50: at(0.5),
         p95: at(0.95),
         max: at(1.0),

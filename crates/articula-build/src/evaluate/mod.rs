@@ -13,7 +13,6 @@ mod calibrate;
 mod camera_path;
 mod method;
 mod playbacks;
-mod points;
 mod pose_keys;
 mod stage;
 
@@ -24,7 +23,5 @@ pub(crate) use camera_path::camera_at;
 pub use camera_path::{CameraKey, PathFrame, PathRun, play_camera_path};
 pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use playbacks::play;
-pub use points::Points;
-pub(crate) use points::draw_vertices;
 pub use pose_keys::{pose_key_frames, uniform_key_frames};
-pub use stage::{ErrorMetres, ErrorPx, Row, Setup, Stage, Trial};
+pub use stage::{FrameErrors, Row, Setup, Stage, Trial};

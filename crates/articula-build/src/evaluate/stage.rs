@@ -3,11 +3,11 @@
 use super::baselines::thesis::error_matrix;
 use super::baselines::thesis_metric::ErrorMatrix;
 use super::method::{Method, MethodOptions, Playback};
-use super::points::Points;
 use crate::character::Asset;
 use crate::motion_error::bounds::moving_joints;
 use crate::motion_error::contacts::{Contact, contacts};
 use crate::motion_error::levers::levers;
+use crate::points::Points;
 use articula_core::{
     Clip, JointLever, JointSet, LocalPose, ModelPose, Viewport, Wrap, local_to_model, percentile,
     sample,
@@ -56,7 +56,7 @@ pub struct Stage<'a> {
     /// How the skin hangs on each joint.
     pub levers: Vec<JointLever>,
     /// When feet stand still.
-    pub contacts: Vec<Contact>,
+    pub(crate) contacts: Vec<Contact>,
     /// True local poses of all frames.
     pub truth: Vec<LocalPose>,
     /// True model-space rotations of all frames.
@@ -66,21 +66,10 @@ pub struct Stage<'a> {
     matrix: OnceCell<ErrorMatrix>,
 }
 
-/// Displacement in metres as projected: percentiles over frames of the 95th over vertices, the
-/// worst azimuth.
+/// Displacement as projected, in metres or, from a distance, in pixels: percentiles over frames of
+/// the 95th over vertices, the worst azimuth.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ErrorMetres {
-    /// Median over frames.
-    pub p50: f32,
-    /// 95th percentile over frames.
-    pub p95: f32,
-    /// Worst frame.
-    pub max: f32,
-}
-
-/// The same in pixels at a distance.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct ErrorPx {
+pub struct FrameErrors {
     /// Median over frames.
     pub p50: f32,
     /// 95th percentile over frames.
@@ -103,8 +92,8 @@ pub struct Trial {
     pub joints_sampled: f32,
     /// Mean number of joints a frame whose model matrix changed, relative to the root.
     pub fk_joints: f32,
-    /// Displacement of the skin.
-    pub error: ErrorMetres,
+    /// Displacement of the skin, metres.
+    pub error: FrameErrors,
     /// Mean way that feet slide during contacts because of what is held, metres.
     pub foot_slide_metres: f32,
 }
@@ -116,8 +105,8 @@ pub struct Row {
     pub distance_m: f32,
     /// What was saved, and the parameter.
     pub trial: Trial,
-    /// What it cost.
-    pub error_px: ErrorPx,
+    /// What it cost, pixels.
+    pub error_px: FrameErrors,
 }
 
 impl<'a> Stage<'a> {
@@ -177,8 +166,8 @@ impl<'a> Stage<'a> {
     /// The row of a trial at a distance.
     pub fn row(&self, trial: Trial, distance_m: f32) -> Row {
         let ppm = self.setup.viewport.pixels_per_metre(distance_m);
-        let ErrorMetres { p50, p95, max } = trial.error;
-        let error_px = ErrorPx {
+        let FrameErrors { p50, p95, max } = trial.error;
+        let error_px = FrameErrors {
             p50: p50 * ppm,
             p95: p95 * ppm,
             max: max * ppm,
@@ -279,9 +268,9 @@ impl<'a> Stage<'a> {
         dirty.len()
     }
 
-    fn error(&self, playbacks: &[Playback]) -> ErrorMetres {
+    fn error(&self, playbacks: &[Playback]) -> FrameErrors {
         let views: Vec<Vec3> = self.view_directions().collect();
-        let mut worst = ErrorMetres::default();
+        let mut worst = FrameErrors::default();
         for (p, playback) in playbacks.iter().enumerate() {
             // A playback made for one view is judged from there, a common one from everywhere.
             let seen = if playbacks.len() == views.len() && views.len() > 1 {

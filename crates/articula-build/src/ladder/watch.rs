@@ -2,7 +2,7 @@
 
 use super::moments::model_of;
 use crate::character::Asset;
-use crate::evaluate::draw_vertices;
+use crate::points::draw_vertices;
 use articula_core::{Binding, Mesh};
 use glam::{Affine3A, Vec3};
 use std::borrow::Cow;

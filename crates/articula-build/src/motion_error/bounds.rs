@@ -2,17 +2,7 @@
 
 use super::levers::chain_counts;
 use crate::character::Asset;
-use articula_core::{Clip, JointBounds, JointLever, JointSet, angle_between};
-
-/// Which lever turns radians into metres.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LeverKind {
-    /// The lever at rest, as the spec measures: a good estimate.
-    #[default]
-    Rest,
-    /// The reach in any pose: a bound.
-    Reach,
-}
+use articula_core::{Clip, JointBounds, JointSet, angle_between};
 
 /// How a tolerance is shared along a chain of joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -50,11 +40,14 @@ pub fn moving_joints(asset: &Asset, clip: &Clip) -> JointSet {
 
 /// Bounds of all joints for one clip, within one pass of it: where an open clip loops, everyone
 /// is to be woken.
+///
+/// `levers_metres` turns the radians of each joint into metres: with the levers at rest
+/// ([`rest_metres`](articula_core::JointLever::rest_metres)) a good estimate, with the reach in any
+/// pose ([`reach_metres`](articula_core::JointLever::reach_metres)) a bound.
 pub fn joint_bounds(
     asset: &Asset,
     clip: &Clip,
-    levers: &[JointLever],
-    kind: LeverKind,
+    levers_metres: &[f32],
     share: ChainShare,
 ) -> Vec<JointBounds> {
     let counts = match share {
@@ -66,14 +59,11 @@ pub fn joint_bounds(
             chain_counts(&asset.rig, &asset.mesh, &turning)
         }
     };
-    let mut bounds: Vec<JointBounds> = levers
+    let mut bounds: Vec<JointBounds> = levers_metres
         .iter()
         .zip(&counts)
         .map(|(lever, count)| JointBounds {
-            lever_metres: match kind {
-                LeverKind::Rest => lever.rest_metres,
-                LeverKind::Reach => lever.reach_metres,
-            },
+            lever_metres: *lever,
             speed_metres_per_sec: 0.0,
             share: match share {
                 ChainShare::Whole => 1.0,

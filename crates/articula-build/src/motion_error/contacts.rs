@@ -17,16 +17,16 @@ const LEAST_SECS: f32 = 0.08;
 
 /// One contact of one joint.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Contact {
+pub(crate) struct Contact {
     /// The foot or hand joint.
-    pub joint: usize,
+    pub(crate) joint: usize,
     /// Frames of the clip during which it stands still.
-    pub frames: Range<usize>,
+    pub(crate) frames: Range<usize>,
 }
 
 /// Contacts of the feet (and toes) of a clip, found by their H-Anim names; hands count only
 /// where they rest, which for them is slowness alone, and are left out unless `hands`.
-pub fn contacts(asset: &Asset, clip: &Clip, hands: bool) -> Vec<Contact> {
+pub(crate) fn contacts(asset: &Asset, clip: &Clip, hands: bool) -> Vec<Contact> {
     let is = |names: &[&str]| -> Vec<usize> {
         let joints = &asset.rig.articulation().joints;
         (0..joints.len())
@@ -82,8 +82,14 @@ pub(crate) fn attention(asset: &Asset, contacts: &[Contact], frame: usize, out: 
     }
 }
 
-/// The contacts of a clip as intervals in which less is tolerated of the whole body.
-pub fn intervals(contacts: &[Contact], clip: &Clip) -> Vec<Interval> {
+/// When feet stand still in a clip, as intervals in which less is tolerated of the whole body;
+/// with `hands`, when hands do too.
+pub fn contact_intervals(asset: &Asset, clip: &Clip, hands: bool) -> Vec<Interval> {
+    intervals(&contacts(asset, clip, hands), clip)
+}
+
+/// The contacts of a clip as intervals.
+fn intervals(contacts: &[Contact], clip: &Clip) -> Vec<Interval> {
     let interval = |contact: &Contact| Interval {
         start_secs: contact.frames.start as f32 / clip.rate_hz(),
         // Up to the first frame that moves: a pose between the two is still half of the contact.

@@ -2,9 +2,9 @@
 //!
 //! - [`levers`]: how the skin hangs on each joint
 //! - [`moving_joints`], [`joint_bounds`]: speed bounds and shares for the drift controller
-//! - [`key_table`]: nested keys for a ladder of tolerances, held, posed or blended, with [`hashes`]
+//! - [`key_table`]: nested keys for a ladder of tolerances, held, posed or blended, with [`table_hashes`]
 //! - [`pose_keys`]: whole-pose keys between which palettes blend
-//! - [`contacts`], [`intervals`]: when feet and hands stand still
+//! - [`contact_intervals`]: when feet and hands stand still
 
 pub(crate) mod bounds;
 pub(crate) mod closed_loop;
@@ -15,8 +15,8 @@ pub(crate) mod pose_keys;
 pub(crate) mod runs;
 pub(crate) mod tables;
 
-pub use bounds::{ChainShare, LeverKind, joint_bounds, moving_joints};
-pub use contacts::{Contact, contacts, intervals};
+pub use bounds::{ChainShare, joint_bounds, moving_joints};
+pub use contacts::contact_intervals;
 pub use levers::levers;
 pub use pose_keys::pose_keys;
-pub use tables::{hashes, key_table};
+pub use tables::{key_table, table_hashes};

@@ -9,9 +9,9 @@
 //! so that only one block of poses is held at a time.
 
 use super::runs::long_runs;
-use super::tables::hashes;
+use super::tables::table_hashes;
 use crate::character::Asset;
-use crate::evaluate::Points;
+use crate::points::Points;
 use articula_core::{Clip, KeyTable, PoseKeys};
 use glam::Vec3;
 
@@ -25,9 +25,10 @@ const BLOCK_TICKS: usize = 4096;
 /// frames at 60 Hz.
 const LEAST_SPAN_SECS: f32 = 2.0 / 60.0;
 
-/// Keys for every level of the usual ladder. `points` is the sample of the skin that is
-/// watched. Root motion is part of it: the palette moves on straight lines too.
-pub fn pose_keys(asset: &Asset, clip: &Clip, points: &Points) -> PoseKeys {
+/// Keys for every level of the usual ladder. `watched` vertices of the skin, chosen by `seed`,
+/// are looked at. Root motion is part of it: the palette moves on straight lines too.
+pub fn pose_keys(asset: &Asset, clip: &Clip, watched: usize, seed: u64) -> PoseKeys {
+    let points = Points::draw(asset, watched, seed);
     let per_frame = (LEAST_TICK_HZ / clip.rate_hz()).ceil().max(1.0);
     let tick_hz = clip.rate_hz() * per_frame;
     let ticks = (clip.frames() - 1) * per_frame as usize;
@@ -46,7 +47,7 @@ pub fn pose_keys(asset: &Asset, clip: &Clip, points: &Points) -> PoseKeys {
         spans == 0.0 || ticks as f32 > LEAST_SPAN_SECS * tick_hz * spans
     };
     PoseKeys {
-        hashes: hashes(&asset.rig, clip, &asset.mesh),
+        hashes: table_hashes(&asset.rig, clip, &asset.mesh),
         tick_hz,
         ticks: ticks as u32,
         base_metres: KeyTable::LADDER_BASE_METRES,

@@ -9,7 +9,7 @@ use articula_core::{Clip, JointLever, KeyMode, KeyTable, Mesh, Rig, TableHashes}
 
 /// Fingerprints of a rig, a clip and a mesh: FNV-1a over their numbers, the same on every
 /// machine. They tell a stale table from a fitting one; they are no protection.
-pub fn hashes(rig: &Rig, clip: &Clip, mesh: &Mesh) -> TableHashes {
+pub fn table_hashes(rig: &Rig, clip: &Clip, mesh: &Mesh) -> TableHashes {
     TableHashes {
         rig: rig_hash(rig),
         clip: clip_hash(clip),
@@ -38,7 +38,7 @@ pub fn key_table(asset: &Asset, clip: &Clip, levers: &[JointLever], mode: KeyMod
         }
     }
     KeyTable {
-        hashes: hashes(&asset.rig, clip, &asset.mesh),
+        hashes: table_hashes(&asset.rig, clip, &asset.mesh),
         rate_hz: clip.rate_hz(),
         frames: clip.frames() as u32,
         base_metres: KeyTable::LADDER_BASE_METRES,

@@ -2,8 +2,8 @@
 
 use super::CacheOptions;
 use crate::character::Asset;
-use crate::evaluate::draw_vertices;
 use crate::ladder::MergedLevels;
+use crate::points::draw_vertices;
 use articula_core::{Mesh, skin_points};
 use glam::{Affine3A, Vec3};
 

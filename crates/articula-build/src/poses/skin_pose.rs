@@ -44,7 +44,7 @@ pub struct SkinPose {
 
 impl SkinPose {
     /// The rest pose.
-    pub fn rest(asset: &Asset) -> Self {
+    pub(crate) fn rest(asset: &Asset) -> Self {
         Self {
             origin: Origin::Rest,
             joints: asset.rig.rest_pose().clone(),
@@ -56,7 +56,7 @@ impl SkinPose {
     ///
     /// # Panics
     /// If there is no such clip, or it is of another rig.
-    pub fn of_clip(asset: &Asset, clip: usize, frame: usize) -> Self {
+    pub(crate) fn of_clip(asset: &Asset, clip: usize, frame: usize) -> Self {
         let motion = &asset.clips[clip];
         let secs = frame as f64 / f64::from(motion.rate_hz());
         let mut pose = Self::rest(asset);
@@ -72,7 +72,7 @@ impl SkinPose {
     ///
     /// # Panics
     /// If the pose is of another rig.
-    pub fn model(&self, asset: &Asset) -> ModelPose {
+    pub(crate) fn model(&self, asset: &Asset) -> ModelPose {
         let rig = &asset.rig;
         let mut model = ModelPose::new(rig.len());
         local_to_model(rig, rig.rest_pose(), &mut model);
@@ -91,7 +91,7 @@ impl SkinPose {
     ///
     /// # Panics
     /// If the pose is of another character.
-    pub fn positions(&self, asset: &Asset) -> Vec<Vec3> {
+    pub(crate) fn positions(&self, asset: &Asset) -> Vec<Vec3> {
         self.positions_of(asset, &asset.mesh)
     }
 

@@ -40,8 +40,8 @@ pub use planted::Pinning;
 pub use quality::{EndError, Quality, Slide};
 pub use report::{JointReport, Origin, RetargetReport};
 
+use articula_core::Articulation;
 use articula_core::source::{Clip, Skeleton};
-use articula_core::{Articulation, Mismatch};
 
 /// A skeleton and what its joints are.
 #[derive(Debug, Clone, Copy)]
@@ -70,17 +70,4 @@ pub struct Retargeted {
     pub clip: Clip,
     /// Where each joint's motion comes from, and numbers of quality.
     pub report: RetargetReport,
-}
-
-/// Puts one clip onto another figure; for several clips keep a [`Retargeter`].
-///
-/// # Errors
-/// See [`Retargeter::new`] and [`Retargeter::retarget`].
-pub fn retarget(
-    source: Figure<'_>,
-    target: Figure<'_>,
-    clip: &Clip,
-    options: &RetargetOptions,
-) -> Result<Retargeted, Mismatch> {
-    Retargeter::new(source, target)?.retarget(clip, options)
 }

@@ -18,16 +18,13 @@ const ROOM_METRES: f32 = 1.0;
 /// The way is the mean over so long, so that the sway of the hips stays with them.
 const SMOOTH_SECS: f32 = 1.0;
 
-/// The way of a clip, from its start on.
-pub type Way = Vec<TrajectoryKey>;
-
-/// Puts clips that travel on the spot; gives the way of each clip that did, and warnings on
+/// Puts clips that travel on the spot; gives the way of each clip that did, from its start on, and warnings on
 /// clips that travel and could not be put. `end_sites` as [`Subject::new`] takes them.
 pub fn put_in_place(
     character: &mut Character,
     articulation: Articulation,
     end_sites: &[(usize, Vec3)],
-) -> (Vec<Option<Way>>, Vec<String>) {
+) -> (Vec<Option<Vec<TrajectoryKey>>>, Vec<String>) {
     let mut clips = std::mem::take(&mut character.clips);
     let subject = Subject::new(character, articulation, end_sites);
     let mut warnings = Vec::new();

@@ -1,13 +1,12 @@
 //! Who stands where in a crowd, what everyone plays, and where the camera goes: values only.
 //!
-//! [`plaza`] and [`plaza_2`] make the default scenes from a seed; a scene file is read into the
-//! same [`Scene`]. Nothing here opens a file or knows how a pose is evaluated.
+//! [`plaza`] makes the default scenes from a seed; a scene file is read into the same [`Scene`]. Nothing here opens a file or knows how a pose is evaluated.
 
 mod in_place;
 mod plaza;
 
-pub use in_place::{Way, put_in_place, root_path};
-pub use plaza::{PLAZA_COUNT, Phases, plaza, plaza_2};
+pub use in_place::{put_in_place, root_path};
+pub use plaza::{PLAZA_COUNT, Plaza, plaza};
 
 use crate::evaluate::{CameraKey, camera_at};
 use articula_core::{Camera, Viewport};
@@ -155,7 +154,7 @@ mod tests {
 
     #[test]
     fn without_a_key_there_is_no_camera() {
-        let mut scene = plaza(1, 1, 1);
+        let mut scene = plaza(1, 1, 1, Plaza::Still);
         scene.camera.clear();
         assert_eq!(scene.camera_at(1.0), None);
         assert_eq!(scene.lap_secs(), 0.0);

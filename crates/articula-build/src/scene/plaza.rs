@@ -33,22 +33,32 @@ const FADING_ONE_OF: usize = 5;
 /// Time from one clip of a cross-fade to the other.
 const FADE_SECS: f32 = 1.0;
 
-/// Whether everyone is elsewhere in the clip.
+/// What moves on the plaza besides its characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Phases {
-    /// Drawn from the seed.
+pub enum Plaza {
+    /// Nothing: the camera stands still, and no clip goes over into another.
     #[default]
-    Distinct,
-    /// All 0.
-    Equal,
+    Still,
+    /// The camera drives at 5 m/s to the centre and back, and a fifth of the characters is in a
+    /// cross-fade of two clips (of two phases of the one clip, if there is no other).
+    Moving,
+    /// The same, all characters at phase 0 of their clips.
+    InPhase,
 }
 
 /// The plaza: a square of characters 2 m apart with drawn yaw, clip (of `clips`) and phase. The
-/// camera stands still, between two characters in the middle of the +Z side, 1 m outside the first
-/// row and 1.7 m high, and looks level along -Z.
+/// camera starts between two characters in the middle of the +Z side, 1 m outside the first row
+/// and 1.7 m high, and looks level along -Z.
 ///
 /// Members are in rows from the camera on; a number that is no square leaves the last row short.
-pub fn plaza(count: usize, clips: usize, seed: u64) -> Scene {
+pub fn plaza(count: usize, clips: usize, seed: u64, kind: Plaza) -> Scene {
+    match kind {
+        Plaza::Still => still(count, clips, seed),
+        Plaza::Moving | Plaza::InPhase => moving(count, clips, seed, kind == Plaza::InPhase),
+    }
+}
+
+fn still(count: usize, clips: usize, seed: u64) -> Scene {
     let side = side_of(count);
     let mut random = SplitMix(seed);
     let members = (0..count).map(|i| member(i, side, clips, &mut random));
@@ -64,10 +74,8 @@ pub fn plaza(count: usize, clips: usize, seed: u64) -> Scene {
     }
 }
 
-/// The plaza with a camera that drives at 5 m/s to the centre and back, and with a fifth of its
-/// characters in a cross-fade of two clips (of two phases of the one clip, if there is no other).
-pub fn plaza_2(count: usize, clips: usize, seed: u64, phases: Phases) -> Scene {
-    let mut scene = plaza(count, clips, seed);
+fn moving(count: usize, clips: usize, seed: u64, in_phase: bool) -> Scene {
+    let mut scene = still(count, clips, seed);
     let mut random = SplitMix(!seed);
     for group in scene.members.chunks_mut(FADING_ONE_OF) {
         let chosen = random.below(FADING_ONE_OF);
@@ -76,7 +84,7 @@ pub fn plaza_2(count: usize, clips: usize, seed: u64, phases: Phases) -> Scene {
             member.cross_fade = Some(fade);
         }
     }
-    if phases == Phases::Equal {
+    if in_phase {
         for member in &mut scene.members {
             member.play.phase = 0.0;
             if let Some(fade) = &mut member.cross_fade {
@@ -163,7 +171,7 @@ mod tests {
 
     #[test]
     fn the_published_square_by_hand() {
-        let scene = plaza(PLAZA_COUNT, 4, 1);
+        let scene = plaza(PLAZA_COUNT, 4, 1, Plaza::Still);
         let at = |i: usize| scene.members[i].position;
         assert_eq!(at(0), Vec3::new(-99.0, 0.0, 99.0));
         assert_eq!(at(99), Vec3::new(99.0, 0.0, 99.0));
@@ -179,7 +187,7 @@ mod tests {
     /// The three facts that the specification states of the view.
     #[test]
     fn the_view_is_the_one_of_the_specification() {
-        let scene = plaza(PLAZA_COUNT, 4, 7);
+        let scene = plaza(PLAZA_COUNT, 4, 7, Plaza::Still);
         let camera = scene.camera_at(0.0).unwrap();
         // Half a metre of body around the place where each stands, at the height of the camera.
         let mut depths: Vec<f32> = scene
@@ -203,7 +211,7 @@ mod tests {
 
     #[test]
     fn a_fifth_is_in_a_cross_fade_of_two_clips() {
-        let scene = plaza_2(PLAZA_COUNT, 3, 5, Phases::Distinct);
+        let scene = plaza(PLAZA_COUNT, 3, 5, Plaza::Moving);
         let fades: Vec<_> = scene
             .members
             .iter()
@@ -211,14 +219,14 @@ mod tests {
             .collect();
         assert_eq!(fades.len(), PLAZA_COUNT / 5);
         assert!(fades.iter().all(|(own, other)| own != other && *other < 3));
-        let still = plaza(PLAZA_COUNT, 3, 5);
+        let still = plaza(PLAZA_COUNT, 3, 5, Plaza::Still);
         let same = |(a, b): (&Member, &Member)| a.play == b.play && a.position == b.position;
         assert!(scene.members.iter().zip(&still.members).all(same));
     }
 
     #[test]
     fn equal_phases_are_equal() {
-        let scene = plaza_2(100, 3, 5, Phases::Equal);
+        let scene = plaza(100, 3, 5, Plaza::InPhase);
         assert!(scene.members.iter().all(|m| m.play.phase == 0.0));
         let fades = scene.members.iter().filter_map(|m| m.cross_fade);
         assert!(
@@ -231,7 +239,7 @@ mod tests {
 
     #[test]
     fn the_dolly_drives_in_and_out_in_a_lap() {
-        let scene = plaza_2(PLAZA_COUNT, 1, 1, Phases::Distinct);
+        let scene = plaza(PLAZA_COUNT, 1, 1, Plaza::Moving);
         assert!((scene.lap_secs() - 40.0).abs() < 1e-6, "200 m at 5 m/s");
         let eye = |secs| scene.camera_at(secs).unwrap().eye;
         assert!((eye(10.0) - Vec3::new(0.0, 1.7, 50.0)).length() < 1e-3);
@@ -246,9 +254,9 @@ mod tests {
     proptest! {
         #[test]
         fn any_number_stands_in_a_square(count in 0usize..600, clips in 0usize..5, seed in any::<u64>()) {
-            let scene = plaza_2(count, clips, seed, Phases::Distinct);
+            let scene = plaza(count, clips, seed, Plaza::Moving);
             prop_assert_eq!(scene.members.len(), count);
-            prop_assert_eq!(&scene, &plaza_2(count, clips, seed, Phases::Distinct));
+            prop_assert_eq!(&scene, &plaza(count, clips, seed, Plaza::Moving));
             let half = half_metres(side_of(count)) + 1e-3;
             for (i, m) in scene.members.iter().enumerate() {
                 prop_assert!(m.position.x.abs() <= half && m.position.z.abs() <= half);

@@ -17,7 +17,7 @@ mod triangle;
 pub use attach::attach;
 pub use skin_point::{SkinPoint, corners};
 
-use crate::evaluate::draw_vertices;
+use crate::points::draw_vertices;
 use articula_core::percentile;
 use articula_core::{Mismatch, SurfaceError};
 use glam::Vec3;

@@ -13,7 +13,7 @@ pub struct SkinPoint {
 
 impl SkinPoint {
     /// A vertex itself.
-    pub fn at(vertex: u32) -> Self {
+    pub(crate) fn at(vertex: u32) -> Self {
         Self {
             corners: [vertex; 3],
             weights: [1.0, 0.0, 0.0],

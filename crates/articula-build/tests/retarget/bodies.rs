@@ -1,7 +1,8 @@
 //! Other sizes, other proportions, fewer and more joints.
 
+use crate::figure::retarget;
 use crate::figure::{Human, arms_up, as_it_is, reference, rotation};
-use articula_build::retarget::{Origin, Pinning, RetargetOptions, Retargeted, retarget};
+use articula_build::retarget::{Origin, Pinning, RetargetOptions, Retargeted};
 use articula_core::angle_between;
 use articula_core::source::Clip;
 use glam::{Quat, Vec3};

@@ -1,7 +1,8 @@
 //! Feet that rest do not slide, and knees and elbows bend the right way.
 
+use crate::figure::retarget;
 use crate::figure::{Human, reference};
-use articula_build::retarget::{Pinning, RetargetOptions, retarget};
+use articula_build::retarget::{Pinning, RetargetOptions};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;

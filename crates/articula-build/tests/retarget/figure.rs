@@ -1,10 +1,10 @@
 //! Figures for the tests: the reference human, bound again in any pose and with any axes, with
 //! fewer joints, other sizes and other limbs.
 
-use articula_build::retarget::Figure;
+use articula_build::retarget::{Figure, RetargetOptions, Retargeted, Retargeter};
 use articula_core::source::{Channel, Clip, Interpolation, Joint, Property, Skeleton, evaluate};
 use articula_core::{
-    Articulation, JointArticulation, LocalPose, Region, Transform, same_hemisphere,
+    Articulation, JointArticulation, LocalPose, Mismatch, Region, Transform, same_hemisphere,
 };
 use articula_human::{HumanOptions, human};
 use glam::{Affine3A, Mat4, Quat, Vec3};
@@ -16,6 +16,16 @@ pub(crate) struct Human {
     pub(crate) skeleton: Skeleton,
     pub(crate) articulation: Articulation,
     pub(crate) clips: Vec<Clip>,
+}
+
+/// One clip put onto another figure.
+pub(crate) fn retarget(
+    source: Figure<'_>,
+    target: Figure<'_>,
+    clip: &Clip,
+    options: &RetargetOptions,
+) -> Result<Retargeted, Mismatch> {
+    Retargeter::new(source, target)?.retarget(clip, options)
 }
 
 /// The reference human, arms hanging, with `idle`, `walk` and `wave`.

@@ -1,7 +1,8 @@
 //! Figures and clips that no one should have made: an error that says why, or finite numbers.
 
+use crate::figure::retarget;
 use crate::figure::{Human, reference};
-use articula_build::retarget::{Pinning, RetargetOptions, Retargeter, retarget};
+use articula_build::retarget::{Pinning, RetargetOptions, Retargeter};
 use articula_core::source::{Clip, Property};
 use articula_core::{Articulation, Transform};
 use glam::{Quat, Vec3};

@@ -1,7 +1,8 @@
 //! The rest pose and the axes of joints change nothing.
 
+use crate::figure::retarget;
 use crate::figure::{Human, arms_up, as_it_is, farthest, reference};
-use articula_build::retarget::{Pinning, RetargetOptions, retarget};
+use articula_build::retarget::{Pinning, RetargetOptions};
 use articula_core::source::{Clip, Interpolation, Property};
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use proptest::prelude::*;

@@ -3,7 +3,7 @@
 use super::stage::{Settings, Stage};
 use anyhow::Context;
 use articula::crowd::{Allowance, CrowdAsset, CrowdPlayer, DetailGoal, PoseSource};
-use articula_build::scene::Scene;
+use articula_build::Scene;
 use articula_core::{Camera, Viewport};
 use articula_flat::Picture;
 use articula_report::CrowdPicture;

@@ -10,7 +10,7 @@ use articula::crowd::{
     Allowance, BudgetAllocator, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter,
     ErrorSample, ErrorSummary, LevelTally, LevelUse, PaletteHash,
 };
-use articula_build::scene::Scene;
+use articula_build::Scene;
 use articula_core::budget::FrameReport;
 use serde::Serialize;
 use std::time::Instant;

@@ -5,7 +5,7 @@ use anyhow::Context;
 use articula::crowd::{
     Allowance, CacheUse, CrowdAsset, CrowdReport, DetailGoal, FramePart, SceneOptions, ScenePlayer,
 };
-use articula_build::scene::Scene;
+use articula_build::Scene;
 use rayon::ThreadPool;
 use rayon::prelude::*;
 

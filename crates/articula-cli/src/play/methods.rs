@@ -3,10 +3,10 @@
 use crate::fault;
 use anyhow::Context;
 use articula::evaluate::NamedMethod;
+use articula_build::ChainShare;
 use articula_build::evaluate::ThresholdCurve;
 use articula_build::evaluate::{Direction, Radius};
 use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
-use articula_build::motion_error::ChainShare;
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::{self, Expression};
 use articula_core::{DriftOptions, JointSet, Rig};

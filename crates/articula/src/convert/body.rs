@@ -3,7 +3,7 @@
 use super::left_out::{LeftOut, Written, meshes};
 use crate::error::Result;
 use crate::open::Opened;
-use articula_build::retarget::{self, Figure, RetargetOptions};
+use articula_build::retarget::{Figure, RetargetOptions, Retargeter};
 use articula_build::source_rate_hz;
 use articula_core::source::Character;
 use articula_formats::mpeg4::bap::{self, Residual};
@@ -32,7 +32,7 @@ pub(super) fn written(opened: &Opened) -> Result<Written> {
         skeleton: &figure.skeleton,
         articulation: &standard.articulation,
     };
-    let moved = retarget::retarget(source, target, clip, &RetargetOptions::default())?;
+    let moved = Retargeter::new(source, target)?.retarget(clip, &RetargetOptions::default())?;
     figure.clips.push(moved.clip);
     parameters_of(&figure, opened)
 }

@@ -7,7 +7,7 @@ use crate::error::{Context, Error, Result};
 use crate::open::{Format, Opened};
 use crate::work::Work;
 use articula_build::clip_edit::{self, Subject};
-use articula_build::clip_edit::{CloseOptions, Cycle, FindOptions};
+use articula_build::clip_edit::{CloseOptions, Cycle};
 use articula_build::clip_edit::{ReduceOptions, Reduced};
 use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey};
 use articula_core::source::Clip;
@@ -297,9 +297,8 @@ fn subject(opened: &Opened) -> Result<Subject<'_>> {
 
 /// Cuts a clip to its loop and closes it, if it has one.
 fn looped(subject: &Subject<'_>, clip: &mut Clip, options: &CloseOptions) -> Result<Looped> {
-    let found = clip_edit::find(subject, clip, &FindOptions::default())?;
-    let is_loop = found.is_some_and(|f| f.is_loop);
-    let part = found.map(|f| f.cycle);
+    let part = clip_edit::find(subject, clip)?;
+    let is_loop = part.is_some_and(|p| p.is_loop);
     let mut closed = None;
     if let Some(part) = part.filter(|_| is_loop) {
         *clip = clip_edit::trim(clip, part.start_secs..=part.end_secs)?;
@@ -324,7 +323,7 @@ fn looped(subject: &Subject<'_>, clip: &mut Clip, options: &CloseOptions) -> Res
     };
     Ok(Looped {
         is_loop,
-        is_whole: found.is_some_and(|f| f.is_whole),
+        is_whole: part.is_some_and(|p| p.is_whole),
         part: part.map(told),
         score_least: clip_edit::LEAST_SCORE,
         closed,

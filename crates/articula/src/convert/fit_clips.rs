@@ -8,7 +8,7 @@ use super::same_joints::Twins;
 use crate::error::{Context, Error, Result};
 use crate::open::{Opened, choose};
 use crate::work::Work;
-use articula_build::expression::bake;
+use articula_build::bake;
 use articula_build::retarget::{Figure, RetargetOptions, RetargetReport, Retargeter};
 use articula_core::source::Clip;
 use std::borrow::Cow;

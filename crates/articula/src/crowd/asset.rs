@@ -7,18 +7,22 @@ use crate::figure::Figure;
 use crate::open::choose;
 use crate::work::Work;
 use articula_build::ClipOptions;
+use articula_build::clip_edit::TrajectoryKey;
 use articula_build::motion_bounds;
-use articula_build::scene::{Way, put_in_place, root_path};
 use articula_build::{Asset, character};
 use articula_build::{CacheOptions, cached_poses};
 use articula_build::{
     LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
     named_ladder, skin_of,
 };
+use articula_build::{put_in_place, root_path};
 use articula_core::crowd::{CrowdModel, CrowdParts};
 use articula_core::source::{Character, Property};
 use articula_core::{Clip, ClipSet, Ladder, Mesh, MotionBounds, PaletteMap, Tracks};
 use std::sync::Arc;
+
+/// How a clip carried its character, from its start on.
+type Way = Vec<TrajectoryKey>;
 
 const PREPARING: &str = "preparing levels";
 

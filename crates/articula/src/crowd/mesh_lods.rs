@@ -2,11 +2,11 @@
 
 use crate::error::{Context, Result};
 use articula_build::Asset;
-use articula_build::surface_distance::{SkinPoint, attach, corners};
 use articula_build::{FigureLevel, figure_levels};
 use articula_build::{LevelOptions, MergedLevels};
 use articula_build::{PoseOptions, poses, positions};
 use articula_build::{SimplifyOptions, simplify};
+use articula_build::{SkinPoint, attach, corners};
 use articula_core::Mesh;
 use glam::Vec3;
 

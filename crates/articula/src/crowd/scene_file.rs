@@ -6,7 +6,7 @@
 use crate::camera_path::{Key, checked, ensure, malformed};
 use crate::error::{Context, Error, Result};
 use crate::open::choose;
-use articula_build::scene::{CrossFade, Member, Play, Scene};
+use articula_build::{CrossFade, Member, Play, Scene};
 use articula_core::{Clip, Viewport};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};

@@ -7,7 +7,7 @@ use super::asset::CrowdAsset;
 use super::budget::Allowance;
 use super::player::CrowdPlayer;
 use crate::error::{Error, Result};
-use articula_build::scene::{CrossFade, Play, Scene};
+use articula_build::{CrossFade, Play, Scene};
 use articula_core::crowd::{CacheUse, CrowdReport, Detail, Player, Sight, Voice};
 use articula_core::visibility::View;
 use articula_core::{Camera, ClipSet};

@@ -60,8 +60,8 @@ pub struct ErrorPx {
     pub max: f32,
 }
 
-impl From<evaluate::ErrorPx> for ErrorPx {
-    fn from(error: evaluate::ErrorPx) -> Self {
+impl From<evaluate::FrameErrors> for ErrorPx {
+    fn from(error: evaluate::FrameErrors) -> Self {
         Self {
             p50: error.p50,
             p95: error.p95,

@@ -4,9 +4,8 @@ use super::expressions::expressions;
 use crate::error::{Error, Result};
 use crate::facing::facing;
 use crate::figure::Figure;
-use articula_build::SkinPose;
 use articula_build::decimate;
-use articula_core::{Camera, ModelPose, Viewport, local_to_model};
+use articula_core::{Camera, ModelPose, PosedMesh, Viewport, local_to_model};
 use articula_flat::Appearance;
 use articula_flat::portrait::{Head, PortraitClip, PortraitExpression, PortraitSource};
 use articula_flat::{Bounds, TightView};
@@ -61,7 +60,10 @@ impl<'a> FramedHead<'a> {
         }
         let character = &figure.opened.character;
         let (look, _) = Appearance::new(&character.materials, &character.images);
-        let rest = SkinPose::rest(asset).positions(asset);
+        let rest = PosedMesh::new(&asset.rig, &asset.mesh)
+            .pose(asset.rig.rest_pose())
+            .skinned(&asset.mesh.morph_weights)
+            .positions;
         let joints = head_joints(figure);
         let of_head = vertices_of(figure, &joints);
         let shown = rest

@@ -10,8 +10,8 @@ use crate::error::{Error, Result};
 use crate::figure::Figure;
 use crate::open::GltfSource;
 use crate::work::Work;
-use articula_build::SkinPose;
 use articula_build::{MeshLevels, mesh_levels};
+use articula_core::PosedMesh;
 use articula_flat::Bounds;
 use articula_formats::gltf::Document;
 use articula_formats::gltf::{MeshParts, PartLevels};
@@ -51,7 +51,10 @@ pub(crate) fn add(
     work.step(WHAT, 2, 3)?;
     store(&mut gltf.document, figure, &levels, &gltf.node_of_mesh)?;
     if wanted.msft_lod {
-        let rest = SkinPose::rest(asset).positions(asset);
+        let rest = PosedMesh::new(&asset.rig, &asset.mesh)
+            .pose(asset.rig.rest_pose())
+            .skinned(&asset.mesh.morph_weights)
+            .positions;
         for (parts, node) in parts_of_meshes(figure).into_iter().zip(&gltf.node_of_mesh) {
             let parts = &asset.mesh.parts[parts];
             let vertices = parts.iter().flat_map(|p| &rest[p.vertices.clone()]);

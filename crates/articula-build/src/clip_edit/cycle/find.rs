@@ -40,18 +40,8 @@ pub const LEAST_SCORE: f32 = 0.8;
 /// Parts of a frame that the ends of a loop are placed by.
 const PARTS: usize = 4;
 
-/// What is looked for.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FindOptions {
-    /// Shortest loop.
-    pub least_secs: f32,
-}
-
-impl Default for FindOptions {
-    fn default() -> Self {
-        Self { least_secs: 0.4 }
-    }
-}
+/// Shortest loop.
+const LEAST_SECS: f32 = 0.4;
 
 /// A part of a clip, and how its end goes over into its start. Root motion does not count:
 /// both are laid to where the hips are and face.
@@ -71,13 +61,6 @@ pub struct Cycle {
     /// of the clip that differ much. For a whole clip, at whose ends velocities are seen from one
     /// side only, it is of the poses alone.
     pub score: f32,
-}
-
-/// The best part of a clip.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Found {
-    /// The part.
-    pub cycle: Cycle,
     /// Whether it is good enough to be called a loop: its score is at least [`LEAST_SCORE`], or
     /// it is the whole clip and its ends meet.
     pub is_loop: bool,
@@ -164,13 +147,16 @@ impl Frames {
             (squares.sum::<f32>() / self.joints as f32).sqrt()
         };
         let apart = p.iter().zip(q).map(|(a, b)| a.distance(*b));
+        let score = 1.0 - self.distance(i, j) / spread.max(1e-9);
         Cycle {
             start_secs: self.times[i],
             end_secs: self.times[j],
             seam_metres: apart.fold(0.0, f32::max),
             seam_rms_metres: mean(p, q),
             seam_metres_per_sec: mean(v, w) / VELOCITY_SECS,
-            score: 1.0 - self.distance(i, j) / spread.max(1e-9),
+            score,
+            is_loop: score >= LEAST_SCORE,
+            is_whole: false,
         }
     }
 }
@@ -223,17 +209,13 @@ fn by_length(frames: &Frames, least: usize, spread: f32) -> Vec<Option<(usize, f
 ///
 /// # Errors
 /// A [`Mismatch`] if the clip is not one of this character, or is longer than can be looked at.
-pub fn find(
-    subject: &Subject<'_>,
-    clip: &Clip,
-    opts: &FindOptions,
-) -> Result<Option<Found>, Mismatch> {
+pub fn find(subject: &Subject<'_>, clip: &Clip) -> Result<Option<Cycle>, Mismatch> {
     subject.check(clip)?;
     let source_hz = source_rate_hz(clip);
     let rate = source_hz.min(COMPARED_HZ);
     let steps = steps_at(clip, clip.duration_secs, rate, 1)?;
     let rate = rate * (MOST_FRAMES as f32 / steps.max(1) as f32).min(1.0);
-    let least = (opts.least_secs * rate).ceil() as usize;
+    let least = (LEAST_SECS * rate).ceil() as usize;
     let count = (clip.duration_secs * rate) as usize + 1;
     if count < 3 || count <= least {
         return Ok(None);
@@ -245,21 +227,18 @@ pub fn find(
     let whole = at(vec![0.0, clip.duration_secs]).cycle(0, 1, spread);
     if whole.seam_metres <= WHOLE_SEAM * height(subject) {
         let score = 1.0 - whole.seam_rms_metres / spread.max(1e-9);
-        return Ok(Some(Found {
-            cycle: Cycle { score, ..whole },
+        return Ok(Some(Cycle {
+            score,
             is_loop: true,
             is_whole: true,
+            ..whole
         }));
     }
     let Some((i, j)) = shortest(&by_length(&frames, least, spread)) else {
         return Ok(None);
     };
     let cycle = refined(&frames, i, j, spread, clip.duration_secs, at);
-    Ok(Some(Found {
-        is_loop: cycle.score >= LEAST_SCORE,
-        is_whole: false,
-        cycle,
-    }))
+    Ok(Some(cycle))
 }
 
 /// First and last frame of the shortest part that is nearly as good as the best: where the first

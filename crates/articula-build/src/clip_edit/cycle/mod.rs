@@ -7,7 +7,7 @@ mod close;
 mod find;
 
 pub use close::{CloseOptions, Closed, close};
-pub use find::{Cycle, FindOptions, Found, LEAST_SCORE, find};
+pub use find::{Cycle, LEAST_SCORE, find};
 
 #[cfg(test)]
 mod tests {
@@ -56,10 +56,9 @@ mod tests {
     fn the_period_of_a_wave_is_found_and_a_slow_turn_has_none() {
         let (character, _) = bar(3);
         let subject = figure(&character);
-        let opts = FindOptions::default();
         let wave = walk(3.7, |t| 0.6 * (TAU * t).sin());
-        let found = find(&subject, &wave, &opts).unwrap().unwrap();
-        let cycle = found.cycle;
+        let found = find(&subject, &wave).unwrap().unwrap();
+        let cycle = found;
         assert!(found.is_loop && !found.is_whole);
         assert!(
             (cycle.end_secs - cycle.start_secs - 1.0).abs() < 0.02,
@@ -70,11 +69,9 @@ mod tests {
             (cycle.seam_metres - 0.01).abs() < 0.003 && cycle.score > 0.95,
             "{cycle:?}"
         );
-        let turn = find(&subject, &walk(3.0, |t| 0.5 * t), &opts)
-            .unwrap()
-            .unwrap();
-        assert!(!turn.is_loop && turn.cycle.score < 0.7, "{turn:?}");
-        let short = find(&subject, &walk(0.2, |t| t), &opts).unwrap();
+        let turn = find(&subject, &walk(3.0, |t| 0.5 * t)).unwrap().unwrap();
+        assert!(!turn.is_loop && turn.score < 0.7, "{turn:?}");
+        let short = find(&subject, &walk(0.2, |t| t)).unwrap();
         assert_eq!(short, None);
     }
 
@@ -88,14 +85,9 @@ mod tests {
         for key in 0..twice.channels[0].times_secs.len() {
             twice.channels[0].values[3 * key + 1] = 0.9;
         }
-        let found = find(&subject, &twice, &FindOptions::default())
-            .unwrap()
-            .unwrap();
+        let found = find(&subject, &twice).unwrap().unwrap();
         // A bar has no height, so it must meet exactly.
-        assert!(
-            found.is_loop && found.cycle.seam_metres < 0.001,
-            "{found:?}"
-        );
+        assert!(found.is_loop && found.seam_metres < 0.001, "{found:?}");
     }
 
     #[test]

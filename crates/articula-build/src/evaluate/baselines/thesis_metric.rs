@@ -77,7 +77,7 @@ impl Default for Threshold {
 
 impl Threshold {
     /// The threshold at a distance of the camera to the skeleton's root.
-    pub fn at(&self, distance_metres: f32) -> f32 {
+    pub(crate) fn at(&self, distance_metres: f32) -> f32 {
         match self.curve {
             ThresholdCurve::Literal => {
                 let x = distance_metres / self.d_max_metres;

@@ -15,7 +15,7 @@ use articula::crowd::{
     Backend, CacheUse, CrowdAsset, CrowdOptions, DetailGoal, ErrorSummary, JointLods, MOST_MEMBERS,
     MOST_MESH_LEVELS, PaletteForm, PaletteMatrices, RootMotion, Storage, read_scene, write_scene,
 };
-use articula_build::scene::{PLAZA_COUNT, Phases, Scene, plaza, plaza_2};
+use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
 use articula_core::Clip;
 use articula_core::loa::Expression;
 use articula_flat::codec;
@@ -337,11 +337,11 @@ impl CrowdArgs {
     fn scene(&self, asset: &CrowdAsset) -> anyhow::Result<Scene> {
         let clips = asset.clips();
         let count = self.count.unwrap_or(PLAZA_COUNT);
-        let moving = |phases| plaza_2(count, clips.len(), self.seed, phases);
+        let made = |kind| plaza(count, clips.len(), self.seed, kind);
         let mut scene = match self.scene.as_str() {
-            "plaza" => plaza(count, clips.len(), self.seed),
-            "plaza-2" => moving(Phases::Distinct),
-            "plaza-2-in-step" => moving(Phases::Equal),
+            "plaza" => made(Plaza::Still),
+            "plaza-2" => made(Plaza::Moving),
+            "plaza-2-in-step" => made(Plaza::InPhase),
             path => self.scene_file(Path::new(path), clips)?,
         };
         if let Some((width, height)) = self.viewport {

@@ -11,7 +11,7 @@ use articula::crowd::{
     CacheUse, CrowdAsset, CrowdOptions, DetailGoal, JointLods, LevelUse, PaletteMatrices,
     RootMotion,
 };
-use articula_build::scene::{Scene, plaza};
+use articula_build::{Plaza, Scene, plaza};
 use articula_flat::codec;
 use serde::Serialize;
 
@@ -50,7 +50,7 @@ pub(super) fn of(
     folder: &Folder,
     console: &Console,
 ) -> anyhow::Result<Crowd> {
-    let scene = plaza(COUNT, figure.asset.clips.len(), SEED);
+    let scene = plaza(COUNT, figure.asset.clips.len(), SEED, Plaza::Still);
     let asset = |joints| console.work(|work| CrowdAsset::new(figure, &options(joints), work));
     let (whole, merged) = (asset(JointLods::Whole)?, asset(JointLods::Merged)?);
     let tolerance = DetailGoal::Tolerance(epsilon_px);

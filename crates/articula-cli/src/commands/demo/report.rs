@@ -105,7 +105,7 @@ impl Report {
     ) -> Self {
         let asset = &figure.asset;
         let clip = asset.clips.iter().find(|c| c.name == super::CLIP);
-        let moving = clip.map(|c| articula_build::motion_error::moving_joints(asset, c));
+        let moving = clip.map(|c| articula_build::moving_joints(asset, c));
         Self {
             version: env!("CARGO_PKG_VERSION"),
             page: files::shown(&folder.file("index.html")),

@@ -47,7 +47,7 @@ impl Report {
     pub(super) fn new(scene: &EvaluatedClip<'_>, args: &LodArgs, tables: &[MethodTable]) -> Self {
         let asset = &scene.figure.asset;
         let clip = &asset.clips[scene.clip].at_key_rate();
-        let moving = articula_build::motion_error::moving_joints(asset, clip);
+        let moving = articula_build::moving_joints(asset, clip);
         let mut report = Self {
             clip: Some(clip.name.clone()),
             frames: clip.frames(),

@@ -1,7 +1,7 @@
 //! Ways through a clip, as times of every character and frame.
 
 use super::Bench;
-use articula_build::scene::plaza;
+use articula_build::{Plaza, plaza};
 
 /// Ways through a clip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,7 +39,7 @@ impl Access {
             let phases = match self {
                 // Another seed at each frame: the phases of another crowd.
                 Self::Random => {
-                    let other = plaza(count, 1, f as u64 + 2);
+                    let other = plaza(count, 1, f as u64 + 2, Plaza::Still);
                     other.members.iter().map(|m| m.play.phase).collect()
                 }
                 _ => phases.clone(),

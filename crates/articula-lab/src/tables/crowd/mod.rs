@@ -18,7 +18,7 @@ use crate::data;
 use crate::measure::Timing;
 use anyhow::{Context, Result};
 use articula_build::Asset;
-use articula_build::scene::plaza;
+use articula_build::{Plaza, plaza};
 use articula_core::{Backend, Clip};
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -63,7 +63,7 @@ impl Bench {
 
     /// Where in the clip each of a crowd starts, 0 to 1.
     fn phases(&self, count: usize) -> Vec<f32> {
-        let members = plaza(count, 1, SEED).members;
+        let members = plaza(count, 1, SEED, Plaza::Still).members;
         members.iter().map(|m| m.play.phase).collect()
     }
 }

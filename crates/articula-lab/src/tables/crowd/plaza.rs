@@ -3,7 +3,7 @@
 use super::stage::{Outcome, Play, Stage};
 use super::{Bench, Report, SEED};
 use anyhow::Result;
-use articula_build::scene::{PLAZA_COUNT, Phases, Scene, plaza, plaza_2};
+use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
 use articula_core::crowd::{CacheUse, Detail};
 use articula_core::percentile_at_or_above;
 
@@ -22,7 +22,7 @@ pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<AtOnePixel> {
     let count = if bench.small { 400 } else { PLAZA_COUNT };
     let clips = bench.asset.clips.len();
     let stage = Stage::new(bench)?;
-    let still = plaza(count, clips, SEED);
+    let still = plaza(count, clips, SEED, Plaza::Still);
     let kept: Vec<String> = stage.kept().iter().map(usize::to_string).collect();
     report.heading(
         "The plaza by tier",
@@ -77,8 +77,8 @@ pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<AtOnePixel> {
         let name = format!("plaza, merged levels and cached poses within 1 px, {name}");
         row(report, count, &name, &outcome);
     }
-    for (name, phases) in [("distinct", Phases::Distinct), ("equal", Phases::Equal)] {
-        let moving = plaza_2(count, clips, SEED, phases);
+    for (name, kind) in [("distinct", Plaza::Moving), ("equal", Plaza::InPhase)] {
+        let moving = plaza(count, clips, SEED, kind);
         let play = Play {
             frames: lap_frames(bench, &moving),
             ..at(one, false)

@@ -8,9 +8,9 @@ use super::{Bench, Report, SEED};
 use crate::measure::race;
 use crate::peers::ranks::{Beyond, Moment, Rank, Ranks};
 use anyhow::{Context, Result};
-use articula_build::evaluate::Points;
-use articula_build::scene::{Member, PLAZA_COUNT, Scene, plaza};
-use articula_core::{Camera, ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
+use articula_build::draw_vertices;
+use articula_build::{Member, PLAZA_COUNT, Plaza, Scene, plaza};
+use articula_core::{Camera, ClipSet, Ladder, PaletteForm, PaletteMap, PosedMesh, Storage, Wrap};
 use glam::Vec3;
 
 /// Skin points of a character that are watched.
@@ -35,7 +35,7 @@ struct Trial<'a> {
     scene: Scene,
     /// Nanoseconds of one evaluation.
     pose_ns: f64,
-    points: Points,
+    vertices: Vec<u32>,
 }
 
 /// Adds the section.
@@ -43,9 +43,9 @@ pub(super) fn add(bench: &Bench, report: &mut Report, ours: &AtOnePixel) -> Resu
     let count = if bench.small { 400 } else { PLAZA_COUNT };
     let trial = Trial {
         bench,
-        scene: plaza(count, bench.asset.clips.len(), SEED),
+        scene: plaza(count, bench.asset.clips.len(), SEED, Plaza::Still),
         pose_ns: pose_ns(bench)?,
-        points: Points::draw(&bench.asset, POINTS, SEED),
+        vertices: draw_vertices(bench.asset.mesh.len(), POINTS, SEED),
     };
     report.heading(
         "The plaza by ranks of distance",
@@ -196,7 +196,11 @@ impl Trial<'_> {
         let at = |secs: f64| {
             let secs = member.play.clip_secs(secs, duration);
             let secs = secs.rem_euclid(f64::from(duration.max(1e-3)));
-            self.points.at(asset, clip, secs)
+            let mut points = vec![Vec3::ZERO; self.vertices.len()];
+            PosedMesh::new(&asset.rig, &asset.mesh)
+                .pose_at(clip, secs, Wrap::Clamp)
+                .points(&self.vertices, &mut points);
+            points
         };
         distance_px(camera, member, &at(shown), &at(truth))
     }

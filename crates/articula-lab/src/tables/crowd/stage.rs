@@ -8,7 +8,7 @@ use articula::crowd::{
     CacheUse, Camera, CrowdAsset, CrowdOptions, CrowdPlayer, CrowdReport, Detail, PoseSource,
     Sight, View,
 };
-use articula_build::scene::{Member, Scene};
+use articula_build::{Member, Scene};
 use articula_core::budget::{CostModel, Policy};
 use articula_core::crowd::{Crowd, Player, Voice};
 use articula_core::{PosedMesh, Wrap, blend, percentile_at_or_above, sample, skin_points};
@@ -219,7 +219,7 @@ impl<'a> Stage<'a> {
         Ok(crowd)
     }
 
-    fn voice(&self, play: articula_build::scene::Play, secs: f64) -> Voice {
+    fn voice(&self, play: articula_build::Play, secs: f64) -> Voice {
         let clips = self.asset.model().clips();
         let duration = clips.duration_secs(play.clip);
         let at = play
@@ -341,8 +341,8 @@ mod tests {
 
     #[test]
     fn what_is_off_the_screen_does_not_count() {
-        use articula_build::scene::plaza;
-        let scene = plaza(4, 1, 1);
+        use articula_build::{Plaza, plaza};
+        let scene = plaza(4, 1, 1, Plaza::Still);
         let camera = scene.camera_at(0.0).unwrap();
         let member = Member {
             position: Vec3::ZERO,

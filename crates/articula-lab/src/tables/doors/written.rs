@@ -5,7 +5,7 @@ use crate::open::{self, Told};
 use anyhow::{Context, Result};
 use articula::convert::{Written, write};
 use articula::{Format, Opened};
-use articula_build::expression::bake;
+use articula_build::bake;
 use articula_core::source::{Character, Clip};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};

@@ -4,7 +4,7 @@ use super::characters::Subject;
 use super::contestants::{Contestant, Made, Posed, levels};
 use anyhow::Result;
 use articula_build::LevelTriangles;
-use articula_build::surface_distance::{DistanceOptions, surface_distances};
+use articula_build::{DistanceOptions, surface_distances};
 use articula_core::SurfaceError;
 use rayon::prelude::*;
 

@@ -7,20 +7,20 @@ use glam::Vec3;
 
 /// Vertices that stand for the whole skin; for a rig without mesh, its joints.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Points {
+pub(crate) struct Points {
     vertices: Vec<u32>,
 }
 
 impl Points {
     /// Draws `count` different vertices (all of them if there are fewer).
-    pub fn draw(asset: &Asset, count: usize, seed: u64) -> Self {
+    pub(crate) fn draw(asset: &Asset, count: usize, seed: u64) -> Self {
         Self {
             vertices: draw_vertices(asset.mesh.len(), count, seed),
         }
     }
 
     /// Model-space positions under a local pose, without morph targets.
-    pub fn posed(&self, asset: &Asset, pose: &LocalPose) -> Vec<Vec3> {
+    pub(crate) fn posed(&self, asset: &Asset, pose: &LocalPose) -> Vec<Vec3> {
         let mut posed = PosedMesh::new(&asset.rig, &asset.mesh);
         posed.pose(pose);
         if asset.mesh.is_empty() {
@@ -33,7 +33,7 @@ impl Points {
     }
 
     /// Model-space positions at a time of a clip.
-    pub fn at(&self, asset: &Asset, clip: &Clip, time_secs: f64) -> Vec<Vec3> {
+    pub(crate) fn at(&self, asset: &Asset, clip: &Clip, time_secs: f64) -> Vec<Vec3> {
         let mut pose = asset.rig.rest_pose().clone();
         sample(clip, time_secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
         self.posed(asset, &pose)
@@ -41,7 +41,7 @@ impl Points {
 }
 
 /// Draws `count` different indices below `total` (all of them if there are fewer), rising.
-pub(crate) fn draw_vertices(total: usize, count: usize, seed: u64) -> Vec<u32> {
+pub fn draw_vertices(total: usize, count: usize, seed: u64) -> Vec<u32> {
     let mut vertices: Vec<u32> = (0..total as u32).collect();
     let mut random = SplitMix(seed);
     // Partial Fisher-Yates: the first `count` places hold the sample.
