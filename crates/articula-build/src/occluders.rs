@@ -15,6 +15,7 @@
 use crate::character::Asset;
 use crate::motion_bounds::reach::Reach;
 use crate::motion_bounds::{Body, Look, looks};
+use crate::triangle::squared_distance;
 use articula_core::{Capsule, Clip, Track};
 use glam::Vec3;
 
@@ -231,8 +232,8 @@ impl Skin {
         for face in &self.faces {
             let beyond = free + face.radius;
             if beyond < 0.0 || place.distance_squared(face.centre) < beyond * beyond {
-                let nearest = nearest_in_triangle(place, face.corners);
-                free = free.min(place.distance(nearest) - face.slack);
+                let distance = squared_distance(place, face.corners).sqrt();
+                free = free.min(distance - face.slack);
             }
         }
         free
@@ -265,63 +266,9 @@ impl Skin {
     }
 }
 
-/// The point of a triangle nearest to a place: a corner, a point of an edge, or the foot on its
-/// face (Ericson, Real-Time Collision Detection, 2005, 5.1.5).
-fn nearest_in_triangle(place: Vec3, [a, b, c]: [Vec3; 3]) -> Vec3 {
-    let (ab, ac) = (b - a, c - a);
-    let from = |corner: Vec3| (ab.dot(place - corner), ac.dot(place - corner));
-    let ((a1, a2), (b1, b2), (c1, c2)) = (from(a), from(b), from(c));
-    if a1 <= 0.0 && a2 <= 0.0 {
-        return a;
-    }
-    if b1 >= 0.0 && b2 <= b1 {
-        return b;
-    }
-    if c2 >= 0.0 && c1 <= c2 {
-        return c;
-    }
-    let (of_a, of_b, of_c) = (b1 * c2 - c1 * b2, c1 * a2 - a1 * c2, a1 * b2 - b1 * a2);
-    if of_c <= 0.0 && a1 >= 0.0 && b1 <= 0.0 {
-        return a + ab * (a1 / (a1 - b1));
-    }
-    if of_b <= 0.0 && a2 >= 0.0 && c2 <= 0.0 {
-        return a + ac * (a2 / (a2 - c2));
-    }
-    let (to_c, to_b) = (b2 - b1, c1 - c2);
-    if of_a <= 0.0 && to_c >= 0.0 && to_b >= 0.0 {
-        return b + (c - b) * (to_c / (to_c + to_b));
-    }
-    let sum = of_a + of_b + of_c;
-    a + ab * (of_b / sum) + ac * (of_c / sum)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use proptest::prelude::*;
-
-    fn point() -> impl Strategy<Value = Vec3> {
-        prop::array::uniform3(-1.0f32..1.0).prop_map(Vec3::from)
-    }
-
-    proptest! {
-        #[test]
-        fn nothing_of_a_triangle_is_nearer(
-            corners in prop::array::uniform3(point()),
-            place in point(),
-            weights in (0.0f32..=1.0, 0.0f32..=1.0),
-        ) {
-            let nearest = nearest_in_triangle(place, corners);
-            let [a, b, c] = corners;
-            let (u, v) = weights;
-            let other = a.lerp(b, u).lerp(c, v);
-            prop_assert!(nearest.distance(place) <= other.distance(place) + 1e-5);
-            // It lies in the triangle: what is between its corners sums up to no more.
-            let area = |a: Vec3, b: Vec3, c: Vec3| (b - a).cross(c - a).length();
-            let parts = area(nearest, b, c) + area(a, nearest, c) + area(a, b, nearest);
-            prop_assert!(parts <= area(a, b, c) + 1e-4);
-        }
-    }
 
     #[test]
     fn a_segment_by_hand() {

@@ -12,7 +12,6 @@
 mod attach;
 mod skin_point;
 mod tree;
-mod triangle;
 
 pub use attach::attach;
 pub use skin_point::{SkinPoint, corners};

@@ -5,7 +5,7 @@
 //! Detection of Complex Deformable Models using AABB Trees, 1997).
 
 use super::skin_point::SkinPoint;
-use super::triangle::{squared_distance, weights};
+use crate::triangle::{squared_distance, weights};
 use glam::Vec3;
 
 /// The hint of a point about which nothing is known.

@@ -57,9 +57,8 @@ mod tests {
         let (character, _) = bar(3);
         let subject = figure(&character);
         let wave = walk(3.7, |t| 0.6 * (TAU * t).sin());
-        let found = find(&subject, &wave).unwrap().unwrap();
-        let cycle = found;
-        assert!(found.is_loop && !found.is_whole);
+        let cycle = find(&subject, &wave).unwrap().unwrap();
+        assert!(cycle.is_loop && !cycle.is_whole);
         assert!(
             (cycle.end_secs - cycle.start_secs - 1.0).abs() < 0.02,
             "{cycle:?}"

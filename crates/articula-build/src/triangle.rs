@@ -1,4 +1,4 @@
-//! Squared distance of a point to a triangle.
+//! The distance of a point to a triangle, and the closest point.
 //!
 //! Source: Ericson, Real-Time Collision Detection (2005), 5.1.5, by the regions of the triangle.
 //! Differs: a triangle (nearly) without area is taken as its three sides.
@@ -11,7 +11,7 @@ const NO_AREA: f32 = 1e-5;
 
 /// Squared distance, metres²; not a number if an argument is not.
 #[inline]
-pub(super) fn squared_distance(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
+pub(crate) fn squared_distance(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let (ab, ac, ap) = (b - a, c - a, point - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {
@@ -43,7 +43,7 @@ pub(super) fn squared_distance(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
 }
 
 /// How much each corner counts in the closest point; they sum to 1.
-pub(super) fn weights(point: Vec3, [a, b, c]: [Vec3; 3]) -> [f32; 3] {
+pub(crate) fn weights(point: Vec3, [a, b, c]: [Vec3; 3]) -> [f32; 3] {
     let (ab, ac) = (b - a, c - a);
     let normal = ab.cross(ac);
     let area = normal.length_squared();
@@ -164,6 +164,23 @@ mod tests {
             let slow = slow(p, [a, b, c]);
             prop_assert!((fast - slow).abs() < 2e-3, "{} {}", fast, slow);
             prop_assert!(fast <= slow + 1e-5, "nothing sampled is nearer than the nearest");
+        }
+
+        #[test]
+        fn nothing_of_a_triangle_is_nearer(
+            corners in prop::array::uniform3(point()),
+            place in point(),
+            mixed in (0.0f32..=1.0, 0.0f32..=1.0),
+        ) {
+            let [a, b, c] = corners;
+            let other = a.lerp(b, mixed.0).lerp(c, mixed.1);
+            prop_assert!(distance(place, corners) <= other.distance(place) + 1e-5);
+            let [u, v, w] = weights(place, corners);
+            let nearest = a * u + b * v + c * w;
+            // It lies in the triangle: what is between its corners sums up to no more.
+            let area = |a: Vec3, b: Vec3, c: Vec3| (b - a).cross(c - a).length();
+            let parts = area(nearest, b, c) + area(a, nearest, c) + area(a, b, nearest);
+            prop_assert!(parts <= area(a, b, c) + 1e-4);
         }
 
         #[test]
