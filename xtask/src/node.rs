@@ -16,7 +16,7 @@ const BROWSERS: [&str; 3] = ["chromium", "chromium-browser", "google-chrome"];
 
 /// Installs the packages that `oracle/package-lock.json` pins, unless they are there already.
 ///
-/// It runs before the tests because tests of `crates/articula` call the scripts.
+/// It runs before the tests because tests of `crates/articula-cli` call the scripts.
 pub(crate) fn install() -> Result<Outcome> {
     if let Some(why) = missing() {
         return lacking(why);

@@ -79,7 +79,20 @@ fn what_is_in_memory_is_what_is_read_back() {
         read_back.character.meshes, file.character.meshes,
         "a new order"
     );
-    assert_eq!(read_back.character, in_memory);
+    // Part by part first: all of it is too much to read.
+    assert_eq!(read_back.character.mesh_levels, in_memory.mesh_levels);
+    for (read, made) in read_back.character.meshes.iter().zip(&in_memory.meshes) {
+        for (read, made) in read.clustered.iter().zip(&made.clustered) {
+            assert_eq!(read.clusters, made.clusters);
+            assert_eq!(read.triangles, made.triangles);
+        }
+        for (read, made) in read.primitives.iter().zip(&made.primitives) {
+            assert_eq!(read.triangles, made.triangles);
+            assert_eq!(read.positions, made.positions);
+            assert_eq!(read.weights, made.weights);
+        }
+    }
+    assert!(read_back.character == in_memory, "something else differs");
     assert_eq!(read_back.node_of_mesh, file.node_of_mesh);
     assert_eq!(read_back.node_of_joint, file.node_of_joint);
     let of = |c: &Character| character(c, None, &ClipOptions::default()).unwrap();

@@ -35,6 +35,9 @@ pub enum Error {
     /// An argument is wrong by itself or names something that is not there.
     #[error("{0}")]
     Argument(String),
+    /// A list of locked vertices that does not fit the meshes.
+    #[error("locked vertices: {0}")]
+    Locked(String),
     /// A motion whose skeleton is missing: `.amc` without its `.asf`.
     #[error("{0}")]
     Skeleton(String),

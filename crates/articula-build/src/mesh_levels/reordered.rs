@@ -43,7 +43,7 @@ pub(super) fn meshes(meshes: &[Mesh], objects: &[Clustered]) -> Result<Vec<Mesh>
 }
 
 fn reordered(primitive: &Primitive, object: &Clustered) -> Primitive {
-    let finest = object.clusters.triangles(usize::MAX) as usize;
+    let finest = object.clusters.triangles(0) as usize;
     let order = &object.vertices;
     let morph = |target: &MorphTarget| MorphTarget {
         positions: picked(&target.positions, 1, order),

@@ -209,7 +209,7 @@ fn the_rate_may_stand_in_the_file() {
     );
     assert_eq!(
         rate(&format!("# samples-per-second 25.5\n{AMC}"), None),
-        (25.5, 0)
+        (1.0 / 25.5, 0)
     );
 }
 

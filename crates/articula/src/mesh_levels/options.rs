@@ -52,7 +52,7 @@ impl MeshLevelOptions {
             targets: self.targets.clone(),
             weighting: self.weighting,
             vertex_weights,
-            locked: self.locked(mesh).context("locked vertices")?,
+            locked: self.locked(mesh)?,
             regions: self.regions(mesh, rig),
             wedges: classes,
             ..SimplifyOptions::default()
@@ -99,11 +99,11 @@ impl MeshLevelOptions {
                 let mut names: Vec<&str> = mesh.parts.iter().map(|p| p.name.as_str()).collect();
                 names.dedup();
                 let what = format!("no mesh \"{name}\"; there are {}", names.join(", "));
-                return Err(Error::unsuited(what));
+                return Err(Error::Locked(what));
             };
             if parts.iter().any(|p| p.mesh != first.mesh) {
                 let what = format!("several meshes are called \"{name}\"; give them other names");
-                return Err(Error::unsuited(what));
+                return Err(Error::Locked(what));
             }
             // Parts of one mesh follow each other: its vertices are numbered through them.
             let of_mesh: Vec<u32> = parts
@@ -114,7 +114,7 @@ impl MeshLevelOptions {
             for v in vertices {
                 let Some(vertex) = of_mesh.get(*v as usize) else {
                     let what = format!("{name}: vertex {v} of {}", of_mesh.len());
-                    return Err(Error::unsuited(what));
+                    return Err(Error::Locked(what));
                 };
                 locked.push(*vertex);
             }

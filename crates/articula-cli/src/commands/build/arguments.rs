@@ -40,7 +40,7 @@ pub(crate) struct MeshLevelArgs {
     weighting: Option<Counted>,
     /// Vertices that no level removes: a JSON file {"mesh name": [vertex, …], …}
     #[arg(long, value_name = "FILE.json", help_heading = HEADING)]
-    lock: Option<PathBuf>,
+    pub(super) lock: Option<PathBuf>,
     /// Write the coarser levels as MSFT_lod nodes too, for engines that know those
     #[arg(long, help_heading = HEADING)]
     msft_lod: bool,

@@ -96,7 +96,13 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     let mut opened = files.next().context("no character was named")??;
     let motions: Vec<Opened> = files.collect::<Result<_, _>>()?;
     let added = added(&mut opened, &motions, console)?;
-    let built = console.work(|work| prepare(opened, &options, work))?;
+    let built = console.work(|work| prepare(opened, &options, work));
+    let built = built.map_err(|error| match (error.cause(), &args.mesh_levels.lock) {
+        (articula::Error::Locked(what), Some(list)) => {
+            anyhow::anyhow!("{}: {what}", files::shown(list))
+        }
+        _ => error.into(),
+    })?;
     files::write(&args.out, &built.glb)?;
     if let (Some(path), Some(levels)) = (&args.mesh_levels.mesh_stream, &built.mesh_levels) {
         files::write(path, &levels.stream.bytes)?;
