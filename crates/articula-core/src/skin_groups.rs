@@ -99,7 +99,7 @@ impl GroupedSkin {
     /// [`GroupedSkin::group_sizes`] and copies of the shape do.
     ///
     /// # Panics
-    /// If the mesh is of a rig with more than [`MAX_JOINTS`](crate::loa::MAX_JOINTS) joints.
+    /// If the mesh is of a rig with more than `MAX_JOINTS` joints.
     pub fn new(mesh: &Mesh) -> Self {
         let counts: Vec<usize> = (0..mesh.len()).map(|v| weighty(mesh, v).count()).collect();
         let most = counts.iter().copied().max().unwrap_or(0);

@@ -1,5 +1,11 @@
 //! Every published table in its small setting: it runs to its end and writes its pages.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    reason = "a test may fail loudly, and says what it skips"
+)]
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

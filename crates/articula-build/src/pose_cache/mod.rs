@@ -31,7 +31,7 @@ pub struct CacheOptions {
     /// that may be blended linearly.
     pub form: PaletteForm,
     /// Error that blending may add, as a part of the level's own error in the clip; more for fast
-    /// clips, see [`CacheOptions::tolerances_metres`].
+    /// clips, see `CacheOptions::tolerances_metres`.
     pub share: f32,
     /// Error that blending may add at level 0 however small the level's own is, metres; twice as
     /// much at each further level.

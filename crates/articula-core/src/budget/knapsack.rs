@@ -85,7 +85,7 @@ impl Budget {
     /// together.
     ///
     /// # Errors
-    /// As [`Menu::new`].
+    /// As `Menu::new`.
     pub fn add_menu(&mut self, offers: &[Offer]) -> Result<MenuId, Mismatch> {
         let id = MenuId(self.menus.len() as u32);
         self.menus.push(Menu::new(offers)?);
@@ -136,7 +136,7 @@ impl Budget {
         self.rebuild();
     }
 
-    /// Gives every option a new cost, by its menu and index; see [`Menu::reprice`]. Everyone is
+    /// Gives every option a new cost, by its menu and index; see `Menu::reprice`. Everyone is
     /// placed anew. O(characters + options), does not allocate.
     pub fn reprice(&mut self, mut cost: impl FnMut(MenuId, usize) -> f32) {
         for (id, menu) in self.menus.iter_mut().enumerate() {

@@ -13,8 +13,8 @@
 //! - `origin`: from a part of a mesh back to the document
 //! - `animation`, `pointer`: what moves
 //! - `vrm`, `khr_character`, `credits`: what is said of a human, and who made it
-//! - [`articulation`]: the extension `ARTICULA_articulation`
-//! - [`clustered`]: the extension `ARTICULA_clustered_mesh`, and levels as `MSFT_lod`
+//! - `articulation`: the extension `ARTICULA_articulation`
+//! - `clustered`: the extension `ARTICULA_clustered_mesh`, and levels as `MSFT_lod`
 //! - `append`, `arrays`, `clips`, `bounds`, `prune`: a document changed
 //! - `fresh`, `geometry`: a document made from a character
 //! - `weight`: what meshes weigh
