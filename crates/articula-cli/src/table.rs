@@ -5,6 +5,11 @@ use crate::fault::clean;
 /// Widest cell; a longer text is cut in the middle.
 const WIDEST: usize = 44;
 
+/// A length that was measured, or not, as people read it.
+pub(crate) fn millimetres(metres: Option<f32>) -> String {
+    metres.map_or("-".to_owned(), |m| format!("{:.2} mm", 1e3 * m))
+}
+
 /// Rows of text under a line of headings.
 #[derive(Debug, Clone)]
 pub(crate) struct Table {

@@ -6,6 +6,7 @@ use crate::mesh_levels::{self, CodedMeshLevels, MeshLevelOptions};
 use crate::motion_tables::{ClipTables, POSE_KEYS, SEGS, TableMaker};
 use crate::open::{GltfSource, Opened};
 use crate::work::Work;
+use articula_core::Mesh;
 use articula_formats::gltf::{self, Document};
 use articula_formats::{Limits, Resolver};
 
@@ -32,7 +33,8 @@ impl Default for PrepareOptions {
 pub struct Prepared {
     /// The asset as a GLB that every glTF viewer opens.
     pub glb: Vec<u8>,
-    /// The character as the asset has it.
+    /// The character as the asset has it. Its document went into the asset: `opened.gltf` is
+    /// `None`.
     pub figure: Figure,
     /// Motion tables of each clip.
     pub tables: Vec<ClipTables>,
@@ -52,18 +54,18 @@ pub struct Prepared {
 /// [`Error::Cancelled`](crate::Error::Cancelled).
 pub fn prepare(opened: Opened, options: &PrepareOptions, work: &Work<'_>) -> Result<Prepared> {
     let name = opened.name.clone();
-    let (mut opened, mut gltf) = with_document(opened).with_context(|| &name)?;
+    let (opened, mut gltf) = with_document(opened).with_context(|| &name)?;
+    let mut figure = Figure::new(opened)?;
     let mut levels = None;
     if let Some(wanted) = &options.mesh_levels {
-        let figure = Figure::new(opened)?;
         let made = mesh_levels::add(&figure, &mut gltf, wanted, work).with_context(|| &name)?;
-        opened = figure.opened;
-        // Tables are bound to the order of the vertices, which is new.
-        let character = made.levels.character(&opened.character);
-        opened.character = character.with_context(|| &name)?;
+        // Tables are bound to the order of the vertices, which is new; rig and clips stay.
+        let character = made.levels.character(&figure.opened.character);
+        figure.opened.character = character.with_context(|| &name)?;
+        let (meshes, joints) = (&figure.opened.character.meshes, figure.asset.rig.len());
+        figure.asset.mesh = Mesh::new(meshes, joints).with_context(|| &name)?;
         levels = Some(made);
     }
-    let figure = Figure::new(opened)?;
     let maker = TableMaker::new(&figure.asset, options.seed);
     let clips: Vec<usize> = (0..figure.asset.clips.len()).collect();
     let tables = work.map("making motion tables", clips, |clip| Ok(maker.tables(clip)))?;

@@ -6,6 +6,8 @@
     reason = "a test may panic, looks for the folder of real files, and says what it skips"
 )]
 
+mod real_data;
+
 use articula::convert::{ClipEdits, ClipFit, ClipPart, ReduceOptions, write};
 use articula::glam::Vec3;
 use articula::{
@@ -14,7 +16,8 @@ use articula::{
 };
 use articula_core::source::evaluate;
 use articula_core::{ModelPose, Rig, local_to_model};
-use std::path::{Path, PathBuf};
+use real_data::real_data;
+use std::path::Path;
 
 const MANNEQUIN: &str = "glb/kaykit_mannequin/manny_med_mod.gltf";
 const LIBRARY: &str = "glb/kaykit_mannequin/Med_MovementBasic.glb";
@@ -22,19 +25,6 @@ const WOMAN: &str = "glb/mh_female_default163_arkit52.glb";
 const WALK: &str = "bvh/cmu_12_01_walk.bvh";
 const AVATAR: &str = "vrm/Godette_vrm_v4.vrm";
 const FOX: &str = "glb/Fox.glb";
-
-/// The folder of real files, or none.
-fn data() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = std::env::var_os("ARTICULA_DATA").map_or(beside, PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    let required = std::env::var_os("ARTICULA_REQUIRE_DATA").is_some_and(|v| v == "1");
-    assert!(!required, "{} is required", folder.display());
-    println!("skipped: no data");
-    None
-}
 
 /// A character with the clips of a file, and where they come from.
 fn added(data: &Path, character: &str, file: &str) -> (Opened, Vec<ClipFit>) {
@@ -80,7 +70,7 @@ fn again(bytes: &[u8]) -> Opened {
 
 #[test]
 fn a_library_of_clips_moves_its_mannequin_as_it_is() {
-    let Some(data) = data() else { return };
+    let Some(data) = real_data() else { return };
     let (opened, fits) = added(&data, MANNEQUIN, LIBRARY);
     assert_eq!(fits.len(), 11);
     assert!(fits.iter().all(|fit| fit.retargeted.is_none()));
@@ -107,7 +97,7 @@ fn a_library_of_clips_moves_its_mannequin_as_it_is() {
 
 #[test]
 fn a_capture_walks_on_other_figures_by_the_map() {
-    let Some(data) = data() else { return };
+    let Some(data) = real_data() else { return };
     for (character, tall) in [(WOMAN, 1.0), (AVATAR, 0.8)] {
         let (opened, fits) = added(&data, character, WALK);
         assert_eq!(fits[0].name, "cmu_12_01_walk");
@@ -129,7 +119,7 @@ fn a_capture_walks_on_other_figures_by_the_map() {
 
 #[test]
 fn figures_move_with_what_came_from_elsewhere() {
-    let Some(data) = data() else { return };
+    let Some(data) = real_data() else { return };
     for (character, file) in [(MANNEQUIN, LIBRARY), (WOMAN, WALK)] {
         let (opened, _) = added(&data, character, file);
         let figure = Figure::new(opened).unwrap();
@@ -139,7 +129,7 @@ fn figures_move_with_what_came_from_elsewhere() {
 
 #[test]
 fn what_fits_neither_by_name_nor_by_map_says_the_mend() {
-    let Some(data) = data() else { return };
+    let Some(data) = real_data() else { return };
     for (character, file) in [(FOX, WALK), (WOMAN, FOX)] {
         let why = refused(&data, character, file);
         assert!(matches!(why.cause(), Error::Unmapped(_)), "{why}");
@@ -156,7 +146,7 @@ fn what_fits_neither_by_name_nor_by_map_says_the_mend() {
 
 #[test]
 fn clips_of_several_files_keep_apart() {
-    let Some(data) = data() else { return };
+    let Some(data) = real_data() else { return };
     let mut opened = fs::open(data.join(WOMAN)).unwrap();
     let own = opened.character.clips.len();
     let file = |name: &str| fs::open(data.join(name)).unwrap();

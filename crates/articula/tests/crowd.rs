@@ -5,6 +5,8 @@
     reason = "a test may panic, and says what it skipped"
 )]
 
+mod real_data;
+
 use articula::crowd::{
     Camera, CrowdAsset, CrowdOptions, CrowdPlayer, JointLods, PaletteForm, PaletteHash,
     PaletteMatrices, PaletteSlice, RootMotion, Sight, View, Viewport,
@@ -12,21 +14,8 @@ use articula::crowd::{
 use articula::{AddClipsOptions, Figure, OpenOptions, Opened, Work};
 use articula_core::loa::Expression;
 use glam::Vec3;
-use std::path::{Path, PathBuf};
+use real_data::real_data;
 use std::sync::OnceLock;
-
-/// The folder of real files, or none.
-fn real_data() -> Option<PathBuf> {
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let folder = std::env::var_os("ARTICULA_DATA").map_or(beside, PathBuf::from);
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    let required = std::env::var_os("ARTICULA_REQUIRE_DATA").is_some_and(|v| v == "1");
-    assert!(!required, "{} is required", folder.display());
-    println!("skipped: no data");
-    None
-}
 
 /// The reference human, made once for all tests.
 fn human() -> Opened {

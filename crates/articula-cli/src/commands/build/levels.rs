@@ -1,6 +1,6 @@
 //! What `build` says of mesh levels.
 
-use crate::table::{Table, counted};
+use crate::table::{Table, counted, millimetres};
 use articula::CodedMeshLevels;
 use serde::Serialize;
 
@@ -104,15 +104,14 @@ pub(crate) fn text(levels: &[Level], bytes: &Bytes, measured: &str) -> String {
         "bytes alone",
         "bytes added",
     ]);
-    let mm = |metres: Option<f32>| metres.map_or("-".to_owned(), |m| format!("{:.2} mm", 1e3 * m));
     for level in levels {
         table.row([
             level.level.to_string(),
             level.triangles.to_string(),
             level.vertices.to_string(),
-            mm(level.error_rest_m),
-            mm(level.error_motion_m),
-            mm(level.error_motion_p99_m),
+            millimetres(level.error_rest_m),
+            millimetres(level.error_motion_m),
+            millimetres(level.error_motion_p99_m),
             level.ranges.to_string(),
             level.bytes_direct.to_string(),
             level.bytes_added.to_string(),

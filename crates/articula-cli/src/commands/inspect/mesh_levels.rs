@@ -1,6 +1,6 @@
 //! The mesh levels that a file brings, for people.
 
-use crate::table::Table;
+use crate::table::{Table, millimetres};
 use articula::inspect::Levels;
 
 /// The same for people.
@@ -25,9 +25,4 @@ pub(super) fn table(found: &Levels) -> Table {
         ]);
     }
     table
-}
-
-/// An error as people read it.
-pub(super) fn millimetres(metres: Option<f32>) -> String {
-    metres.map_or("-".to_owned(), |m| format!("{:.2} mm", 1e3 * m))
 }

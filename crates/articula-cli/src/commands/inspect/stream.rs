@@ -1,10 +1,9 @@
 //! Streams of mesh levels: every chunk that is there is checked and decoded.
 
-use super::mesh_levels::millimetres;
 use super::text::head_line;
 use crate::arguments::CharacterArgs;
 use crate::console::Console;
-use crate::table::Table;
+use crate::table::{Table, millimetres};
 use crate::{fault, files};
 use articula::inspect::{StreamFindings, inspect_stream};
 use articula_stream::StreamLimits;
