@@ -18,7 +18,7 @@ function run(script, ...words) {
 }
 
 test("the kept vectors are those of the package", () => {
-  const kept = readFileSync(join(here, "../crates/articula-formats/tests/meshopt/vectors.json"), "utf8");
+  const kept = readFileSync(join(here, "../crates/articula-formats/tests/it/meshopt/vectors.json"), "utf8");
   const { status, stdout } = run("meshopt_vectors.mjs");
   assert.equal(status, 0);
   assert.equal(stdout, kept);

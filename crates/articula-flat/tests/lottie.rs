@@ -7,8 +7,10 @@
     reason = "a test may fail loudly, and so may its helpers"
 )]
 
-#[path = "../../articula-cli/tests/judges/mod.rs"]
+#[path = "../../articula-cli/tests/it/judges/mod.rs"]
 mod judges;
+#[path = "../../articula-formats/tests/it/real/mod.rs"]
+mod real;
 
 use articula_flat::compare::{rmse, ssim};
 use articula_flat::planar::GRID;
@@ -185,7 +187,7 @@ fn item(kind: &'static str, text: &str, frames: &[f64]) -> Item {
 
 #[test]
 fn what_is_written_keeps_to_the_schema() {
-    if !judges::judges_are_here() || !judges::data_is_here() {
+    if !judges::judges_are_here() || !real::data_is_here() {
         return;
     }
     let [clip, flat] = [Shading::Gouraud, Shading::Flat].map(|s| keyed(&cube(), s));
@@ -194,7 +196,7 @@ fn what_is_written_keeps_to_the_schema() {
         frames: 1,
         ..clip.clone()
     };
-    let schema = judges::data_folder().join("fixtures/lottie_spec/schema");
+    let schema = real::data_folder().join("fixtures/lottie_spec/schema");
     let mut words = vec![schema.to_string_lossy().into_owned()];
     for clip in [&clip, &flat, &none] {
         let text = lottie(clip, NAME).unwrap();

@@ -2,19 +2,14 @@
 
 #![allow(
     clippy::unwrap_used,
-    clippy::print_stdout,
     reason = "a test may fail loudly, and says what it skips"
 )]
 
-use std::path::{Path, PathBuf};
-use std::process::Command;
+#[path = "../../articula-formats/tests/it/real/mod.rs"]
+mod real;
 
-/// Whether the real characters are there; without them a table says so and writes nothing.
-fn has_data() -> bool {
-    let named = std::env::var_os("ARTICULA_DATA").map(PathBuf::from);
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    named.unwrap_or(beside).is_dir()
-}
+use std::path::Path;
+use std::process::Command;
 
 /// Runs one table and looks at what it wrote.
 fn check(table: &str, pages: &[&str]) {
@@ -27,9 +22,8 @@ fn check(table: &str, pages: &[&str]) {
         .unwrap();
     let said = String::from_utf8_lossy(&ran.stderr);
     assert!(ran.status.success(), "{table}: {said}");
-    if !has_data() {
+    if !real::data_is_here() {
         assert!(String::from_utf8_lossy(&ran.stdout).contains("skipped: no data"));
-        println!("skipped: no data");
         return;
     }
     for page in pages {

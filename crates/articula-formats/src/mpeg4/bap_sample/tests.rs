@@ -9,7 +9,7 @@ use articula_mutate::Dice;
 use glam::{Affine3A, Quat, Vec3};
 use real::bytes;
 
-#[path = "../../../tests/real/mod.rs"]
+#[path = "../../../tests/it/real/mod.rs"]
 mod real;
 
 /// Half a turn by two in units.

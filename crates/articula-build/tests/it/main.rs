@@ -1,0 +1,20 @@
+//! What is built keeps its promises, on figures made at random and by hand.
+//!
+//! One program: linking one is faster than linking many.
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+
+mod bounds;
+mod clip_edit;
+mod clusters;
+mod entering_view;
+mod evaluate;
+mod figure_levels;
+mod ladder;
+mod motion_bounds;
+mod occluders;
+mod one_pass;
+mod pose_cache;
+mod random_figure;
+mod retarget;
+mod simplify;
+mod surface_distance;

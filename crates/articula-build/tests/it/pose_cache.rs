@@ -1,0 +1,252 @@
+//! Laws of baked pose caches, on random rigs, skins and clips.
+
+use crate::random_figure::{RATE, Row, character_of, flat, rows};
+use articula_build::ClipOptions;
+use articula_build::{Asset, character};
+use articula_build::{CacheOptions, CachedPoses, Fate, cached_poses};
+use articula_build::{LevelOptions, MergedLevels, merged_levels};
+use articula_core::batch::BatchEvaluator;
+use articula_core::{
+    Backend, ClipSet, PaletteForm, PaletteRows, Storage, f32_from_half, percentile, skin_points,
+};
+use glam::{Affine3A, Vec3};
+use proptest::prelude::*;
+
+/// Rounding of f32 positions up to some metres.
+const ROUNDING_METRES: f32 = 1e-5;
+
+struct Figure {
+    asset: Asset,
+    levels: MergedLevels,
+    clips: ClipSet,
+}
+
+fn asset(rows: &[Row]) -> Asset {
+    let opts = ClipOptions {
+        rate_hz: Some(RATE),
+    };
+    character(&character_of(rows), Some(flat(rows.len())), &opts).unwrap()
+}
+
+fn prepared(asset: Asset) -> Figure {
+    let opts = LevelOptions {
+        fewest_joints: 1,
+        ..LevelOptions::default()
+    };
+    let levels = merged_levels(&asset, &opts).unwrap();
+    let ladder = levels.ladder.clone();
+    let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, Storage::Float).unwrap();
+    Figure {
+        asset,
+        levels,
+        clips,
+    }
+}
+
+impl Figure {
+    fn cached(&self, opts: &CacheOptions) -> CachedPoses {
+        cached_poses(&self.asset, &self.levels, &self.clips, opts).unwrap()
+    }
+
+    /// All vertices of a level, as a palette puts them.
+    fn points(&self, level: usize, rows: &[[f32; 4]]) -> Vec<Vec3> {
+        let mesh = self.levels.skins.mesh(level, &self.asset.mesh);
+        let matrices = rows.chunks(3).map(|r| {
+            let column = |c: usize| Vec3::new(r[0][c], r[1][c], r[2][c]).into();
+            Affine3A::from_cols(column(0), column(1), column(2), column(3))
+        });
+        let vertices: Vec<u32> = (0..mesh.len() as u32).collect();
+        let mut out = vec![Vec3::ZERO; vertices.len()];
+        skin_points(&mesh, &matrices.collect::<Vec<_>>(), &vertices, &mut out);
+        out
+    }
+
+    fn evaluated(&self, level: usize, secs: f32) -> Vec<Vec3> {
+        let map = &self.levels.skins.palette;
+        let form = PaletteForm::Matrix;
+        let evaluator = BatchEvaluator::new(&self.clips, map, form, Backend::best()).unwrap();
+        let mut rows = vec![[0.0; 4]; evaluator.rows(level)];
+        let shown = [self.clips.cursor(0, secs).into()];
+        let out = PaletteRows::Float(&mut rows);
+        evaluator.evaluate(level, &shown, out, &mut evaluator.scratch());
+        self.points(level, &rows)
+    }
+
+    fn blended(&self, made: &CachedPoses, level: usize, secs: f32) -> Vec<Vec3> {
+        let cache = &made.cache;
+        let record = [cache.locate(0, level, secs).unwrap()];
+        let len = cache.matrices(level) * 3;
+        let (mut floats, mut halves) = (vec![[0.0; 4]; len], vec![[0; 4]; len]);
+        if cache.form().is_half() {
+            cache.blend(
+                level,
+                &record,
+                Backend::best(),
+                PaletteRows::Half(&mut halves),
+            );
+            floats = halves.iter().map(|row| row.map(f32_from_half)).collect();
+        } else {
+            cache.blend(
+                level,
+                &record,
+                Backend::best(),
+                PaletteRows::Float(&mut floats),
+            );
+        }
+        self.points(level, &floats)
+    }
+
+    /// 95th percentile and greatest distance between blended and evaluated skin.
+    fn error(&self, made: &CachedPoses, level: usize, secs: f32) -> (f32, f32) {
+        let (truth, shown) = (self.evaluated(level, secs), self.blended(made, level, secs));
+        let apart = truth.iter().zip(&shown).map(|(t, s)| t.distance(*s));
+        let mut apart: Vec<f32> = apart.collect();
+        (percentile(&mut apart, 0.95), percentile(&mut apart, 1.0))
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    #[test]
+    fn the_stated_error_holds_at_any_time(
+        rows in rows(),
+        at in prop::collection::vec(0.0f32..1.0, 24),
+        half in any::<bool>(),
+    ) {
+        let figure = prepared(asset(&rows));
+        let opts = CacheOptions {
+            form: if half { PaletteForm::HalfMatrix } else { PaletteForm::Matrix },
+            ..CacheOptions::default()
+        };
+        let made = figure.cached(&opts);
+        let end = figure.clips.duration_secs(0);
+        // Half floats round what is cached and what is written: their noise at a moment between
+        // those measured may be greater, by twice half a step of four numbers within 4 m.
+        let noise = if half { 2.0 * 4.0 * 4.0 / 4096.0 } else { ROUNDING_METRES };
+        for report in made.report.iter().filter(|r| r.fate == Fate::Cached) {
+            prop_assert_eq!(made.cache.error_metres(0, report.level), Some(report.error_metres));
+            prop_assert!(report.error_metres <= report.worst_metres);
+            let keys: Vec<f32> = made.cache.times_secs(0, report.level).unwrap().collect();
+            prop_assert!(end > (keys.len() - 1) as f32 * 2.0 / 60.0);
+            for at in &at {
+                let (percentile, worst) = figure.error(&made, report.level, at * end);
+                prop_assert!(
+                    percentile <= report.error_metres + noise && worst <= report.worst_metres + noise,
+                    "level {}: {percentile} and {worst} m at {} s, stated {report:?}", report.level, at * end
+                );
+            }
+            // At a key nothing is added but what half floats round.
+            for key in keys {
+                let (_, worst) = figure.error(&made, report.level, key);
+                prop_assert!(worst <= if half { noise } else { ROUNDING_METRES }, "{worst}");
+            }
+        }
+    }
+
+    #[test]
+    fn errors_stay_near_the_tolerance_and_grow_with_it(rows in rows()) {
+        let figure = prepared(asset(&rows));
+        let made = figure.cached(&CacheOptions::default());
+        for report in &made.report {
+            let own = &figure.levels.errors.clips[0].levels_metres;
+            let floor = 0.5e-3 * f32::powi(2.0, report.level as i32);
+            let least = floor.max(0.25 * own[report.level]);
+            let wider = own.get(report.level + 1).map_or(0.0, |next| next - own[report.level]);
+            let tolerance = report.tolerance_metres;
+            prop_assert!(tolerance == least || (tolerance <= wider && tolerance <= 8.0 * least));
+            prop_assert_eq!((tolerance / least).log2().fract(), 0.0, "doubled, or not");
+            // Chosen within the tolerance at half ticks; on top comes half of the bend of a tick.
+            prop_assert!(report.error_metres <= 1.5 * report.tolerance_metres + ROUNDING_METRES, "{report:?}");
+            prop_assert_eq!(made.cache.error_metres(0, report.level).is_some(), report.fate == Fate::Cached);
+        }
+    }
+
+    #[test]
+    fn coarse_levels_come_first_where_room_is_short(rows in rows(), part in 0.0f32..1.0) {
+        let figure = prepared(asset(&rows));
+        let whole = figure.cached(&CacheOptions::default());
+        let all = whole.cache.palette_bytes();
+        let palette_bytes = (all as f32 * part) as usize;
+        let made = figure.cached(&CacheOptions { palette_bytes, ..CacheOptions::default() });
+        prop_assert!(made.cache.palette_bytes() <= palette_bytes);
+        let mut left = palette_bytes;
+        for (made, whole) in made.report.iter().zip(&whole.report).rev() {
+            let fits = whole.fate == Fate::Cached && whole.bytes <= left;
+            prop_assert_eq!(made.fate == Fate::Cached, fits);
+            if fits {
+                left -= made.bytes;
+                prop_assert_eq!(made.error_metres, whole.error_metres);
+            } else {
+                prop_assert!(made.fate == whole.fate || made.fate == Fate::NoRoom);
+            }
+        }
+        prop_assert_eq!(palette_bytes - left, made.cache.palette_bytes());
+    }
+}
+
+/// Three joints, some way apart.
+fn three() -> Vec<Row> {
+    let turn = Vec3::new(0.1, -0.05, 0.02);
+    let rest = glam::Quat::from_rotation_x(0.3);
+    (0..3).map(|_| (0.9, Vec3::Y * 0.4, rest, turn)).collect()
+}
+
+#[test]
+fn hostile_figures() {
+    let mut without_clips = asset(&three());
+    without_clips.clips.clear();
+    let figure = prepared(without_clips);
+    let made = figure.cached(&CacheOptions::default());
+    assert_eq!(made.report.len(), figure.levels.ladder.levels());
+    let rest = made.cache.locate(0, 0, f32::NAN).unwrap();
+    assert_eq!((rest.before, rest.blend), (rest.after, 0.0));
+
+    let mut without_mesh = asset(&three());
+    without_mesh.mesh = articula_core::Mesh::default();
+    let figure = prepared(without_mesh);
+    let made = figure.cached(&CacheOptions::default());
+    assert!(made.report.iter().all(|r| r.fate == Fate::TooFast));
+    assert_eq!(made.cache.palette_bytes(), 0);
+
+    let figure = prepared(asset(&three()[..1]));
+    let nothing = CacheOptions {
+        palette_bytes: 0,
+        ..CacheOptions::default()
+    };
+    assert!(
+        figure
+            .cached(&nothing)
+            .report
+            .iter()
+            .all(|r| r.fate != Fate::Cached)
+    );
+}
+
+#[test]
+fn what_does_not_belong_together_is_refused() {
+    let figure = prepared(asset(&three()));
+    let other = prepared(asset(&three()[..2]));
+    let make = |asset: &Asset, levels: &MergedLevels, opts: CacheOptions| {
+        cached_poses(asset, levels, &figure.clips, &opts)
+            .map_err(|e| e.at)
+            .err()
+    };
+    let opts = CacheOptions::default();
+    assert_eq!(make(&figure.asset, &figure.levels, opts), None);
+    assert_eq!(make(&other.asset, &figure.levels, opts).unwrap(), "clips");
+    assert_eq!(make(&figure.asset, &other.levels, opts).unwrap(), "clips");
+    let mut longer = figure.asset.clone();
+    longer.clips.push(longer.clips[0].clone());
+    assert_eq!(make(&longer, &figure.levels, opts).unwrap(), "clips");
+    let rigid = CacheOptions {
+        form: PaletteForm::Rigid,
+        ..opts
+    };
+    assert_eq!(make(&figure.asset, &figure.levels, rigid).unwrap(), "form");
+    let nan = CacheOptions {
+        share: f32::NAN,
+        ..opts
+    };
+    assert_eq!(make(&figure.asset, &figure.levels, nan).unwrap(), "share");
+}

@@ -1,0 +1,277 @@
+//! Clip hygiene on real motion.
+
+use crate::program;
+use crate::program::{BVH, fault, folder, json, word};
+use crate::real::real_data;
+use articula_build::Asset;
+use articula_build::ClipOptions;
+use articula_build::clip_edit::Subject;
+use articula_build::clip_edit::{ReduceOptions, reduce_keys};
+use articula_core::PosedMesh;
+use articula_core::source::{Character, Clip, evaluate};
+use articula_formats::{Limits, bvh, gltf, profile};
+use glam::Vec3;
+use serde_json::Value;
+use std::path::Path;
+
+fn read(data: &Path, name: &str) -> (Character, Vec<(usize, Vec3)>) {
+    let bytes = std::fs::read(data.join(name)).unwrap();
+    let limits = Limits::default();
+    if name.ends_with(".bvh") {
+        let file = bvh::read(&bytes, &articula_formats::ReadOptions::default(), &limits)
+            .unwrap()
+            .value;
+        return (file.character, file.end_sites);
+    }
+    let mut alone = |uri: &str| Err(format!("{uri} is not needed"));
+    let file = gltf::read(&bytes, &limits, &mut alone).unwrap().value;
+    (file.character, Vec::new())
+}
+
+/// Where a clip has every joint and every vertex (without morph targets).
+fn shown(figure: &Asset, character: &Character, clip: &Clip, secs: f32) -> Vec<Vec3> {
+    let mut pose = figure.rig.rest_pose().clone();
+    evaluate::pose(clip, &character.skeleton, secs, &mut pose);
+    let every: Vec<u32> = (0..figure.mesh.len() as u32).collect();
+    let mut skin = vec![Vec3::ZERO; every.len()];
+    let mut posed = PosedMesh::new(&figure.rig, &figure.mesh);
+    posed.pose(&pose).points(&every, &mut skin);
+    let joints = (0..figure.rig.len()).map(|j| posed.model.position(j));
+    joints.chain(skin).collect()
+}
+
+/// File, clip, and by what factor its bytes shrink at least at 1 mm and at 1 cm.
+const REDUCED: [(&str, &str, f32, f32); 6] = [
+    ("glb/mh_female_dance.glb", "dance", 2.0, 5.0),
+    ("bvh/cmu_12_01_walk.bvh", "motion", 2.0, 12.0),
+    ("bvh/fair1_dab.bvh", "motion", 1.2, 1.9),
+    ("glb/KayKit_Knight.glb", "1H_Ranged_Aiming", 2.0, 3.0),
+    ("glb/pab_arnaud.glb", "atlas", 2.5, 6.0),
+    (
+        "glb/Quaternius_cyberpunk_pack__Character.glb",
+        "CharacterArmature|Idle_Gun_Pointing",
+        2.5,
+        7.0,
+    ),
+];
+
+#[test]
+fn fewer_keys_move_no_vertex_of_real_figures_farther_than_the_bound() {
+    let Some(data) = real_data() else { return };
+    for (name, clip, at_1_mm, at_1_cm) in REDUCED {
+        let (character, ends) = read(&data, name);
+        let clip = character.clips.iter().find(|c| c.name == clip).unwrap();
+        let mapping =
+            articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
+        let subject = Subject::new(&character, mapping.articulation.clone(), &ends).unwrap();
+        let posed = articula_build::character(
+            &Character {
+                clips: Vec::new(),
+                ..character.clone()
+            },
+            Some(mapping.articulation),
+            &ClipOptions::default(),
+        );
+        let posed = posed.unwrap();
+        for (bound_metres, factor) in [(1e-3, at_1_mm), (1e-2, at_1_cm)] {
+            let opts = ReduceOptions {
+                bound_metres,
+                drop_rest: true,
+            };
+            let out = reduce_keys(&subject, clip, &opts).unwrap();
+            let (before, after) = (out.before, out.after);
+            println!(
+                "{name} \"{}\" at {bound_metres} m: {} -> {} keys, {} -> {} bytes, worst {:.6} m",
+                clip.name, before.keys, after.keys, before.bytes, after.bytes, out.worst_metres
+            );
+            assert!(out.worst_metres <= bound_metres);
+            let shrunk = before.bytes as f32 / after.bytes as f32;
+            assert!(shrunk >= factor, "{name}: {shrunk} times smaller");
+            // Times that are on no grid of the reduction.
+            for i in 0..30 {
+                let secs = clip.duration_secs * (i as f32 + 0.37) / 30.0;
+                let [a, b] = [clip, &out.clip].map(|c| shown(&posed, &character, c, secs));
+                let apart = a.iter().zip(&b).map(|(p, q)| p.distance(*q));
+                let apart = apart.fold(0.0, f32::max);
+                assert!(
+                    apart <= 1.01 * bound_metres,
+                    "{name} at {secs} s: {apart} m"
+                );
+            }
+        }
+    }
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+#[test]
+fn the_loop_of_a_captured_walk_is_its_gait_cycle() {
+    let Some(data) = real_data() else { return };
+    let here = folder("gait");
+    let walk = data.join("bvh/cmu_12_01_walk.bvh");
+    let report = json(&here, &["convert", word(&walk), "o.glb", "--loop"]);
+    let looped = &report["edits"][0]["loop"];
+    assert_eq!(looped["is_loop"], true);
+    // Both feet of CMU 12_01 come down every 1.27 to 1.3 s (seen on its sheet).
+    let period = number(&looped["part"]["period_secs"]);
+    assert!((1.2..1.4).contains(&period), "{looped}");
+    assert!(number(&looped["part"]["seam_m"]) < 0.04, "{looped}");
+    assert!(number(&looped["closed"]["seam_deg"]) < 1e-3, "{looped}");
+    assert!(number(&looped["closed"]["moved_m"]) < 0.03, "{looped}");
+    assert!(
+        (1.0..1.4).contains(&number(&looped["closed"]["travel_m"])),
+        "{looped}"
+    );
+    // What is written loops as it is.
+    let again = json(&here, &["convert", "o.glb", "p.glb", "--loop"]);
+    assert_eq!(again["edits"][0]["loop"]["is_whole"], true, "{again}");
+}
+
+#[test]
+fn made_loops_are_known_and_deeds_are_none() {
+    let Some(data) = real_data() else { return };
+    let here = folder("loops");
+    for (name, loops, none) in [
+        (
+            "glb/pab_arnaud.glb",
+            &["walk", "jog", "run"][..],
+            &["atlas"][..],
+        ),
+        (
+            "glb/KayKit_Knight.glb",
+            &["Idle", "Walking_A", "Running_A", "Sit_Floor_Idle"],
+            &["Death_A", "Lie_Down", "Dodge_Left", "T-Pose"],
+        ),
+        ("bvh/fair1_dab.bvh", &[], &["motion"]),
+    ] {
+        let report = json(
+            &here,
+            &["convert", word(&data.join(name)), "o.glb", "--loop"],
+        );
+        let edits = report["edits"].as_array().unwrap();
+        let looped = |clip: &str| &edits.iter().find(|e| e["clip"] == clip).unwrap()["loop"];
+        for clip in loops {
+            let found = looped(clip);
+            assert_eq!(found["is_whole"], true, "{name} {clip}: {found}");
+            assert!(
+                number(&found["closed"]["moved_m"]) < 0.006,
+                "{name} {clip}: {found}"
+            );
+        }
+        for clip in none {
+            let found = looped(clip);
+            assert_eq!(found["is_loop"], false, "{name} {clip}: {found}");
+            assert!(found["closed"].is_null());
+        }
+    }
+}
+
+#[test]
+fn root_motion_goes_to_the_joint_above_the_hips() {
+    let Some(data) = real_data() else { return };
+    let here = folder("root-motion");
+    for (name, carrier) in [
+        ("glb/KayKit_Knight.glb", Some("root")),
+        // Below an armature of scale 100.
+        ("glb/Quaternius_cyberpunk_pack__Character.glb", Some("Root")),
+        ("glb/mannequiny.glb", Some("root.001")),
+        ("glb/RobotExpressive.glb", Some("Bone")),
+        // A somersault.
+        ("glb/viverse/jump-forward.glb", Some("root")),
+        ("glb/pab_arnaud.glb", None),
+        ("bvh/cmu_12_01_walk.bvh", None),
+    ] {
+        let file = data.join(name);
+        let report = |mode| {
+            json(
+                &here,
+                &["convert", word(&file), "o.glb", "--root-motion", mode],
+            )
+        };
+        let extracted = report("extract");
+        let in_place = report("in-place");
+        for (edits, mode) in [(&extracted, "extract"), (&in_place, "in-place")] {
+            for edit in edits["edits"].as_array().unwrap() {
+                let root = &edit["root_motion"];
+                assert_eq!(root["carrier"].as_str(), carrier, "{name} {mode}");
+                let worst = number(&root["worst_m"]);
+                assert!(worst < 2e-4, "{name} {mode} {}: {worst} m", edit["clip"]);
+            }
+        }
+        let left = json(
+            &here,
+            &["convert", "o.glb", "p.glb", "--root-motion", "keep"],
+        );
+        for edit in left["edits"].as_array().unwrap() {
+            let travel = number(&edit["root_motion"]["path_m"]);
+            assert!(
+                travel < 0.03,
+                "{name} {}: {travel} m are left",
+                edit["clip"]
+            );
+        }
+    }
+}
+
+#[test]
+fn edits_come_in_one_order_and_say_what_they_did() {
+    let here = folder("edits");
+    std::fs::write(here.join("a.bvh"), BVH).unwrap();
+    let words = |flags: &[&'static str]| {
+        [
+            &["convert", "a.bvh", "o.glb", "--unit-metres", "0.01"],
+            flags,
+        ]
+        .concat()
+    };
+    let report = json(
+        &here,
+        &words(&[
+            "--reduce-keys",
+            "5mm",
+            "--rate",
+            "60",
+            "--trim",
+            "..0.06",
+            "--root-motion",
+            "in-place",
+        ]),
+    );
+    let edit = &report["edits"][0];
+    assert!((number(&edit["trim"]["duration_secs"]) - 0.06).abs() < 1e-6);
+    assert_eq!(edit["rate"]["rate_hz"], 60.0);
+    // A centimetre a frame, of which there are thirty a second.
+    assert!((number(&edit["root_motion"]["travel_m"]) - 0.018).abs() < 1e-4);
+    let keys = &edit["reduce_keys"];
+    assert_eq!(edit["rate"]["keys_after"], keys["keys_before"]);
+    assert!(
+        number(&keys["worst_m"]) <= 0.005
+            && number(&keys["keys_after"]) < number(&keys["keys_before"])
+    );
+    assert!(edit["loop"].is_null());
+    let clip = json(&here, &["inspect", "o.glb"]);
+    assert!(
+        (number(&clip["clips"][0]["duration_secs"]) - 0.06).abs() < 1e-5,
+        "the length stays"
+    );
+    assert!(fault(&here, 1, &words(&["--trim", "0..9"])).contains("is no part of its"));
+    for bad in [
+        &["--trim", "2..1"][..],
+        &["--rate", "0"],
+        &["--reduce-keys", "1km"],
+        &["--root-motion", "away"],
+        &["--drop-rest"],
+        &["--loop-window", "1"],
+    ] {
+        let ran = program::articula(&here, &words(bad));
+        assert_eq!(ran.status, 2, "{bad:?}: {}", ran.err);
+    }
+    let why = fault(
+        &here,
+        2,
+        &["convert", "a.bvh", "o.bvh", "--reduce-keys", "1mm"],
+    );
+    assert!(why.contains("every joint in every frame"), "{why}");
+}

@@ -1,0 +1,366 @@
+//! `crowd` keeps what `docs/commands.md` promises.
+
+use crate::program::{BVH, articula, fault, folder, human, json, word};
+use serde_json::Value;
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// A crowd of the reference human, short enough for a test.
+fn crowd(name: &str, words: &[&str]) -> Value {
+    let here = folder(name);
+    let mut all = vec!["crowd", word(human()), "--seconds", "0.2"];
+    all.extend(words);
+    json(&here, &all)
+}
+
+#[test]
+fn promised_fields_are_there() {
+    let found = crowd("crowd-fields", &["--count", "200"]);
+    assert_eq!(found["characters"], 200);
+    assert_eq!(found["frames"], 12);
+    for (group, fields) in [
+        ("ns_per_character", &["median", "p95"][..]),
+        ("error_px", &["p95", "max", "near_max", "worst_vertex"]),
+        (
+            "working_set",
+            &["clips_bytes", "output_bytes", "state_bytes"],
+        ),
+        ("written_mb", &["median"]),
+    ] {
+        for field in fields {
+            assert!(found[group][*field].is_number(), "{group}.{field}");
+        }
+    }
+    assert!(number(&found["characters_per_ms"]) > 0.0);
+    assert_eq!(found["budget_ms"], Value::Null);
+    assert_eq!(found["overrun_p95"], Value::Null);
+    let seen = ["visible", "near", "hidden"].map(|f| number(&found[f]));
+    assert_eq!(seen.iter().sum::<f64>(), 200.0);
+    let tiers = found["tiers"].as_object().unwrap();
+    let shown: f64 = tiers.values().map(|t| number(&t["characters"])).sum();
+    assert!((shown - seen[0]).abs() < 1e-9, "{shown} of {}", seen[0]);
+    // Nobody shares, so everyone has a palette of its own.
+    let bytes = |t: &Value| 48.0 * number(&t["matrices"]) * number(&t["poses"]);
+    let bytes: f64 = tiers.values().map(bytes).sum();
+    assert!((bytes / 1e6 - number(&found["written_mb"]["median"])).abs() < 1e-6);
+}
+
+#[test]
+fn full_detail_is_without_error_and_auto_within_its_tolerance() {
+    let full = crowd("crowd-full", &["--count", "100", "--level", "full"]);
+    assert_eq!(
+        (&full["visible"], &full["hidden"]),
+        (&100.into(), &0.into())
+    );
+    let tiers = full["tiers"].as_object().unwrap();
+    assert_eq!(tiers.len(), 1);
+    assert_eq!(tiers["level_0"]["joints"], 89);
+    // Rounding of f32 at 0.5 m and more: a thousandth of a pixel.
+    let worst = number(&full["error_px"]["worst_vertex"]);
+    assert!(worst < 0.05, "{worst}");
+    let auto = crowd("crowd-auto", &["--count", "400"]);
+    let p95 = number(&auto["error_px"]["p95"]);
+    assert!(p95 > 0.0 && p95 <= 1.0, "{p95}");
+    let near = number(&auto["error_px"]["near_max"]);
+    assert!(near <= 2.0, "{near}");
+    assert!(
+        number(&auto["written_mb"]["median"]) < 0.5 * number(&full["written_mb"]["median"]) * 4.0
+    );
+}
+
+#[test]
+fn a_named_level_keeps_what_it_names() {
+    let words = ["--count", "50", "--level", "loa(Low)"];
+    let found = crowd("crowd-named", &words);
+    let tiers = found["tiers"].as_object().unwrap();
+    assert_eq!(tiers.keys().collect::<Vec<_>>(), ["level_1"]);
+    // Low is the first of the standard's levels, with 24 joints up to it (spec/hanim.md 3).
+    let joints = number(&tiers["level_1"]["joints"]);
+    assert!((2.0..89.0).contains(&joints), "{joints}");
+}
+
+#[test]
+fn threads_backends_and_repetition_change_no_bit() {
+    let hash = |name: &str, more: &[&str]| {
+        let usual = ["--count", "300", "--scene", "plaza-2"];
+        let found = crowd(name, &[&usual[..], more].concat());
+        found["palette_hash"].as_str().unwrap().to_owned()
+    };
+    let one = hash("crowd-one", &[]);
+    assert_eq!(one, hash("crowd-three", &["--threads", "3"]));
+    assert_eq!(one, hash("crowd-scalar", &["--backend", "scalar"]));
+    assert_ne!(one, hash("crowd-seed", &["--seed", "2"]));
+    let shared = hash("crowd-share", &["--share"]);
+    assert_eq!(
+        shared,
+        hash("crowd-share-2", &["--share", "--threads", "2"])
+    );
+    let half = hash("crowd-half", &["--form", "half"]);
+    assert_eq!(
+        half,
+        hash("crowd-half-2", &["--form", "half", "--threads", "2"])
+    );
+}
+
+#[test]
+fn sharing_writes_less_within_the_tolerance() {
+    let words = ["--count", "2000", "--share"];
+    let found = crowd("crowd-sharing", &words);
+    let poses = &found["poses"];
+    assert!(number(&poses["followers"]) > number(&poses["shared"]));
+    let p95 = number(&found["error_px"]["p95"]);
+    assert!(p95 <= 1.0, "{p95}");
+}
+
+#[test]
+fn cached_poses_stay_within_the_tolerance() {
+    let play = |how: &str| {
+        let name = format!("crowd-cache-{how}");
+        crowd(&name, &["--count", "2000", "--cache", how])
+    };
+    let (never, cpu, gpu) = (play("never"), play("cpu"), play("gpu"));
+    assert_eq!(never["poses"]["cached"], 0.0);
+    assert_eq!(never["palette"], "joints");
+    for found in [&cpu, &gpu] {
+        assert!(number(&found["poses"]["cached"]) > 0.0);
+        assert!(number(&found["working_set"]["cache_bytes"]) > 0.0);
+        let p95 = number(&found["error_px"]["p95"]);
+        assert!(p95 <= 1.0, "{p95}");
+    }
+    // What the GPU blends is not written.
+    let written = |found: &Value| number(&found["written_mb"]["median"]);
+    assert!(written(&gpu) < 0.5 * written(&cpu));
+    let wrong = fault(
+        &folder("crowd-cache-full"),
+        2,
+        &["crowd", word(human()), "--cache", "cpu", "--level", "full"],
+    );
+    assert!(wrong.contains("--level auto"), "{wrong}");
+}
+
+#[test]
+fn a_clip_that_travels_is_played_on_the_spot() {
+    let here = folder("crowd-travel");
+    // 3 m in a second, and the hips only.
+    let mut walk = BVH[..BVH.find("Frames").unwrap()].to_owned();
+    walk.push_str("Frames: 31\nFrame Time: 0.0333333\n");
+    for frame in 0..31 {
+        walk.push_str(&format!(
+            "0 90 {} 0 0 0 0 5 0 0 10 0 20 0 0 30 0 0\n",
+            10 * frame
+        ));
+    }
+    std::fs::write(here.join("walk.bvh"), walk).unwrap();
+    std::fs::write(here.join("arm.bvh"), BVH).unwrap();
+    let play = |file: &str| {
+        let words = ["crowd", file, "--unit-metres", "0.01"];
+        let more = ["--count", "20", "--seconds", "0.1"];
+        json(&here, &[&words[..], &more].concat())
+    };
+    assert_eq!(
+        play("walk.bvh")["clips_in_place"].as_array().unwrap().len(),
+        1
+    );
+    assert_eq!(
+        play("arm.bvh")["clips_in_place"].as_array().unwrap().len(),
+        0
+    );
+}
+
+#[test]
+fn a_budget_is_reported() {
+    // Far more than any machine needs, and less than any clock can tell.
+    let rich = crowd("crowd-rich", &["--count", "200", "--budget-ms", "500"]);
+    let poor = crowd("crowd-poor", &["--count", "200", "--budget-ms", "0.000001"]);
+    for found in [&rich, &poor] {
+        assert!(number(&found["overrun_p95"]) >= 0.0);
+        assert!(number(&found["budget"]["worst_px"]) >= 0.0);
+    }
+    assert_eq!(rich["budget_ms"], 500.0);
+    let budget = &rich["budget"];
+    assert!(number(&budget["used_ms"]) <= number(&budget["allowed_ms"]));
+    assert_eq!(budget["above_cap"], 0.0);
+    // Nothing can be paid for: everyone has the cheapest level, and that is said.
+    assert_eq!(poor["tiers"].as_object().unwrap().len(), 1);
+    assert_eq!(poor["budget"]["allowed_ms"], 0.0);
+    assert!(number(&poor["overrun_p95"]) > 0.0);
+    let wrong = articula(
+        &folder("crowd-budget-full"),
+        &[
+            "crowd",
+            word(human()),
+            "--budget-ms",
+            "1",
+            "--level",
+            "full",
+        ],
+    );
+    assert_eq!(wrong.status, 2, "{}", wrong.err);
+}
+
+#[test]
+fn a_saved_scene_plays_the_same() {
+    let here = folder("crowd-scene");
+    let words =
+        |scene: &'static str| vec!["crowd", word(human()), "--scene", scene, "--seconds", "0.1"];
+    let mut first = words("plaza-2");
+    first.extend(["--count", "60", "--save-scene", "square.json"]);
+    let first = json(&here, &first);
+    let again = json(&here, &words("square.json"));
+    assert_eq!(again["characters"], 60);
+    // Degrees and back cost the last digit of a yaw; who is seen stays the same.
+    assert_eq!(again["visible"], first["visible"]);
+    let few = json(
+        &here,
+        &[words("square.json"), vec!["--count", "5"]].concat(),
+    );
+    assert_eq!(few["characters"], 5);
+    let many = fault(
+        &here,
+        2,
+        &[words("square.json"), vec!["--count", "61"]].concat(),
+    );
+    assert!(many.contains("60 characters"), "{many}");
+}
+
+#[test]
+fn plots_and_pictures_are_written() {
+    let here = folder("crowd-files");
+    let words = ["crowd", word(human()), "--count", "30", "--seconds", "0.1"];
+    let more = ["--plot", "time.svg", "--picture", "crowd.png"];
+    let found = json(&here, &[&words[..], &more].concat());
+    assert_eq!(found["written"].as_array().unwrap().len(), 2);
+    let svg = std::fs::read_to_string(here.join("time.svg")).unwrap();
+    assert!(svg.starts_with("<svg") && svg.contains("Error of the crowd"));
+    let png = std::fs::read(here.join("crowd.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG") && png.len() > 5000);
+    let wrong = fault(&here, 2, &[&words[..], &["--plot", "time.png"]].concat());
+    assert!(wrong.contains("name a .svg file"), "{wrong}");
+}
+
+#[test]
+fn figures_without_mesh_or_motion_play() {
+    let here = folder("crowd-bare");
+    std::fs::write(here.join("arm.bvh"), BVH).unwrap();
+    // One joint, and a clip of one frame.
+    let one = "HIERARCHY\nROOT Hips\n{\n OFFSET 0 90 0\n CHANNELS 3 Zrotation Xrotation Yrotation\n \
+               End Site\n {\n OFFSET 0 60 0\n }\n}\nMOTION\nFrames: 1\nFrame Time: 0.033\n10 0 0\n";
+    std::fs::write(here.join("one.bvh"), one).unwrap();
+    for file in ["arm.bvh", "one.bvh"] {
+        let words = [
+            "crowd",
+            file,
+            "--count",
+            "40",
+            "--seconds",
+            "0.1",
+            "--share",
+        ];
+        let found = json(&here, &words);
+        assert_eq!(found["characters"], 40, "{file}");
+        let p95 = number(&found["error_px"]["p95"]);
+        assert!(p95 <= 1.0, "{file}: {p95}");
+        assert_eq!(number(&found["renderer"]["skinned_vertices"]), 0.0);
+        let warnings = found["warnings"].to_string();
+        assert!(warnings.contains("no mesh"), "{warnings}");
+    }
+    let drawn = fault(
+        &here,
+        1,
+        &["crowd", "arm.bvh", "--count", "4", "--picture", "x.png"],
+    );
+    assert!(drawn.contains("arm.bvh: no mesh"), "{drawn}");
+}
+
+#[test]
+fn coarser_meshes_go_with_coarser_joints_and_stay_within_the_tolerance() {
+    let play = |name, more: &[&str]| crowd(name, &[&["--count", "1500"], more].concat());
+    let plain = play("crowd-mesh-1", &[]);
+    let found = play("crowd-mesh-5", &["--mesh-levels", "5"]);
+    let sums = |found: &Value| {
+        let all = &found["renderer"];
+        ["triangles", "triangles_full", "skinned_vertices"].map(|f| number(&all[f]))
+    };
+    let [drawn, full, vertices] = sums(&plain);
+    assert_eq!(drawn, full, "everyone has the original");
+    let [coarse, same, fewer] = sums(&found);
+    assert!((same - full).abs() < 1e-6 * full, "the same characters");
+    assert!(
+        coarse < 0.7 * drawn && fewer < 0.7 * vertices,
+        "{coarse} of {drawn}"
+    );
+    let p95 = number(&found["error_px"]["p95"]);
+    assert!(p95 <= 1.0, "{p95}");
+    let mut last = [f64::INFINITY; 3];
+    for tier in found["tiers"].as_object().unwrap().values() {
+        let size = ["joints", "triangles", "influences"].map(|f| number(&tier[f]));
+        let (bound, seen) = (number(&tier["error_bound_px"]), &tier["error_px"]["p95"]);
+        assert!(bound <= 1.0 + 1e-3, "{tier}");
+        assert!(seen.is_null() || number(seen) <= 1.2, "{tier}");
+        assert!(size.iter().zip(&last).all(|(a, b)| a <= b), "{tier}");
+        last = size;
+    }
+    let again = play(
+        "crowd-mesh-again",
+        &["--mesh-levels", "5", "--threads", "2"],
+    );
+    assert_eq!(again["palette_hash"], found["palette_hash"]);
+    let cached = play(
+        "crowd-mesh-cache",
+        &["--mesh-levels", "5", "--cache", "gpu"],
+    );
+    assert!(number(&cached["error_px"]["p95"]) <= 1.0);
+    let wrong = fault(
+        &folder("crowd-mesh-full"),
+        2,
+        &[
+            "crowd",
+            word(human()),
+            "--mesh-levels",
+            "2",
+            "--level",
+            "full",
+        ],
+    );
+    assert!(wrong.contains("--level auto"), "{wrong}");
+}
+
+#[test]
+fn mistakes_are_answered_with_their_mend() {
+    let here = folder("crowd-wrong");
+    let with = |more: &[&'static str]| -> Vec<&str> {
+        [&["crowd", word(human()), "--seconds", "0.1"], more].concat()
+    };
+    for (status, words, part) in [
+        (2, ["--clip", "fly"], "it has \"idle\""),
+        (2, ["--level", "loa(Lowest)"], "Lowest"),
+        (2, ["--scene", "piazza"], "plaza-2-in-step"),
+        (1, ["--scene", "gone.json"], "no such file"),
+        (1, ["--camera-path", "gone.json"], "no such file"),
+    ] {
+        let found = fault(&here, status, &with(&words));
+        assert!(found.contains(part), "{words:?}: {found}");
+    }
+    for words in [
+        ["--count", "0"],
+        ["--count", "1e9"],
+        ["--threads", "0"],
+        ["--mesh-levels", "6"],
+        ["--budget-ms", "NaN"],
+        ["--epsilon-px", "-1"],
+        ["--backend", "mmx"],
+    ] {
+        let ran = articula(&here, &with(&words));
+        assert_eq!(ran.status, 2, "{words:?}: {}", ran.err);
+    }
+    let member = r#"{"position": [0, 0, NaN], "clip": "idle"}"#;
+    let camera = r#"[{"t": 0, "eye": [0, 1, 5], "target": [0, 1, 0]}]"#;
+    let scene = format!("{{\"camera\": {camera}, \"members\": [{member}]}}");
+    std::fs::write(here.join("nan.json"), scene).unwrap();
+    let found = fault(&here, 1, &with(&["--scene", "nan.json"]));
+    assert!(found.contains("nan.json: line 1"), "{found}");
+}

@@ -1,0 +1,220 @@
+//! What browsers and players show of converted files, against the picture without a painting
+//! order: the procedural human walks and turns.
+
+use crate::judges::browser::{Item, is_here, shots, write};
+use articula_build::ClipOptions;
+use articula_build::character;
+use articula_build::decimate;
+use articula_core::Progress;
+use articula_core::Viewport;
+use articula_flat::Appearance;
+use articula_flat::Picture;
+use articula_flat::Projection;
+use articula_flat::Samples;
+use articula_flat::compare::{masked_rmse, ssim};
+use articula_flat::flatten::{
+    PrepareOptions, Prepared, Profile, Quality, Settings, Truth, flatten,
+};
+use articula_flat::planar::PlanarClip;
+use articula_flat::planar::Shading;
+use articula_flat::planar::stage;
+use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn, bake};
+use articula_flat::planar::{object_mask, reference};
+use articula_flat::vector::MovingSvg;
+use articula_flat::vector::player::Output;
+use articula_flat::vector::raster;
+use articula_human::{HumanOptions, human};
+use std::sync::OnceLock;
+
+const SIDE: u32 = 240;
+const FRAMES: usize = 31;
+const WHITE: [u8; 4] = [255; 4];
+
+/// Ten moments in frames, whole ones and such between two; none at which a shape is switched, nor
+/// the last frame, which is the first of the next round.
+const MOMENTS: [f64; 10] = [0.0, 3.0, 5.25, 9.0, 12.25, 15.0, 18.4, 22.0, 25.75, 28.0];
+
+/// The walking human: prepared to be written, and as it really looks at the moments.
+struct Film {
+    prepared: Prepared,
+    fps: f64,
+    truth: PlanarClip,
+}
+
+fn film() -> &'static Film {
+    static FILM: OnceLock<Film> = OnceLock::new();
+    FILM.get_or_init(|| {
+        let source = human(&HumanOptions { triangles: 4000 }).unwrap();
+        let (look, _) = Appearance::new(&source.materials, &source.images);
+        let asset = character(&source, None, &ClipOptions::default()).unwrap();
+        let walk = asset.clips.iter().position(|c| c.name == "walk").unwrap();
+        let length = f64::from(asset.clips[walk].duration_secs());
+        let fps = (FRAMES - 1) as f64 / length;
+        let moments: Vec<f64> = (0..FRAMES).map(|f| f as f64 / fps).collect();
+        let turn = Turn {
+            axis: (0.0, 0.0),
+            radians_per_sec: (1.2 / length) as f32,
+        };
+        let keep = vec![true; asset.mesh.triangles.len()];
+        let triangles = decimate(&asset, &keep, Some(walk), 500, &[]).unwrap();
+        let subject = Subject {
+            rig: &asset.rig,
+            mesh: &asset.mesh,
+            triangles: &triangles,
+            look: &look,
+            clip: Some(&asset.clips[walk]),
+            morph_weights: &asset.mesh.morph_weights,
+        };
+        let viewport = Viewport {
+            width_px: SIDE as f32,
+            height_px: SIDE as f32,
+            ..Viewport::default()
+        };
+        let camera = stage::camera(&subject, &moments, &turn, (-0.4, 0.0), viewport).unwrap();
+        let options = BakeOptions {
+            camera,
+            projection: Projection::Perspective,
+            lamp: Lamp::default(),
+            fps: fps as f32,
+            turn,
+        };
+        let clip = bake(&subject, &moments, &options).unwrap();
+        let looks: Vec<f64> = MOMENTS.iter().map(|m| m / fps).collect();
+        let truth = bake(&subject, &looks, &options).unwrap();
+        let prepared =
+            Prepared::new(clip, &PrepareOptions::default(), &mut Progress::none()).unwrap();
+        Film {
+            prepared,
+            fps,
+            truth,
+        }
+    })
+}
+
+/// The file of a profile.
+fn file_of(profile: Profile, shading: Shading) -> Vec<u8> {
+    let film = film();
+    let settings = Settings {
+        profile,
+        quality: Quality {
+            shading,
+            ..Quality::of(profile)
+        },
+        name: "walk & <turn>".into(),
+        max_bytes: None,
+    };
+    let truth = Truth::new(&film.truth, &MOMENTS).unwrap();
+    flatten(&film.prepared, &settings, &truth, &mut Progress::none())
+        .unwrap()
+        .bytes
+}
+
+fn item(kind: &'static str, name: &str, bytes: &[u8]) -> Item {
+    Item {
+        kind,
+        file: write(name, bytes),
+        size: [SIDE, SIDE],
+        times_secs: MOMENTS.iter().map(|m| m / film().fps).collect(),
+        plays: matches!(kind, "smil-img" | "player"),
+    }
+}
+
+/// Holds pictures against the truth: at most so many levels off over the character, and at
+/// least so alike. The figure is small, so its outline counts for much: the same files drawn by
+/// resvg are as far off (the first test holds the two together).
+fn assert_near(what: &str, pictures: &[Picture], levels: f64, alike: f64) {
+    assert_eq!(pictures.len(), MOMENTS.len());
+    for (m, picture) in pictures.iter().enumerate() {
+        let truth = reference(&film().truth, m, Samples::Eight, WHITE).unwrap();
+        let mask = object_mask(&film().truth, m, Samples::Eight).unwrap();
+        let off = masked_rmse(picture, &truth, &mask).unwrap();
+        let near = ssim(picture, &truth).unwrap();
+        let at = MOMENTS[m];
+        assert!(off <= levels, "{what}: {off} levels at frame {at}");
+        assert!(near >= alike, "{what}: SSIM {near} at frame {at}");
+    }
+}
+
+#[test]
+fn chromium_plays_svg_as_the_sampler_says_and_near_the_truth() {
+    if !is_here() {
+        return;
+    }
+    for shading in [Shading::Flat, Shading::Gouraud] {
+        let bytes = file_of(Profile::Smil, shading);
+        let items = [
+            item("smil", "walk.svg", &bytes),
+            item("smil-img", "walk.svg", &bytes),
+        ];
+        let seen = shots(&items).unwrap();
+        assert!(seen[1].plays, "an <img> plays it without help");
+        let moving = MovingSvg::read(std::str::from_utf8(&bytes).unwrap()).unwrap();
+        for (m, time) in items[0].times_secs.iter().enumerate() {
+            let own = raster(&moving.at(*time).unwrap(), WHITE).unwrap();
+            let mask = vec![true; (SIDE * SIDE) as usize];
+            for seen in &seen {
+                let off = masked_rmse(&seen.pictures[m], &own, &mask).unwrap();
+                assert!(
+                    off < 2.0,
+                    "Chromium and resvg are {off} levels apart at {time} s"
+                );
+            }
+        }
+        let (levels, alike) = match shading {
+            Shading::Flat => (32.0, 0.9),
+            Shading::Gouraud => (18.0, 0.97),
+        };
+        assert_near("smil", &seen[0].pictures, levels, alike);
+        assert_near("smil in an <img>", &seen[1].pictures, levels, alike);
+    }
+}
+
+#[test]
+fn chromium_plays_the_flip_book() {
+    if !is_here() {
+        return;
+    }
+    let bytes = file_of(Profile::Flipbook, Shading::Gouraud);
+    let mut item = item("smil-img", "book.svg", &bytes);
+    // Nothing is interpolated: whole frames alone.
+    let whole = |m: &f64| m.fract() == 0.0;
+    let fps = film().fps;
+    item.times_secs = MOMENTS
+        .iter()
+        .filter(|m| whole(m))
+        .map(|m| m / fps)
+        .collect();
+    let seen = shots(&[item]).unwrap();
+    let mut pictures = seen[0].pictures.iter();
+    for (m, at) in MOMENTS.iter().enumerate().filter(|(_, m)| whole(m)) {
+        let truth = reference(&film().truth, m, Samples::Eight, WHITE).unwrap();
+        let near = ssim(pictures.next().unwrap(), &truth).unwrap();
+        assert!(near > 0.97, "SSIM {near} at frame {at}");
+    }
+}
+
+#[test]
+fn the_player_plays_near_the_truth() {
+    if !is_here() {
+        return;
+    }
+    let bytes = file_of(Profile::Player(Output::Svg), Shading::Gouraud);
+    let seen = shots(&[item("player", "walk.svg", &bytes)]).unwrap();
+    assert!(seen[0].plays);
+    assert_near("player", &seen[0].pictures, 18.0, 0.97);
+}
+
+#[test]
+fn lottie_players_play_near_the_truth() {
+    if !is_here() {
+        return;
+    }
+    let bytes = file_of(Profile::Lottie, Shading::Gouraud);
+    let items = [
+        item("lottie", "walk.json", &bytes),
+        item("dotlottie", "walk.json", &bytes),
+    ];
+    let seen = shots(&items).unwrap();
+    assert_near("lottie-web", &seen[0].pictures, 18.0, 0.97);
+    assert_near("dotlottie-web", &seen[1].pictures, 18.0, 0.97);
+}

@@ -1,0 +1,157 @@
+//! Levels stored in files, judged by others: the Khronos validator says whether the files are good,
+//! JSON schemas whether our extension is, three.js what each level shows.
+
+use crate::judges::{ask, judges_are_here};
+use crate::real::{data_folder, data_is_here};
+use crate::thinned;
+use articula_build::Clustered;
+use articula_formats::Limits;
+use articula_formats::gltf::{self, GltfFile};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// Characters with skins and morph targets, sparse, quantised and shared arrays.
+const CHARACTERS: &[&str] = &[
+    "glb/pab_arnaud.glb",
+    "glb/KayKit_Knight.glb",
+    "glb/RobotExpressive.glb",
+    "glb/MorphStressTest.gltf",
+    "glb/mh_female_default163_arkit52.glb",
+    "glb/AnimatedMorphCube.glb",
+    "vrm/Godette_vrm_v4.vrm",
+    "fixtures/msft_lod/SimpleSkinLOD.gltf",
+];
+
+const LEVELS: usize = 4;
+
+/// A file, the levels of its meshes, and where they are stored.
+struct Stored {
+    file: GltfFile,
+    of: Vec<Vec<Clustered>>,
+    stored: PathBuf,
+    nodes: PathBuf,
+}
+
+fn store(name: &str) -> Stored {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("stored-levels");
+    std::fs::create_dir_all(&folder).unwrap();
+    let bytes = std::fs::read(data_folder().join(name)).unwrap();
+    let mut alone = |uri: &str| Err(format!("{uri} is not needed"));
+    let file = gltf::read(&bytes, &Limits::default(), &mut alone).unwrap();
+    let file = file.value;
+    let meshes = file.character.meshes.iter();
+    let of: Vec<_> = meshes.map(|m| thinned::clustered(m, LEVELS)).collect();
+    let mut changed = file.clone();
+    thinned::store(&mut changed, &of).unwrap();
+    let stem = Path::new(name).file_stem().unwrap().to_string_lossy();
+    let [stored, nodes] = ["stored", "nodes"].map(|how| folder.join(format!("{stem}.{how}.glb")));
+    std::fs::write(&stored, changed.document.write_glb().unwrap()).unwrap();
+    for node in &file.node_of_mesh {
+        let table = thinned::table(LEVELS);
+        changed
+            .document
+            .add_level_nodes(*node, &table, 1.0)
+            .unwrap();
+    }
+    std::fs::write(&nodes, changed.document.write_glb().unwrap()).unwrap();
+    Stored {
+        file,
+        of,
+        stored,
+        nodes,
+    }
+}
+
+fn word(path: &Path) -> String {
+    path.to_string_lossy().into_owned()
+}
+
+#[test]
+fn stored_levels_are_valid_and_keep_to_the_schema() {
+    if !judges_are_here() || !data_is_here() {
+        return;
+    }
+    let stored: Vec<_> = CHARACTERS.iter().map(|name| store(name)).collect();
+    let files = stored
+        .iter()
+        .flat_map(|s| [word(&s.stored), word(&s.nodes)]);
+    let files: Vec<String> = files.collect();
+    let (verdict, good) = ask("validate.mjs", &files);
+    assert!(good, "{verdict}");
+    let schemas = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/formats");
+    let (verdict, good) = ask("schemas.mjs", &[vec![word(&schemas)], files].concat());
+    assert!(good, "{verdict}");
+    let verdict: Value = serde_json::from_str(&verdict).unwrap();
+    for (files, stored) in verdict.as_array().unwrap().chunks(2).zip(&stored) {
+        // The document and every primitive; a mesh that two nodes show is stored once.
+        let primitives: usize = stored.of.iter().map(Vec::len).sum();
+        let judged = files[0]["judged"].as_u64().unwrap() as usize;
+        assert!((2..=primitives + 1).contains(&judged), "{files:?}");
+    }
+}
+
+/// Flat positions of each primitive, in the order of the nodes.
+fn shown(path: &Path) -> Vec<Vec<[f64; 3]>> {
+    let (answer, good) = ask("skinned_positions.mjs", &[word(path)]);
+    assert!(good, "{answer}");
+    let list: Value = serde_json::from_str(&answer).unwrap();
+    let list = list.as_array().unwrap().iter();
+    list.map(|p| triples(&p["positions"])).collect()
+}
+
+fn triples(numbers: &Value) -> Vec<[f64; 3]> {
+    let numbers = numbers.as_array().unwrap().iter();
+    let numbers: Vec<f64> = numbers.map(|x| x.as_f64().unwrap()).collect();
+    numbers.as_chunks::<3>().0.to_vec()
+}
+
+/// As triangles, the lowest corner first, sorted.
+fn set(corners: &[[f64; 3]]) -> Vec<[[u64; 3]; 3]> {
+    let bits = |p: &[f64; 3]| p.map(|x| (x + 0.0).to_bits());
+    let turned = |t: &[[f64; 3]; 3]| {
+        let [a, b, c] = [bits(&t[0]), bits(&t[1]), bits(&t[2])];
+        [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap()
+    };
+    let mut all: Vec<_> = corners.as_chunks::<3>().0.iter().map(turned).collect();
+    all.sort_unstable();
+    all
+}
+
+/// Every level consists of the original's corners, bit by bit where three.js has them; viewers that
+/// know nothing of levels see the original.
+#[test]
+fn three_js_shows_every_level() {
+    if !judges_are_here() || !data_is_here() {
+        return;
+    }
+    for name in ["glb/pab_arnaud.glb", "glb/KayKit_Knight.glb"] {
+        let stored = store(name);
+        let original = shown(&data_folder().join(name));
+        let plain = shown(&stored.stored);
+        let (answer, good) = ask("levels.mjs", &[word(&stored.stored)]);
+        assert!(good, "{answer}");
+        let levels: Value = serde_json::from_str(&answer).unwrap();
+        let levels = levels.as_array().unwrap();
+        let meshes = stored.file.character.meshes.iter().zip(&stored.of);
+        let parts = meshes.flat_map(|(m, of)| m.primitives.iter().zip(of));
+        let parts: Vec<_> = parts.collect();
+        assert_eq!(
+            (parts.len(), original.len()),
+            (levels.len(), levels.len()),
+            "{name}"
+        );
+        for (i, (part, of)) in parts.into_iter().enumerate() {
+            for (vertex, place) in of.vertices.iter().zip(&plain[i]) {
+                assert_eq!(original[i][*vertex as usize], *place, "{name}");
+            }
+            for (l, level) in thinned::levels(part, LEVELS).iter().enumerate() {
+                let corner = |v: &u32| original[i][*v as usize];
+                let expected: Vec<_> = level.as_flattened().iter().map(corner).collect();
+                let drawn = triples(&levels[i]["corners"][l]);
+                assert!(set(&drawn) == set(&expected), "{name} part {i} level {l}");
+                let groups = levels[i]["groups"][l].as_u64().unwrap() as usize;
+                assert_eq!(groups, of.clusters.ranges(l).count());
+            }
+        }
+    }
+}

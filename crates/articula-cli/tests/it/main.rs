@@ -1,0 +1,42 @@
+//! The program as its user meets it: what it prints, writes and refuses, and what others (three.js,
+//! validators, players, a browser) make of its files.
+//!
+//! One program: linking one is faster than linking many.
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    clippy::print_stdout,
+    reason = "a test may panic, opens and writes files, and says what it skips"
+)]
+
+mod acclaim;
+mod bounded_files;
+mod browser;
+mod bva;
+mod clips;
+mod compressed_oracle;
+mod conversion;
+mod crowd;
+mod flatten;
+mod flatten_browser;
+mod folders;
+mod hostile;
+mod judges;
+mod levels_oracle;
+mod mesh_levels;
+mod meshopt_oracle;
+mod mpeg4;
+mod oracle;
+mod playing;
+mod pose_cache_files;
+mod program;
+#[path = "../../../articula-formats/tests/it/real/mod.rs"]
+mod real;
+mod real_files;
+mod retargeting;
+mod skinned_files;
+#[path = "../../../articula-formats/tests/it/thinned/mod.rs"]
+mod thinned;
+mod usage;
+mod vrm;
+mod x3d_oracle;

@@ -1,0 +1,175 @@
+//! `build --levels` as its users have it: files, numbers, and what is refused.
+
+use crate::program::{BVH, articula, fault, folder, human, json, word};
+use serde_json::Value;
+
+fn numbers(list: &Value, name: &str) -> Vec<f64> {
+    let all = list.as_array().unwrap().iter();
+    all.map(|v| v[name].as_f64().unwrap()).collect()
+}
+
+#[test]
+fn what_build_says_is_in_the_file_and_in_the_stream() {
+    let here = folder("mesh-levels");
+    let words = ["--levels", "5", "--mesh-stream", "h.ams", "--msft-lod"];
+    let built = json(
+        &here,
+        &[&["build", word(human()), "h.glb"], &words[..]].concat(),
+    );
+    let levels = &built["levels"];
+    let triangles = numbers(levels, "triangles");
+    for (found, share) in triangles.iter().zip([1.0, 0.5, 0.25, 0.1, 0.015]) {
+        assert!(*found <= share * triangles[0] * 1.02 + 2.0, "{triangles:?}");
+    }
+    for name in ["error_rest_m", "error_motion_m"] {
+        let errors = numbers(levels, name);
+        assert_eq!(errors[0], 0.0);
+        assert!(errors.windows(2).all(|w| w[0] < w[1]), "{name}: {errors:?}");
+        // Half of the triangles of a body of 1.7 m are worth no centimetres.
+        assert!(errors[1] < 0.02, "{name}: {errors:?}");
+    }
+    let bytes = &built["bytes"];
+    let direct = numbers(levels, "bytes_direct");
+    let stream = std::fs::read(here.join("h.ams")).unwrap();
+    assert_eq!(bytes["clustered"].as_u64().unwrap(), stream.len() as u64);
+    assert_eq!(bytes["finest_alone"].as_f64().unwrap(), direct[0]);
+    assert_eq!(
+        bytes["discrete_sum"].as_f64().unwrap(),
+        direct.iter().sum::<f64>()
+    );
+    assert!(stream.len() < direct.iter().sum::<f64>() as usize);
+    let store = bytes["store"].as_u64().unwrap();
+    let plain = std::fs::metadata(human()).unwrap().len();
+    assert!(
+        store < 2 * plain,
+        "vertices are stored once: {store} of {plain}"
+    );
+
+    let found = json(&here, &["inspect", "h.glb"]);
+    let table = &found["mesh_levels"]["levels"];
+    for name in ["level", "triangles", "vertices", "error_motion_m", "ranges"] {
+        assert_eq!(numbers(table, name), numbers(levels, name), "{name}");
+    }
+    let meshes = found["meshes"].as_array().unwrap();
+    let all: f64 = numbers(&found["meshes"], "triangles").iter().sum();
+    assert_eq!(all, triangles[0]);
+    let mut shown = 0.0;
+    for mesh in meshes {
+        assert_eq!(mesh["levels"].as_array().unwrap().len(), 4);
+        let parts = mesh["levels"][3]["ranges"].as_array().unwrap().iter();
+        let ranges = parts.flat_map(|part| part.as_array().unwrap());
+        shown += ranges
+            .map(|r| r[1].as_f64().unwrap() - r[0].as_f64().unwrap())
+            .sum::<f64>();
+    }
+    assert_eq!(shown, triangles[4]);
+    let skin = meshes.iter().find(|m| m["name"] == "skin").unwrap();
+    assert!(skin["levels"][0]["screen_coverage"].is_number());
+}
+
+#[test]
+fn a_stream_tells_what_is_in_it_whole_cut_or_altered() {
+    let here = folder("mesh-stream");
+    let words = ["--levels", "5", "--mesh-stream", "h.ams"];
+    let built = json(
+        &here,
+        &[&["build", word(human()), "h.glb"], &words[..]].concat(),
+    );
+    let levels = &built["levels"];
+    let stream = std::fs::read(here.join("h.ams")).unwrap();
+    let streamed = json(&here, &["inspect", "h.ams"]);
+    for name in [
+        "level",
+        "triangles",
+        "vertices",
+        "error_motion_m",
+        "bytes_added",
+    ] {
+        assert_eq!(
+            numbers(&streamed["levels"], name),
+            numbers(levels, name),
+            "{name}"
+        );
+    }
+    // Cut anywhere, it is a coarser character; altered anywhere, it is an error.
+    let added = numbers(levels, "bytes_added");
+    std::fs::write(
+        here.join("cut.ams"),
+        &stream[..stream.len() - added[0] as usize],
+    )
+    .unwrap();
+    let cut = json(&here, &["inspect", "cut.ams"]);
+    let whole = cut["levels"].as_array().unwrap().iter();
+    let whole: Vec<bool> = whole.map(|l| l["complete"] == true).collect();
+    assert_eq!(whole, [false, true, true, true, true]);
+    let mut altered = stream.clone();
+    altered[stream.len() / 2] ^= 1;
+    std::fs::write(here.join("bad.ams"), altered).unwrap();
+    let line = fault(&here, 1, &["inspect", "bad.ams"]);
+    assert!(line.contains("bad.ams: chunk of level"), "{line}");
+}
+
+#[test]
+fn zones_and_locked_vertices_are_kept_apart() {
+    let here = folder("mesh-levels-split");
+    std::fs::write(here.join("lock.json"), r#"{"skin": [0, 1, 2]}"#).unwrap();
+    let human = word(human());
+    let words = [
+        "--targets",
+        "100,30",
+        "--split",
+        "upper",
+        "--lock",
+        "lock.json",
+    ];
+    json(
+        &here,
+        &[
+            &["build", human, "s.glb", "--region-weight", "face=8,hands=4"],
+            &words[..],
+        ]
+        .concat(),
+    );
+    let found = json(&here, &["inspect", "s.glb"]);
+    let regions = &found["mesh_levels"]["regions"];
+    assert_eq!(regions, &serde_json::json!(["upper", "rest"]));
+
+    std::fs::write(here.join("lock.json"), r#"{"hat": [0]}"#).unwrap();
+    let line = fault(&here, 1, &[&["build", human, "t.glb"], &words[..]].concat());
+    assert!(
+        line.contains("lock.json: no mesh \"hat\"; there are skin"),
+        "{line}"
+    );
+    std::fs::write(here.join("lock.json"), r#"{"skin": [999999]}"#).unwrap();
+    let line = fault(&here, 1, &[&["build", human, "t.glb"], &words[..]].concat());
+    assert!(line.contains("skin: vertex 999999 of"), "{line}");
+    std::fs::write(here.join("lock.json"), "[1]").unwrap();
+    let line = fault(&here, 1, &[&["build", human, "t.glb"], &words[..]].concat());
+    assert!(line.contains("the form is"), "{line}");
+    assert!(!here.join("t.glb").exists());
+}
+
+#[test]
+fn the_same_build_gives_the_same_bytes_and_builds_again() {
+    let here = folder("mesh-levels-again");
+    for out in ["a.glb", "b.glb"] {
+        json(&here, &["build", word(human()), out, "--levels", "3"]);
+    }
+    let read = |name: &str| std::fs::read(here.join(name)).unwrap();
+    assert!(read("a.glb") == read("b.glb"));
+    // An asset is a character like any other: it can be built anew, with other levels.
+    let built = json(&here, &["build", "a.glb", "c.glb", "--targets", "100,40"]);
+    assert_eq!(built["levels"].as_array().unwrap().len(), 2);
+    let found = json(&here, &["inspect", "c.glb"]);
+    assert_eq!(found["mesh_levels"]["levels"].as_array().unwrap().len(), 2);
+    assert_eq!(found["warnings"], serde_json::json!([]));
+}
+
+#[test]
+fn a_character_without_a_mesh_has_nothing_to_simplify() {
+    let here = folder("mesh-levels-none");
+    std::fs::write(here.join("a.bvh"), BVH).unwrap();
+    let ran = articula(&here, &["build", "a.bvh", "a.glb", "--levels", "5"]);
+    assert_eq!(ran.status, 1, "{}", ran.out);
+    assert!(ran.err.contains("no mesh"), "{}", ran.err);
+}

@@ -1,0 +1,240 @@
+//! Files of MPEG-4: a face's motion is told and rewritten, a body's plays and is written.
+
+use crate::program::{BVH, fault, folder, human, json, word};
+use crate::real;
+use articula_build::retarget::{Figure, RetargetOptions, Retargeter};
+use articula_core::LocalPose;
+use articula_core::source::{Character, evaluate};
+use articula_formats::mpeg4::bap;
+use articula_formats::{Limits, bvh, profile};
+use glam::{Affine3A, Vec3};
+
+/// One frame: the jaw opens by 120, the left eyelid stays.
+fn fap() -> String {
+    let mask: Vec<&str> = (1..=68)
+        .map(|n| if n == 3 || n == 19 { "1" } else { "0" })
+        .collect();
+    format!("2.1 face 25 9\n{}\n0 120 0\n", mask.join(" "))
+}
+
+#[test]
+fn a_face_is_told_and_rewritten() {
+    let here = folder("face");
+    std::fs::write(here.join("a.fap"), fap()).unwrap();
+    let found = json(&here, &["inspect", "a.fap"]);
+    assert_eq!(found["format"], "fap");
+    assert_eq!(found["face"]["faps"], 2);
+    assert_eq!(found["face"]["morphs"], 0);
+    assert_eq!(found["clips"][0]["frames"], 1);
+    assert_eq!(found["clips"][0]["fps"], 25.0);
+    assert_eq!(found["skeletons"].as_array().unwrap().len(), 0);
+    assert_eq!(found["groups"][1]["moving"], 1);
+    assert_eq!(found["groups"][2]["moving"], 0);
+    let jaw = &found["parameters"][0];
+    assert_eq!((&jaw["fap"], &jaw["unit"]), (&3.into(), &"MNS".into()));
+    assert_eq!((&jaw["min"], &jaw["max"]), (&120.into(), &120.into()));
+    let warning = found["warnings"][0]["what"].as_str().unwrap();
+    assert!(warning.contains("9 frames announced"), "{warning}");
+    let report = json(&here, &["convert", "a.fap", "b.fap"]);
+    assert_eq!(report["left_out"].as_array().unwrap().len(), 1);
+    let back = json(&here, &["inspect", "b.fap"]);
+    assert_eq!(back["face"]["faps"], 1);
+    assert_eq!(back["warnings"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn a_face_is_no_character() {
+    let here = folder("no-character");
+    std::fs::write(here.join("a.fap"), fap()).unwrap();
+    std::fs::write(here.join("a.bvh"), BVH).unwrap();
+    let said = [
+        fault(&here, 2, &["convert", "a.fap", "b.glb"]),
+        fault(&here, 1, &["lod", "a.fap"]),
+        fault(&here, 1, &["build", "a.fap", "b.glb"]),
+    ];
+    for line in said {
+        assert!(line.contains("a.fap: a FAP file moves a face"), "{line}");
+        assert!(line.contains("convert writes it as .fap again"), "{line}");
+    }
+    let line = fault(&here, 2, &["convert", "a.bvh", "b.fap"]);
+    assert!(
+        line.contains("a .fap file is written from a .fap file"),
+        "{line}"
+    );
+    fault(
+        &here,
+        2,
+        &["convert", "a.fap", "b.fap", "--loa", "loa(Low)"],
+    );
+    fault(&here, 2, &["inspect", "a.fap", "--hide", "hat"]);
+    fault(&here, 2, &["inspect", "a.fap", "--clip", "face"]);
+    assert!(!here.join("b.glb").exists() && !here.join("b.fap").exists());
+}
+
+#[test]
+fn what_a_mask_leaves_out_is_the_users_choice() {
+    let here = folder("absent");
+    let none = vec!["0"; 68].join(" ");
+    let text = fap().replace(" 9\n", " 2\n") + &format!("{none}\n1\n");
+    std::fs::write(here.join("a.fap"), text).unwrap();
+    let least = |words: &[&str]| json(&here, words)["parameters"][0]["min"].clone();
+    assert_eq!(least(&["inspect", "a.fap"]), 120);
+    assert_eq!(least(&["inspect", "a.fap", "--absent", "zero"]), 0);
+}
+
+#[test]
+fn data_of_an_encoder_and_of_a_face_is_told() {
+    let here = folder("data");
+    std::fs::write(
+        here.join("a.epf"),
+        "FBM 1 ISI 1 FRR 25 0 0 FQU 3\nFBM 3 ISI 0\n",
+    )
+    .unwrap();
+    let coding = json(&here, &["inspect", "a.epf"])["coding"].clone();
+    assert_eq!(
+        (&coding["frames"], &coding["intra"]),
+        (&2.into(), &1.into())
+    );
+    assert_eq!(
+        (&coding["body"], &coding["quantiser_max"]),
+        (&1.into(), &3.into())
+    );
+    let units = "<fapu ENS0='51' ES0='69' IRISD0='16' MNS0='30' MW0='50'/>";
+    let face = format!(
+        "<xfdp><head><file version='0.2'/>{units}</head><fdp affects='m' index='1' name='2.1'>\
+         <indices>1 2</indices><influence fap='2' type='a' weight='1'/></fdp></xfdp>"
+    );
+    std::fs::write(here.join("a.fdp"), face).unwrap();
+    let found = json(&here, &["inspect", "a.fdp"]);
+    assert_eq!(found["fapu"]["ENS0"], 51.0);
+    assert_eq!(
+        (&found["face"]["faps"], &found["parameters"][0]["fap"]),
+        (&1.into(), &3.into())
+    );
+    assert_eq!(found["points"][0]["vertices"], 2);
+    for name in ["a.epf", "a.fdp"] {
+        let line = fault(&here, 2, &["convert", name, "b.glb"]);
+        assert!(line.contains("inspect reads it"), "{line}");
+    }
+}
+
+#[test]
+fn a_body_goes_there_and_back() {
+    let here = folder("body");
+    json(
+        &here,
+        &["convert", word(human()), "a.bap", "--clip", "walk"],
+    );
+    let found = json(&here, &["inspect", "a.bap"]);
+    assert_eq!(found["format"], "bap");
+    assert_eq!(found["skeletons"][0]["joints"], 89);
+    assert_eq!(found["skeletons"][0]["mapped"], 89);
+    json(&here, &["convert", "a.bap", "b.bap"]);
+    let [a, b] = ["a.bap", "b.bap"].map(|name| std::fs::read(here.join(name)).unwrap());
+    assert_eq!(a, b, "parameters that were read are written as they were");
+    for out in ["c.glb", "c.bvh"] {
+        json(&here, &["convert", "a.bap", out]);
+        let back = json(&here, &["inspect", out]);
+        for field in ["frames", "fps"] {
+            assert_eq!(back["clips"][0][field], found["clips"][0][field], "{out}");
+        }
+    }
+    let reduced = json(&here, &["convert", "a.bap", "d.bap", "--loa", "loa(Low)"]);
+    assert!(reduced["bytes_out"].as_u64() < reduced["bytes_in"].as_u64());
+    json(
+        &here,
+        &["lod", "a.bap", "--distances", "5", "--method", "skip-hold"],
+    );
+    std::fs::write(here.join("arm.bvh"), BVH).unwrap();
+    let line = fault(&here, 1, &["convert", "arm.bvh", "e.bap"]);
+    assert!(line.contains("arm.bvh: "), "{line}");
+}
+
+/// Where the joints stand, by plain matrix products.
+fn places(character: &Character, time_secs: f32) -> Vec<Vec3> {
+    let joints = &character.skeleton.joints;
+    let mut local = LocalPose {
+        translations: joints.iter().map(|j| j.rest.translation).collect(),
+        rotations: joints.iter().map(|j| j.rest.rotation).collect(),
+        scales: joints.iter().map(|j| j.rest.scale).collect(),
+    };
+    evaluate::pose(
+        &character.clips[0],
+        &character.skeleton,
+        time_secs,
+        &mut local,
+    );
+    let mut matrices: Vec<Affine3A> = Vec::new();
+    for (index, joint) in joints.iter().enumerate() {
+        let own = local.get(index).to_affine();
+        matrices.push(joint.parent.map_or(own, |p| matrices[p] * own));
+    }
+    matrices.iter().map(|m| m.translation.into()).collect()
+}
+
+/// Captured motions, and how far hands, feet and head may be off, in metres. Measured: 15, 16,
+/// 54, 32 and 82 mm, all at the toes, where an ankle that cannot roll hands on to the joint below
+/// it, or a knee leans to the side.
+const CAPTURED: [(&str, f32); 5] = [
+    ("bvh/cmu_12_01_walk.bvh", 0.05),
+    ("bvh/cmu_01_01.bvh", 0.05),
+    ("bvh/fair1_dab.bvh", 0.08),
+    ("bvh/fair1_zombie.bvh", 0.05),
+    ("bvh/makehuman_walk1.bvh", 0.1),
+];
+
+#[test]
+fn captured_hands_and_feet_come_to_their_places() {
+    for (name, allowed) in CAPTURED {
+        let Some(bytes) = real::bytes(name) else {
+            println!("skipped: no data");
+            return;
+        };
+        let read = bvh::read(
+            &bytes,
+            &articula_formats::ReadOptions::default(),
+            &Limits::default(),
+        );
+        let source = read.unwrap().value.character;
+        let names = articula_build::joint_names::map(&source.skeleton, profile::builtin(), None)
+            .articulation;
+        let mut figure = bap::figure();
+        let standard = articula_build::joint_names::map(&figure.skeleton, profile::builtin(), None)
+            .articulation;
+        let from = Figure {
+            skeleton: &source.skeleton,
+            articulation: &names,
+        };
+        let onto = Figure {
+            skeleton: &figure.skeleton,
+            articulation: &standard,
+        };
+        let clip = &source.clips[0];
+        let moved = Retargeter::new(from, onto)
+            .and_then(|r| r.retarget(clip, &RetargetOptions::default()))
+            .unwrap();
+        figure.clips.push(moved.clip);
+        let sampled = bap::sample(&figure, &standard, 0, 30.0).unwrap();
+        let back = bap::character(&sampled.clip);
+        let mut worst = (0.0_f32, "", 0);
+        for frame in 0..sampled.clip.frames.len() {
+            let time = frame as f32 / 30.0;
+            let (a, b) = (places(&figure, time), places(&back, time));
+            for joint in [
+                "l_wrist",
+                "r_wrist",
+                "l_metatarsal",
+                "r_metatarsal",
+                "skullbase",
+            ] {
+                let index = figure.skeleton.find(joint).unwrap();
+                let apart = a[index].distance(b[index]);
+                if apart > worst.0 {
+                    worst = (apart, joint, frame);
+                }
+            }
+        }
+        println!("{name}: {worst:?}, {:?}", sampled.residuals.first());
+        assert!(worst.0 <= allowed, "{name}: {worst:?}");
+    }
+}

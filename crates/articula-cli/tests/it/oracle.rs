@@ -1,0 +1,392 @@
+//! What we evaluate and what we write, judged by others: three.js says where joints are, the
+//! Khronos validator whether a file is good. Both run in node, from the folder `oracle`.
+
+use crate::judges::{ask, judges_are_here};
+use crate::program;
+use crate::real::{data_folder, data_is_here};
+use articula_build::ClipOptions;
+use articula_build::character;
+use articula_core::source::{self, evaluate};
+use articula_core::{Clip, JointSet, LocalPose, ModelPose, Rig, Wrap, local_to_model, sample};
+use articula_formats::gltf::{self, Document, GltfFile};
+use articula_formats::{Limits, profile};
+use glam::Vec3;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// How far a joint may be from where three.js has it, as a fraction of the figure's height.
+const TOLERANCE: f32 = 1e-4;
+
+/// Between two keys a runtime clip blends straight and normalises where three.js turns evenly.
+/// Over a turn of 0.6 rad between keys, faster than any joint here, the two are at most
+/// `0.004 * 0.6^3 = 0.9` milliradians apart; along a chain of a third of the height: 3e-4.
+const TOLERANCE_BETWEEN_FRAMES: f32 = 3e-4;
+
+/// Where between two frames the two ways to turn differ most; at the middle they agree.
+const WORST_PART: f32 = 0.211;
+
+/// Files with different features, and the clip to play; none for the rest pose.
+const CHARACTERS: &[(&str, Option<&str>)] = &[
+    // Raw capture: every joint keyed in translation, rotation and scale; mirrored joints.
+    ("glb/pab_arnaud.glb", Some("walk")),
+    // Nodes and clip without names: an empty name is the first clip.
+    ("glb/CesiumMan.glb", Some("")),
+    // Props hung rigidly on joints, several skinned meshes.
+    ("glb/KayKit_Knight.glb", Some("Running_A")),
+    // Four skins on one skeleton below an armature of scale 100.
+    (
+        "glb/Quaternius_cyberpunk_pack__Character.glb",
+        Some("CharacterArmature|Run"),
+    ),
+    // Rigid parts, joints that are no skin's.
+    ("glb/RobotExpressive.glb", Some("Robot_Dance")),
+    ("glb/mannequiny.glb", Some("run_root.001")),
+    // 163 joints with fingers, toes and face.
+    ("glb/mh_female_dance.glb", Some("dance")),
+    // No clip at all.
+    ("vrm/Godette_vrm_v4.vrm", None),
+];
+
+/// One character as we read it, and the file for the judge.
+struct Subject {
+    path: PathBuf,
+    file: GltfFile,
+    rig: Rig,
+    /// Index of the clip in the file.
+    clip: Option<usize>,
+}
+
+impl Subject {
+    fn new(name: &str, clip: Option<&str>) -> Self {
+        let path = data_folder().join(name);
+        let file = open(name);
+        let skeleton = &file.character.skeleton;
+        let mapping = articula_build::joint_names::map(skeleton, profile::builtin(), None);
+        let rig = Rig::new(skeleton, mapping.articulation).unwrap();
+        let clip = clip.map(|wanted| {
+            let known = &file.character.clips;
+            let named = |c: &source::Clip| wanted.is_empty() || c.name == wanted;
+            let found = known.iter().position(named);
+            found.unwrap_or_else(|| panic!("{name} has no clip {wanted}"))
+        });
+        Self {
+            path,
+            file,
+            rig,
+            clip,
+        }
+    }
+
+    fn source_clip(&self) -> Option<&source::Clip> {
+        self.clip.map(|c| &self.file.character.clips[c])
+    }
+
+    /// Where three.js has every joint, for each time.
+    fn judged(&self, times: &[f32]) -> Vec<Vec<Vec3>> {
+        let mut words = vec![self.path.to_string_lossy().into_owned()];
+        match self.clip {
+            Some(clip) => {
+                words.push(clip.to_string());
+                words.extend(times.iter().map(ToString::to_string));
+            }
+            None => words.push("rest".to_owned()),
+        }
+        let (answer, good) = ask("joint_positions.mjs", &words);
+        assert!(good, "{answer}");
+        let answer: Value = serde_json::from_str(&answer).unwrap();
+        let frames = answer["frames"].as_array().unwrap();
+        frames
+            .iter()
+            .map(|frame| self.joints_of(&frame["positions"]))
+            .collect()
+    }
+
+    /// Picks the joints out of the positions of all nodes.
+    fn joints_of(&self, positions: &Value) -> Vec<Vec3> {
+        let axis = |p: &Value, i: usize| p[i].as_f64().expect("the node is in the scene") as f32;
+        let nodes = self.file.node_of_joint.iter();
+        nodes
+            .map(|&node| &positions[node])
+            .map(|p| Vec3::new(axis(p, 0), axis(p, 1), axis(p, 2)))
+            .map(|p| self.turned(p))
+            .collect()
+    }
+
+    /// The judge shows a VRM 0.x character as its file has it, which faces -Z.
+    fn turned(&self, place: Vec3) -> Vec3 {
+        let version = self.file.version.as_deref().unwrap_or_default();
+        if version.starts_with("VRM 0") {
+            return Vec3::new(-place.x, place.y, -place.z);
+        }
+        place
+    }
+
+    fn positions(&self, local: &LocalPose) -> Vec<Vec3> {
+        let mut model = ModelPose::new(self.rig.len());
+        local_to_model(&self.rig, local, &mut model);
+        (0..self.rig.len()).map(|j| model.position(j)).collect()
+    }
+
+    /// Height from the lowest to the highest skin joint at rest: a little less than the figure's.
+    fn height(&self) -> f32 {
+        let rest = self.positions(self.rig.rest_pose());
+        let skeleton = &self.file.character.skeleton;
+        let heights = (0..rest.len())
+            .filter(|&j| skeleton.joints[j].in_skin)
+            .map(|j| rest[j].y);
+        let (low, high) = heights.fold((f32::MAX, f32::MIN), |(low, high), y| {
+            (low.min(y), high.max(y))
+        });
+        high - low
+    }
+
+    /// Fails if some joint is not where the judge has it.
+    fn compare(&self, what: &str, ours: &[Vec3], judged: &[Vec3], tolerance: f32) {
+        let height = self.height();
+        assert!(height > 0.1, "{} has no height", self.path.display());
+        for (joint, (a, b)) in ours.iter().zip(judged).enumerate() {
+            let apart = a.distance(*b) / height;
+            assert!(
+                apart <= tolerance,
+                "{} {what}: joint {joint} \"{}\" is at {a}, three.js has it at {b}: {apart:e} of the height",
+                self.path.display(),
+                self.rig.name(joint)
+            );
+        }
+    }
+}
+
+/// Reads a file of the data folder that needs no other.
+fn open(name: &str) -> GltfFile {
+    let bytes = std::fs::read(data_folder().join(name)).unwrap();
+    let mut alone = |uri: &str| Err(format!("{uri} is not needed"));
+    let read = gltf::read(&bytes, &Limits::default(), &mut alone);
+    read.unwrap_or_else(|e| panic!("{name}: {e}")).value
+}
+
+/// Times on keys, between keys, at both ends and beyond the last.
+fn times_of(clip: &source::Clip) -> Vec<f32> {
+    let keys = &clip
+        .channels
+        .iter()
+        .max_by_key(|c| c.times_secs.len())
+        .unwrap()
+        .times_secs;
+    let end = clip.duration_secs;
+    let on_keys = [1, keys.len() / 3, keys.len() / 2].map(|k| keys[k.min(keys.len() - 1)]);
+    let between = [0.1234, 0.4567, 0.789].map(|part| part * end);
+    [
+        vec![0.0],
+        on_keys.to_vec(),
+        between.to_vec(),
+        vec![end, end + 1.0],
+    ]
+    .concat()
+}
+
+#[test]
+fn joints_are_where_three_js_has_them() {
+    if !judges_are_here() || !data_is_here() {
+        return;
+    }
+    for (name, clip) in CHARACTERS {
+        let subject = Subject::new(name, *clip);
+        let Some(clip) = subject.source_clip() else {
+            let judged = subject.judged(&[]);
+            let ours = subject.positions(subject.rig.rest_pose());
+            subject.compare("at rest", &ours, &judged[0], TOLERANCE);
+            continue;
+        };
+        let times = times_of(clip);
+        let mut local = subject.rig.rest_pose().clone();
+        for (time, judged) in times.iter().zip(subject.judged(&times)) {
+            evaluate::pose(clip, &subject.file.character.skeleton, *time, &mut local);
+            let ours = subject.positions(&local);
+            subject.compare(&format!("at {time} s"), &ours, &judged, TOLERANCE);
+        }
+    }
+}
+
+#[test]
+fn runtime_clips_follow_three_js() {
+    if !judges_are_here() || !data_is_here() {
+        return;
+    }
+    for (name, clip) in CHARACTERS {
+        let subject = Subject::new(name, *clip);
+        let Some(index) = subject.clip else { continue };
+        let mapping = articula_build::joint_names::map(
+            &subject.file.character.skeleton,
+            profile::builtin(),
+            None,
+        );
+        let asset = character(
+            &subject.file.character,
+            Some(mapping.articulation),
+            &ClipOptions::default(),
+        )
+        .unwrap();
+        let clip = &asset.clips[index];
+        let frame_secs = 1.0 / clip.rate_hz();
+        let last = clip.frames() - 1;
+        let on_frames = [0, 1, last / 3, last / 2, last].map(|f| f as f32 * frame_secs);
+        follow(&subject, clip, &on_frames, TOLERANCE);
+        let between = [0.37, 0.62].map(|part| (last as f32 * part).floor() + WORST_PART);
+        let between = between.map(|f| f.min(last as f32) * frame_secs);
+        follow(&subject, clip, &between, TOLERANCE_BETWEEN_FRAMES);
+    }
+}
+
+fn follow(subject: &Subject, clip: &Clip, times: &[f32], tolerance: f32) {
+    let every = JointSet::first(subject.rig.len());
+    let mut local = subject.rig.rest_pose().clone();
+    for (time, judged) in times.iter().zip(subject.judged(times)) {
+        sample(clip, f64::from(*time), Wrap::Clamp, &every, &mut local);
+        let ours = subject.positions(&local);
+        subject.compare(
+            &format!("as a runtime clip at {time} s"),
+            &ours,
+            &judged,
+            tolerance,
+        );
+    }
+}
+
+/// Characters whose own files the validator passes, with different content.
+const ROUND_TRIPS: &[&str] = &[
+    "glb/pab_arnaud.glb",
+    "glb/KayKit_Knight.glb",
+    "glb/Quaternius_cyberpunk_pack__Character.glb",
+    "glb/RobotExpressive.glb",
+    // Buffers as data URIs.
+    "glb/MorphStressTest.gltf",
+    // Sparse accessors.
+    "glb/mh_female_default163_arkit52.glb",
+    // No skin at all.
+    "glb/AnimatedMorphCube.glb",
+    "vrm/Godette_vrm_v4.vrm",
+];
+
+/// A character whose own file the validator refuses, for weights that do not sum to 1: as it
+/// stands it passes through with its faults, made anew it is mended.
+const FAULTY: &str = "glb/CesiumMan.glb";
+
+#[test]
+fn what_we_write_is_valid() {
+    if !judges_are_here() || !data_is_here() {
+        return;
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("valid");
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut written = Vec::new();
+    let mut write = |name: &str, how: &str, document: &Document| {
+        let stem = Path::new(name).file_stem().unwrap().to_string_lossy();
+        let path = folder.join(format!("{stem}.{how}.glb"));
+        std::fs::write(&path, document.write_glb().unwrap()).unwrap();
+        written.push(path.to_string_lossy().into_owned());
+    };
+    for name in ROUND_TRIPS.iter().chain([&FAULTY]) {
+        let file = open(name);
+        let anew = Document::from_character(&file.character).unwrap();
+        write(name, "anew", &anew);
+        if *name != FAULTY {
+            write(name, "through", &file.document);
+        }
+    }
+    let (verdict, good) = ask("validate.mjs", &written);
+    assert!(good, "{}", faults_of(&verdict));
+}
+
+/// Motions and the characters that they are put onto.
+const RETARGETS: &[(&str, &str)] = &[
+    ("bvh/cmu_12_01_walk.bvh", "glb/KayKit_Knight.glb"),
+    (
+        "bvh/fair1_dab.bvh",
+        "glb/Quaternius_modular_women__Casual.glb",
+    ),
+    ("vrm/idle_loop.vrma", "vrm/Godette_vrm_v4.vrm"),
+    (
+        "glb/kaykit_mannequin/Med_MovementBasic.glb",
+        "glb/mh_female_default163_arkit52.glb",
+    ),
+];
+
+#[test]
+fn what_is_retargeted_is_valid() {
+    if !judges_are_here() || !data_is_here() {
+        return;
+    }
+    let here = program::folder("valid-retargets");
+    let human = program::word(program::human()).to_owned();
+    let mut written = Vec::new();
+    let mut convert = |motion: &str, onto: &str| {
+        let out = here.join(format!("{}.glb", written.len()));
+        let out = program::word(&out).to_owned();
+        program::json(&here, &["convert", motion, &out, "--onto", onto]);
+        written.push(out);
+    };
+    for (motion, onto) in RETARGETS {
+        let (motion, onto) = (data_folder().join(motion), data_folder().join(onto));
+        convert(program::word(&motion), program::word(&onto));
+    }
+    let motions = data_folder().join("bvh");
+    convert(program::word(&motions), &human);
+    let (verdict, good) = ask("validate.mjs", &written);
+    assert!(good, "{}", faults_of(&verdict));
+}
+
+/// Characters that are written with the draft extensions for characters: VRM of both versions, and
+/// files whose human bones are told by names alone.
+const KHR_CHARACTERS: &[&str] = &[
+    "vrm/Godette_vrm_v4.vrm",
+    "vrm/debug_robot.vrm",
+    "vrm/VRMC_vrm_expressions_isBinary_Overrides.vrm",
+    "glb/KayKit_Knight.glb",
+    "glb/mh_male_cmu31.glb",
+    "bvh/cmu_12_01_walk.bvh",
+];
+
+#[test]
+fn khr_characters_are_valid_and_keep_to_the_schemas() {
+    if !judges_are_here() || !data_is_here() {
+        return;
+    }
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("khr-character");
+    std::fs::create_dir_all(&folder).unwrap();
+    let mut written = Vec::new();
+    for name in KHR_CHARACTERS {
+        let stem = Path::new(name).file_stem().unwrap().to_string_lossy();
+        let out = folder.join(format!("{stem}.glb"));
+        let input = data_folder().join(name);
+        let words = [
+            "convert",
+            program::word(&input),
+            program::word(&out),
+            "--khr-character",
+        ];
+        assert_eq!(program::articula(&folder, &words).status, 0, "{name}");
+        written.push(out.to_string_lossy().into_owned());
+    }
+    let (verdict, good) = ask("validate.mjs", &written);
+    assert!(good, "{}", faults_of(&verdict));
+    let schemas = data_folder().join("fixtures/khr_character_schema_pr2512");
+    let mut words = vec![schemas.to_string_lossy().into_owned()];
+    words.extend(written);
+    let (verdict, good) = ask("schemas.mjs", &words);
+    assert!(good, "{verdict}");
+    let verdict: Value = serde_json::from_str(&verdict).unwrap();
+    for file in verdict.as_array().unwrap() {
+        // Character, skeleton mapping and reference pose.
+        assert_eq!(file["judged"], 3, "{file}");
+    }
+}
+
+/// Only what the validator holds against files.
+fn faults_of(verdict: &str) -> String {
+    let Ok(Value::Array(files)) = serde_json::from_str(verdict) else {
+        return verdict.to_owned();
+    };
+    let bad = files.iter().filter(|file| file["errors"] != 0);
+    bad.map(|file| format!("{}: {}\n", file["file"], file["messages"]))
+        .collect()
+}

@@ -1,0 +1,340 @@
+//! `inspect`, `build`, `lod` and `demo` keep what `docs/commands.md` promises.
+
+use crate::program::{BVH, articula, fault, folder, human, json, word};
+use serde_json::Value;
+
+fn number(value: &Value) -> f64 {
+    value
+        .as_f64()
+        .unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+fn has(value: &Value, fields: &[&str]) {
+    for field in fields {
+        assert!(!value[*field].is_null(), "{field} is not in {value}");
+    }
+}
+
+#[test]
+fn inspect_has_its_fields() {
+    let here = folder("inspect");
+    let found = json(&here, &["inspect", word(human())]);
+    assert_eq!(found["format"], "glb");
+    let skeleton = &found["skeletons"][0];
+    has(skeleton, &["joints", "mapped", "levels"]);
+    let levels: Vec<u64> = skeleton["levels"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|l| l.as_u64().unwrap())
+        .collect();
+    // The cumulative counts of the standard's levels (spec/hanim.md 3).
+    assert_eq!(levels, [5, 10, 24, 35, 51, 89]);
+    assert_eq!(
+        (&skeleton["joints"], &skeleton["mapped"]),
+        (&89.into(), &89.into())
+    );
+    let clip = &found["clips"][1];
+    has(
+        clip,
+        &["name", "duration_secs", "fps", "frames", "joints_animated"],
+    );
+    let frames = number(&clip["duration_secs"]) * number(&clip["fps"]) + 1.0;
+    assert!((number(&clip["frames"]) - frames).abs() < 0.5);
+    let mesh = &found["meshes"][0];
+    has(
+        mesh,
+        &[
+            "name",
+            "vertices",
+            "triangles",
+            "influences_max",
+            "morph_targets",
+            "levels",
+        ],
+    );
+    assert_eq!(found["face"], Value::Null);
+    assert!(found["warnings"].is_array());
+    let height = number(&found["height_m"]);
+    assert!((1.6..1.9).contains(&height), "{height}");
+    assert_eq!(found["map"].as_array().unwrap().len(), 89);
+}
+
+#[test]
+fn meshes_can_be_chosen() {
+    let here = folder("meshes");
+    let human = word(human());
+    let names = |words: &[&str]| -> Vec<String> {
+        let found = json(&here, &[&["inspect", human], words].concat());
+        let meshes = found["meshes"].as_array().unwrap().clone();
+        meshes
+            .iter()
+            .map(|m| m["name"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    assert_eq!(
+        names(&["--hide", "brows", "--hide", "lips"]),
+        ["skin", "eyes"]
+    );
+    assert_eq!(names(&["--only", "eyes"]), ["eyes"]);
+}
+
+#[test]
+fn bvh_counts_joints_without_end_sites() {
+    let here = folder("bvh");
+    std::fs::write(here.join("a.bvh"), BVH).unwrap();
+    let found = json(&here, &["inspect", "a.bvh"]);
+    assert_eq!(found["format"], "bvh");
+    assert_eq!(found["skeletons"][0]["joints"], 5);
+    let clip = &found["clips"][0];
+    assert_eq!(
+        (&clip["frames"], number(&clip["fps"]).round()),
+        (&4.into(), 30.0)
+    );
+    assert_eq!(found["meshes"].as_array().unwrap().len(), 0);
+}
+
+#[test]
+fn built_assets_carry_tables_that_must_fit() {
+    let here = folder("built");
+    let report = json(&here, &["build", word(human()), "a.glb"]);
+    assert_eq!(report["levels"].as_array().unwrap().len(), 0);
+    let found = json(&here, &["inspect", "a.glb"]);
+    assert_eq!(found["articulation_stored"], true);
+    for (stored, made) in found["clips"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(report["clips"].as_array().unwrap())
+    {
+        assert_eq!(stored["motion_tables"]["segs"], made["segs_bytes"]);
+        assert_eq!(stored["motion_tables"]["posekeys"], made["posekeys_bytes"]);
+        let keys: Vec<u64> = made["keys"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|k| k.as_u64().unwrap())
+            .collect();
+        assert!(
+            keys.is_sorted_by(|a, b| a >= b),
+            "coarser levels have fewer keys: {keys:?}"
+        );
+    }
+    let played = json(&here, &["lod", "a.glb", "--distances", "9"]);
+    assert!(number(&played["motion_tables"]["segs"]) > 0.0);
+
+    // Another name for a joint makes another rig.
+    let mut bytes = std::fs::read(here.join("a.glb")).unwrap();
+    let name = b"\"l_knee\"";
+    let places: Vec<usize> = (0..bytes.len() - name.len())
+        .filter(|i| bytes[*i..].starts_with(name))
+        .collect();
+    for place in places {
+        bytes[place..place + name.len()].copy_from_slice(b"\"l_kneX\"");
+    }
+    std::fs::write(here.join("stale.glb"), bytes).unwrap();
+    for command in ["lod", "inspect"] {
+        let line = fault(&here, 1, &[command, "stale.glb"]);
+        assert!(
+            line.contains("stale.glb") && line.contains("animations[0]"),
+            "{line}"
+        );
+        assert!(line.contains("build the asset again"), "{line}");
+    }
+}
+
+#[test]
+fn lod_meets_its_target_and_has_its_fields() {
+    let here = folder("lod");
+    let report = json(
+        &here,
+        &["lod", word(human()), "--clip", "walk", "--calibrate", "1"],
+    );
+    assert_eq!(report["method"], "skin-px");
+    let rows = report["rows"].as_array().unwrap();
+    let distances: Vec<f64> = rows.iter().map(|r| number(&r["distance_m"])).collect();
+    for (found, wanted) in distances.iter().zip([3.5, 5.65, 9.05, 16.0, 25.6]) {
+        assert!((found - wanted).abs() < 1e-5);
+    }
+    let mut last = -1.0;
+    for row in rows {
+        has(
+            row,
+            &[
+                "joint_update_gain",
+                "evaluations_saved",
+                "parameter",
+                "joints_sampled",
+                "fk_joints",
+            ],
+        );
+        let [p50, p95, max] = ["p50", "p95", "max"].map(|p| number(&row["error_px"][p]));
+        assert!(p50 <= p95 && p95 <= max && p95 <= 1.0 + 1e-4, "{row}");
+        // Farther away more is hidden by a pixel.
+        let gain = number(&row["joint_update_gain"]);
+        assert!(gain >= last && gain <= 1.0, "{row}");
+        last = gain;
+    }
+    assert!(last > 0.3, "{last}");
+}
+
+#[test]
+fn every_method_plays_and_parameters_reach_it() {
+    let here = folder("methods");
+    let human = word(human());
+    let all = json(
+        &here,
+        &["lod", human, "--method", "all", "--distances", "9"],
+    );
+    let rows = all["rows"].as_array().unwrap();
+    for method in ["skin-px", "thesis", "ahn", "skip-hold", "skip-lerp", "loa"] {
+        assert!(rows.iter().any(|r| r["method"] == method), "{method}");
+    }
+    let gain = |words: &[&str]| {
+        let base = ["lod", human, "--clip", "walk", "--distances", "9"];
+        number(&json(&here, &[&base, words].concat())["rows"][0]["joint_update_gain"])
+    };
+    // Every second frame is half of the updates; no joint is all of them.
+    assert!((gain(&["--method", "skip-hold", "--parameter", "2"]) - 0.5).abs() < 1e-6);
+    assert_eq!(gain(&["--method", "loa", "--loa", "loa(None)"]), 1.0);
+    assert_eq!(gain(&["--method", "loa", "--loa", "loa(VeryHigh)"]), 0.0);
+    let thesis = |thr: &str| gain(&["--method", "thesis", "--thr-init", thr]);
+    assert!(
+        thesis("0.1") > thesis("0.0001"),
+        "a looser threshold holds more"
+    );
+}
+
+#[test]
+fn the_same_words_give_the_same_bytes() {
+    let here = folder("same");
+    let words = |sheet: &'static str| {
+        [
+            "lod",
+            word(human()),
+            "--distances",
+            "5,20",
+            "--contact-sheet",
+            sheet,
+            "--plot",
+            "p.svg",
+            "--json",
+        ]
+    };
+    let (a, b) = (
+        articula(&here, &words("a.png")),
+        articula(&here, &words("b.png")),
+    );
+    assert_eq!(a.out.replace("a.png", ""), b.out.replace("b.png", ""));
+    let read = |name: &str| std::fs::read(here.join(name)).unwrap();
+    assert_eq!(read("a.png"), read("b.png"));
+    assert!(read("a.png").starts_with(b"\x89PNG"));
+    let svg = String::from_utf8(read("p.svg")).unwrap();
+    assert_eq!(svg.matches("<svg").count(), svg.matches("</svg>").count());
+}
+
+#[test]
+fn all_plots_go_into_a_folder() {
+    let here = folder("plots");
+    let words = [
+        "lod",
+        word(human()),
+        "--distances",
+        "5,20",
+        "--plot",
+        "plots",
+    ];
+    let costs = json(&here, &words)["costs"].clone();
+    let levels = costs["complexities"].as_array().unwrap();
+    assert_eq!(levels.len(), 7);
+    let sampled: Vec<f64> = levels
+        .iter()
+        .map(|l| number(&l["joints_sampled"]))
+        .collect();
+    assert!(sampled.is_sorted() && sampled[0] == 0.0, "{sampled:?}");
+    for name in [
+        "gain",
+        "error",
+        "over-the-clip",
+        "cost-by-zone",
+        "cost-by-depth",
+        "cost-by-complexity",
+    ] {
+        let svg = std::fs::read_to_string(here.join("plots").join(format!("{name}.svg"))).unwrap();
+        assert!(svg.starts_with("<svg") && !svg.contains("NaN"), "{name}");
+    }
+}
+
+#[test]
+fn a_moving_camera_stays_within_the_bound() {
+    let here = folder("camera");
+    let path = "[{\"t\":0,\"eye\":[0,1.5,25],\"target\":[0,1,0]},{\"t\":4.6,\"eye\":[0,1.5,2],\"target\":[0,1,0]}]";
+    std::fs::write(here.join("p.json"), path).unwrap();
+    let words = [
+        "lod",
+        word(human()),
+        "--clip",
+        "walk",
+        "--camera-path",
+        "p.json",
+        "--contact-sheet",
+        "s.png",
+    ];
+    let report = json(&here, &words);
+    let camera = &report["camera_path"];
+    assert!(
+        number(&camera["joint_error_px_max"]) <= number(&camera["bound_px"]) + 1e-3,
+        "{camera}"
+    );
+    assert!(number(&camera["distance_m_max"]) > 20.0 && number(&camera["distance_m_min"]) < 3.0);
+    assert_eq!(report["rows"].as_array().unwrap().len(), 1);
+    assert!(here.join("s.png").exists());
+    let line = fault(&here, 2, &[&words[..], &["--method", "ahn"]].concat());
+    assert!(line.contains("skin-px"), "{line}");
+}
+
+#[test]
+fn without_a_clip_the_rest_pose_is_shown_and_said() {
+    let here = folder("still");
+    let still = BVH.split("MOTION").next().unwrap();
+    std::fs::write(here.join("a.bvh"), still).unwrap();
+    let report = json(&here, &["lod", "a.bvh", "--contact-sheet", "s.png"]);
+    assert_eq!(report["rows"].as_array().unwrap().len(), 0);
+    assert!(report["warnings"][0].as_str().unwrap().contains("no clip"));
+    assert!(here.join("s.png").exists());
+    let line = fault(&here, 1, &["lod", "a.bvh", "--plot", "p.svg"]);
+    assert!(line.contains("no clip"), "{line}");
+}
+
+#[test]
+fn the_demo_tells_the_numbers_that_it_computed() {
+    let here = folder("demo");
+    let ran = articula(&here, &["demo", "--out", "d"]);
+    assert_eq!(ran.status, 0, "{}", ran.err);
+    assert!(ran.out.trim_end().ends_with("index.html"), "{}", ran.out);
+    let page = std::fs::read_to_string(here.join("d/index.html")).unwrap();
+    let report = std::fs::read_to_string(here.join("d/report.json")).unwrap();
+    let report: Value = serde_json::from_str(&report).unwrap();
+    for method in report["methods"].as_array().unwrap() {
+        for row in method["rows"].as_array().unwrap() {
+            let gain = format!("{:.1} %", 100.0 * number(&row["joint_update_gain"]));
+            assert!(page.contains(&gain), "{gain} is not on the page");
+        }
+    }
+    for level in report["levels"].as_array().unwrap() {
+        assert!(page.contains(&format!("{:.1} %", 100.0 * number(&level["saved"]))));
+    }
+    for attribute in ["src=\"", "href=\""] {
+        for part in page.split(attribute).skip(1) {
+            let file = part.split('"').next().unwrap();
+            assert!(
+                here.join("d").join(file).is_file(),
+                "{file} is not beside the page"
+            );
+        }
+    }
+    assert!(!page.contains("://"), "the page fetches nothing");
+    let images = page.matches("<img ").count();
+    assert_eq!(images, page.matches(" alt=\"").count());
+    assert!(json(&here, &["inspect", "d/asset.glb"])["articulation_stored"] == true);
+}

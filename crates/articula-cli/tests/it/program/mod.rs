@@ -1,0 +1,119 @@
+//! Runs the program as a user would, in a folder of its own.
+
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use std::sync::{Mutex, OnceLock};
+
+/// A fresh folder for the files of one test, which alone uses its name: tests run side by side.
+pub(crate) fn folder(name: &str) -> PathBuf {
+    static USED: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
+    let is_new = USED.lock().unwrap().insert(name.to_owned());
+    assert!(is_new, "two tests write into {name}");
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// What one run gave.
+pub(crate) struct Ran {
+    pub(crate) status: i32,
+    pub(crate) out: String,
+    pub(crate) err: String,
+}
+
+/// Runs the program with words, in a folder.
+pub(crate) fn articula(folder: &Path, words: &[&str]) -> Ran {
+    let output: Output = Command::new(env!("CARGO_BIN_EXE_articula"))
+        .args(words)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    Ran {
+        status: output.status.code().unwrap_or(-1),
+        out: String::from_utf8(output.stdout).unwrap(),
+        err: String::from_utf8(output.stderr).unwrap(),
+    }
+}
+
+/// Runs it with `--json`, expects success, and reads the answer.
+pub(crate) fn json(folder: &Path, words: &[&str]) -> Value {
+    let mut words = words.to_vec();
+    words.push("--json");
+    let ran = articula(folder, &words);
+    assert_eq!(ran.status, 0, "{words:?}: {}", ran.err);
+    serde_json::from_str(&ran.out).unwrap()
+}
+
+/// Runs it, expects this status and one line on standard error; gives the line.
+pub(crate) fn fault(folder: &Path, status: i32, words: &[&str]) -> String {
+    let ran = articula(folder, words);
+    assert_eq!(ran.status, status, "{words:?}: {} {}", ran.out, ran.err);
+    assert_eq!(ran.err.lines().count(), 1, "{words:?}: {}", ran.err);
+    assert!(ran.err.starts_with("error: "), "{}", ran.err);
+    assert_eq!(ran.out, "", "an error gives no half result");
+    ran.err
+}
+
+/// The reference human with few triangles, made once for all tests of
+/// one process.
+pub(crate) fn human() -> &'static Path {
+    static HUMAN: OnceLock<PathBuf> = OnceLock::new();
+    HUMAN.get_or_init(|| {
+        let folder = folder(&format!("human-{}", std::process::id()));
+        let ran = articula(&folder, &["human", "--triangles", "2500", "human.glb"]);
+        assert_eq!(ran.status, 0, "{}", ran.err);
+        folder.join("human.glb")
+    })
+}
+
+/// A path as a word of the command line.
+pub(crate) fn word(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// A figure of five joints that nods and lifts an arm, as BVH.
+pub(crate) const BVH: &str = "HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 90 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Spine
+  {
+    OFFSET 0 30 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    JOINT Head
+    {
+      OFFSET 0 30 0
+      CHANNELS 3 Zrotation Xrotation Yrotation
+      End Site
+      {
+        OFFSET 0 20 0
+      }
+    }
+    JOINT LeftArm
+    {
+      OFFSET 20 25 0
+      CHANNELS 3 Zrotation Xrotation Yrotation
+      JOINT LeftForeArm
+      {
+        OFFSET 28 0 0
+        CHANNELS 3 Zrotation Xrotation Yrotation
+        End Site
+        {
+          OFFSET 25 0 0
+        }
+      }
+    }
+  }
+}
+MOTION
+Frames: 4
+Frame Time: 0.0333333
+0 90 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0 0
+0 90 1 0 0 0 0 5 0 0 10 0 20 0 0 30 0 0
+0 90 2 0 0 0 0 5 0 0 20 0 40 0 0 60 0 0
+0 90 3 0 0 0 0 0 0 0 10 0 60 0 0 90 0 0
+";

@@ -1,0 +1,277 @@
+//! Promises of batched evaluation: every backend gives the same bits, all within a stated bound
+//! of the plain path, at every level, in every form, for whole and partly filled batches, and
+//! nothing is allocated.
+
+use crate::random_rig::{Options, figure};
+use articula_core::batch::{BatchEvaluator, LANES, Shown};
+use articula_core::{
+    Backend, Clip, ClipSet, Ladder, ModelPose, PaletteForm, PaletteMap, PaletteRows, Rig, Storage,
+    Wrap, blend, f32_from_half, local_to_model, sample,
+};
+use glam::{Affine3A, Quat, Vec3};
+use proptest::prelude::*;
+
+/// Rotations of a chain are unit to a few parts in 1e7 each; a rig of 24 joints in a row, two
+/// metres long and scaled up to twice, stays within this of the plain path, in metres.
+const BOUND_METRES: f32 = 4e-5;
+
+/// Times of one character: two clips, where in each, and the fade between them.
+type Play = (usize, f32, usize, f32, f32);
+
+fn play() -> impl Strategy<Value = Play> {
+    let fade = prop_oneof![Just(0.0f32), 0.0f32..1.0];
+    (0usize..2, -0.1f32..2.0, 0usize..2, -0.1f32..2.0, fade)
+}
+
+/// The plain path: model matrices of all joints.
+fn plain(rig: &Rig, clips: &[Clip], (a, ta, b, tb, fade): Play) -> ModelPose {
+    let at = |clip: usize, secs: f32| {
+        let mut pose = rig.rest_pose().clone();
+        sample(
+            &clips[clip],
+            f64::from(secs),
+            Wrap::Clamp,
+            &rig.all(),
+            &mut pose,
+        );
+        pose
+    };
+    let mut pose = at(a, ta);
+    if fade != 0.0 {
+        blend(&mut pose, &at(b, tb), fade, &rig.all());
+    }
+    let mut model = ModelPose::new(rig.len());
+    local_to_model(rig, &pose, &mut model);
+    model
+}
+
+fn shown(set: &ClipSet, (a, ta, b, tb, fade): Play) -> Shown {
+    Shown {
+        from: set.cursor(a, ta),
+        to: set.cursor(b, tb),
+        fade,
+    }
+}
+
+/// Greatest distance between what two matrices make of points within a metre of their origin.
+fn apart(a: &Affine3A, b: &Affine3A) -> f32 {
+    [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z]
+        .into_iter()
+        .map(|p| a.transform_point3(p).distance(b.transform_point3(p)))
+        .fold(0.0, f32::max)
+}
+
+fn matrix(rows: &[[f32; 4]]) -> Affine3A {
+    let column = |c: usize| Vec3::new(rows[0][c], rows[1][c], rows[2][c]);
+    Affine3A::from_cols(
+        column(0).into(),
+        column(1).into(),
+        column(2).into(),
+        column(3).into(),
+    )
+}
+
+fn rigid(rows: &[[f32; 4]]) -> Affine3A {
+    let t = Vec3::new(rows[1][0], rows[1][1], rows[1][2]);
+    Affine3A::from_rotation_translation(Quat::from_array(rows[0]), t)
+}
+
+/// Bindings for every second place, with a matrix that turns and moves (and scales, if asked).
+fn bindings(ladder: &Ladder, scale: f32) -> Vec<(u16, Affine3A)> {
+    (0..ladder.len() as u16)
+        .step_by(2)
+        .map(|place| {
+            let turn = Quat::from_rotation_z(f32::from(place) * 0.3);
+            let offset = Vec3::new(0.1, -0.2, 0.05) * f32::from(place % 3);
+            let scale = Vec3::splat(scale);
+            (
+                place,
+                Affine3A::from_scale_rotation_translation(scale, turn, offset),
+            )
+        })
+        .collect()
+}
+
+/// Evaluates into f32 rows, whatever the form.
+fn evaluated(
+    set: &ClipSet,
+    map: &PaletteMap,
+    (form, backend): (PaletteForm, Backend),
+    level: usize,
+    shown: &[Shown],
+) -> Vec<[f32; 4]> {
+    let evaluator = BatchEvaluator::new(set, map, form, backend).unwrap();
+    let mut scratch = evaluator.scratch();
+    let len = evaluator.rows(level) * shown.len();
+    if form.is_half() {
+        let mut rows = vec![[0u16; 4]; len];
+        evaluator.evaluate(level, shown, PaletteRows::Half(&mut rows), &mut scratch);
+        return rows.iter().map(|row| row.map(f32_from_half)).collect();
+    }
+    let mut rows = vec![[0f32; 4]; len];
+    evaluator.evaluate(level, shown, PaletteRows::Float(&mut rows), &mut scratch);
+    rows
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    #[test]
+    fn every_backend_level_and_form_follows_the_plain_path(
+        (rig, clips, sets) in figure(Options { scaled: true, steps: true }),
+        plays in prop::collection::vec(play(), 1..=LANES),
+    ) {
+        let ladder = Ladder::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let set = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Float).unwrap();
+        let shown: Vec<Shown> = plays.iter().map(|p| shown(&set, *p)).collect();
+        let truth: Vec<ModelPose> = plays.iter().map(|p| plain(&rig, &clips, *p)).collect();
+        let skin = bindings(&ladder, 1.5);
+        let maps = [PaletteMap::joints(&ladder), PaletteMap::skin(&ladder, &skin).unwrap()];
+        for (map, level) in maps.iter().flat_map(|m| (0..ladder.levels()).map(move |l| (m, l))) {
+            let float = evaluated(&set, map, (PaletteForm::Matrix, Backend::Scalar), level, &shown);
+            for (i, rows) in float.chunks(3).enumerate() {
+                let (character, entry) = (i / map.len(level), i % map.len(level));
+                let place = map.places().nth(entry).unwrap();
+                let joint = usize::from(ladder.joints()[place]);
+                let mut expected = truth[character].matrices[joint];
+                if map.len(0) == skin.len() && map == &maps[1] {
+                    expected *= skin[entry].1;
+                }
+                let off = apart(&matrix(rows), &expected);
+                prop_assert!(off < BOUND_METRES, "{off} m at joint {joint}, level {level}");
+            }
+            let half = evaluated(&set, map, (PaletteForm::HalfMatrix, Backend::Scalar), level, &shown);
+            for (a, b) in float.iter().flatten().zip(half.iter().flatten()) {
+                prop_assert!((a - b).abs() <= a.abs() / 2048.0 + 6e-8, "{a} as half is {b}");
+            }
+            for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+                for (form, expected) in [(PaletteForm::Matrix, &float), (PaletteForm::HalfMatrix, &half)] {
+                    let rows = evaluated(&set, map, (form, backend), level, &shown);
+                    prop_assert_eq!(&rows, expected, "{} differs", backend.name());
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn rigid_forms_stand_for_the_same_matrices(
+        (rig, clips, sets) in figure(Options { scaled: false, steps: false }),
+        plays in prop::collection::vec(play(), 1..=LANES),
+    ) {
+        let ladder = Ladder::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let set = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Float).unwrap();
+        let shown: Vec<Shown> = plays.iter().map(|p| shown(&set, *p)).collect();
+        let map = PaletteMap::skin(&ladder, &bindings(&ladder, 1.0)).unwrap();
+        let last = ladder.levels() - 1;
+        for level in [0, last] {
+            let best = (PaletteForm::Matrix, Backend::best());
+            let matrices = evaluated(&set, &map, best, level, &shown);
+            for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+                let rows = evaluated(&set, &map, (PaletteForm::Rigid, backend), level, &shown);
+                for (m, r) in matrices.chunks(3).zip(rows.chunks(2)) {
+                    prop_assert!(apart(&matrix(m), &rigid(r)) < BOUND_METRES);
+                }
+                let halves = evaluated(&set, &map, (PaletteForm::HalfRigid, backend), level, &shown);
+                for (a, b) in rows.iter().flatten().zip(halves.iter().flatten()) {
+                    prop_assert!((a - b).abs() <= a.abs() / 2048.0 + 6e-8);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn short_storage_stays_within_its_bound_and_tiles_are_the_same_matrices(
+        (rig, clips, _) in figure(Options { scaled: false, steps: false }),
+        plays in prop::collection::vec(play(), 1..=LANES),
+    ) {
+        let ladder = Ladder::whole(&rig).unwrap();
+        let float = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Float).unwrap();
+        let short = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Short).unwrap();
+        prop_assert_eq!(short.bytes() * 2, float.bytes());
+        let map = PaletteMap::joints(&ladder);
+        let shown_in = |set: &ClipSet| plays.iter().map(|p| shown(set, *p)).collect::<Vec<_>>();
+        let best = (PaletteForm::Matrix, Backend::best());
+        let wanted = evaluated(&float, &map, best, 0, &shown_in(&float));
+        let found = evaluated(&short, &map, best, 0, &shown_in(&short));
+        // Each joint turns what hangs below it, two metres at most, and moves it by at most half
+        // a step of the translations' range.
+        let each = 6.2e-5 * 2.0 + 4.0 / 65534.0;
+        for (i, (a, b)) in wanted.chunks(3).zip(found.chunks(3)).enumerate() {
+            let chain = rig.len().min(i % rig.len() + 1) as f32;
+            let off = apart(&matrix(a), &matrix(b));
+            prop_assert!(off < each * chain + BOUND_METRES, "{off} m after {chain} joints");
+        }
+        for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+            let same = evaluated(&short, &map, (PaletteForm::Matrix, backend), 0, &shown_in(&short));
+            prop_assert_eq!(&same, &found);
+        }
+        let evaluator = BatchEvaluator::new(&float, &map, PaletteForm::Matrix, Backend::best()).unwrap();
+        let mut scratch = evaluator.scratch();
+        let tiles = evaluator.tile(0, &shown_in(&float), &mut scratch);
+        for (i, rows) in wanted.chunks(3).enumerate() {
+            let (character, place) = (i / rig.len(), i % rig.len());
+            for (row, lanes) in rows.iter().zip(tiles.matrix(place)) {
+                let lane = lanes.each_ref().map(|t| t.0[character]);
+                prop_assert_eq!(*row, lane);
+            }
+        }
+    }
+}
+
+#[test]
+fn evaluating_allocates_nothing() {
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let options = Options {
+        scaled: false,
+        steps: true,
+    };
+    let tree = figure(options).new_tree(&mut runner).unwrap();
+    let (rig, clips, sets) = proptest::strategy::ValueTree::current(&tree);
+    let ladder = Ladder::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+    let set = ClipSet::new(&rig, ladder, &clips, Storage::Float).unwrap();
+    let map = PaletteMap::joints(set.ladder());
+    for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
+        let evaluator = BatchEvaluator::new(&set, &map, PaletteForm::Matrix, backend).unwrap();
+        let mut scratch = evaluator.scratch();
+        let mut rows = vec![[0.0; 4]; evaluator.rows(0) * 5];
+        let shown = [Shown::from(set.cursor(0, 0.3)); 5];
+        let counted = allocation_counter::measure(|| {
+            evaluator.evaluate(0, &shown, PaletteRows::Float(&mut rows), &mut scratch);
+        });
+        assert_eq!(counted.count_total, 0, "{}", backend.name());
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    let options = Options {
+        scaled: true,
+        steps: false,
+    };
+    let tree = figure(options).new_tree(&mut runner).unwrap();
+    let (rig, clips, _) = proptest::strategy::ValueTree::current(&tree);
+    let ladder = Ladder::whole(&rig).unwrap();
+    let set = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Float).unwrap();
+    let map = PaletteMap::joints(&ladder);
+    if set.is_scaled() {
+        let rigid = BatchEvaluator::new(&set, &map, PaletteForm::Rigid, Backend::Scalar);
+        assert_eq!(rigid.unwrap_err().at, "form");
+    }
+    let none = ClipSet::new(&rig, ladder, &[], Storage::Float).unwrap();
+    assert_eq!((none.clips(), none.duration_secs(0)), (1, 0.0));
+    let at = none.cursor(0, f32::NAN);
+    let rest = evaluated(
+        &none,
+        &map,
+        (PaletteForm::Matrix, Backend::best()),
+        0,
+        &[at.into()],
+    );
+    let mut model = ModelPose::new(rig.len());
+    local_to_model(&rig, rig.rest_pose(), &mut model);
+    for (place, rows) in rest.chunks(3).enumerate() {
+        let joint = usize::from(set.ladder().joints()[place]);
+        assert!(apart(&matrix(rows), &model.matrices[joint]) < BOUND_METRES);
+    }
+}

@@ -1,0 +1,603 @@
+//! Promises of the budget: acceptance test 10 of `spec/motion-lod.md` part 10, agreement with the
+//! heap that the specification describes and with brute force, and no allocation in a frame.
+
+use articula_core::budget::{Budget, MenuId, Offer, Policy, Request};
+use proptest::prelude::*;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// No cap, no ageing: nothing but the knapsack.
+const PLAIN: Policy = Policy {
+    cap_px: f32::INFINITY,
+    enough_px: 0.0,
+    patience_frames: 0,
+    hold_frames: 0,
+};
+
+/// What one character asks for; `None` is hidden.
+type Wish = Option<(usize, f32, f32)>;
+
+#[derive(Debug, Clone)]
+struct Crowd {
+    menus: Vec<Vec<Offer>>,
+    wishes: Vec<Wish>,
+}
+
+impl Crowd {
+    fn budget(&self, policy: Policy) -> (Budget, Vec<MenuId>) {
+        let mut budget = Budget::new(self.wishes.len(), policy);
+        let ids = self.menus.iter().map(|m| budget.add_menu(m).unwrap());
+        let ids: Vec<MenuId> = ids.collect();
+        self.ask(&mut budget, &ids);
+        (budget, ids)
+    }
+
+    fn ask(&self, budget: &mut Budget, ids: &[MenuId]) {
+        for (c, wish) in self.wishes.iter().enumerate() {
+            match *wish {
+                None => budget.hide(c),
+                Some((menu, weight, pixels_per_metre)) => budget.request(
+                    c,
+                    Request {
+                        menu: ids[menu],
+                        weight,
+                        pixels_per_metre,
+                    },
+                ),
+            }
+        }
+    }
+
+    fn offer(&self, budget: &Budget, c: usize) -> Option<Offer> {
+        let (menu, ..) = self.wishes[c]?;
+        Some(self.menus[menu][budget.choice(c).unwrap()])
+    }
+
+    /// Cost and weighted error of what was chosen.
+    fn totals(&self, budget: &Budget) -> (f64, f64) {
+        let mut totals = (0.0, 0.0);
+        for c in 0..self.wishes.len() {
+            if let (Some(offer), Some((_, weight, _))) = (self.offer(budget, c), self.wishes[c]) {
+                totals.0 += f64::from(offer.cost);
+                totals.1 += f64::from(weight) * f64::from(offer.error_metres);
+            }
+        }
+        totals
+    }
+
+    fn cheapest_cost(&self) -> f64 {
+        let menus = self.wishes.iter().flatten().map(|w| &self.menus[w.0]);
+        menus.map(|m| f64::from(hull(m)[0].cost)).sum()
+    }
+
+    /// The largest weighted error that one upgrade of anyone takes away.
+    fn largest_upgrade(&self) -> f64 {
+        let wishes = self.wishes.iter().flatten();
+        let gains = wishes.flat_map(|(menu, weight, _)| {
+            let hull = hull(&self.menus[*menu]);
+            let drops = hull
+                .windows(2)
+                .map(|p| p[0].error_metres - p[1].error_metres);
+            drops
+                .map(|d| f64::from(d) * f64::from(*weight))
+                .collect::<Vec<_>>()
+        });
+        gains.fold(0.0, f64::max)
+    }
+}
+
+/// Gift wrapping: from the cheapest and best, always on to the steepest.
+fn hull(offers: &[Offer]) -> Vec<Offer> {
+    let by_cost = |a: &&Offer, b: &&Offer| {
+        let by_cost = a.cost.total_cmp(&b.cost);
+        by_cost.then(a.error_metres.total_cmp(&b.error_metres))
+    };
+    let mut hull = vec![*offers.iter().min_by(by_cost).unwrap()];
+    loop {
+        let at = hull[hull.len() - 1];
+        let slope = |o: &Offer| {
+            (f64::from(at.error_metres) - f64::from(o.error_metres))
+                / (f64::from(o.cost) - f64::from(at.cost))
+        };
+        let better = offers.iter().filter(|o| o.error_metres < at.error_metres);
+        let next = better.max_by(|a, b| {
+            slope(a)
+                .total_cmp(&slope(b))
+                .then(b.cost.total_cmp(&a.cost))
+        });
+        match next {
+            Some(next) => hull.push(*next),
+            None => return hull,
+        }
+    }
+}
+
+#[derive(PartialEq)]
+struct Upgrade {
+    urgent: bool,
+    rate: f64,
+    character: usize,
+}
+
+impl Eq for Upgrade {}
+
+impl PartialOrd for Upgrade {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Upgrade {
+    fn cmp(&self, other: &Self) -> Ordering {
+        let by_rate = self
+            .urgent
+            .cmp(&other.urgent)
+            .then(self.rate.total_cmp(&other.rate));
+        by_rate.then(other.character.cmp(&self.character))
+    }
+}
+
+/// The plain form of the specification: cheapest first, then the best upgrade from a heap until
+/// the next one does not fit. Gives the chosen offers.
+fn plain(crowd: &Crowd, cap_px: f32, budget: f64) -> Vec<Option<Offer>> {
+    let hulls: Vec<_> = crowd.menus.iter().map(|m| hull(m)).collect();
+    let mut at = vec![0; crowd.wishes.len()];
+    let upgrade = |character: usize, at: usize| {
+        let (menu, weight, scale) = crowd.wishes[character]?;
+        let (from, to) = (hulls[menu][at], hulls[menu].get(at + 1)?);
+        let drop = f64::from(from.error_metres) - f64::from(to.error_metres);
+        Some(Upgrade {
+            urgent: from.error_metres * scale > cap_px,
+            rate: f64::from(weight) * drop / (f64::from(to.cost) - f64::from(from.cost)),
+            character,
+        })
+    };
+    let mut heap: BinaryHeap<Upgrade> = (0..at.len()).filter_map(|c| upgrade(c, 0)).collect();
+    let mut left = budget - crowd.cheapest_cost();
+    while let Some(best) = heap.pop() {
+        let c = best.character;
+        let hull = &hulls[crowd.wishes[c].unwrap().0];
+        let cost = f64::from(hull[at[c] + 1].cost) - f64::from(hull[at[c]].cost);
+        if cost > left {
+            break;
+        }
+        left -= cost;
+        at[c] += 1;
+        heap.extend(upgrade(c, at[c]));
+    }
+    let chosen = crowd.wishes.iter().zip(&at);
+    chosen
+        .map(|(wish, at)| wish.map(|w| hulls[w.0][*at]))
+        .collect()
+}
+
+/// Costs in steps of a quarter, which the fixed point holds exactly.
+fn offers() -> impl Strategy<Value = Vec<Offer>> {
+    let offer = (0_u16..400, 0_u16..2000).prop_map(|(cost, error)| Offer {
+        cost: 0.25 * f32::from(cost),
+        error_metres: 1e-4 * f32::from(error),
+    });
+    prop::collection::vec(offer, 1..6)
+}
+
+fn wish(menus: usize) -> impl Strategy<Value = Wish> {
+    let scale = 1.0_f32..2000.0;
+    prop::option::weighted(0.85, (0..menus, 0.01_f32..100.0, scale))
+}
+
+fn crowd(most: usize) -> impl Strategy<Value = Crowd> {
+    let menus = prop::collection::vec(offers(), 1..4);
+    menus.prop_flat_map(move |menus| {
+        let wishes = prop::collection::vec(wish(menus.len()), 0..most);
+        wishes.prop_map(move |wishes| Crowd {
+            menus: menus.clone(),
+            wishes,
+        })
+    })
+}
+
+/// Least weighted error of all combinations within the budget.
+fn brute_force(crowd: &Crowd, budget: f64) -> f64 {
+    fn least(crowd: &Crowd, c: usize, left: f64) -> f64 {
+        let Some(wish) = crowd.wishes.get(c) else {
+            return 0.0;
+        };
+        let Some((menu, weight, _)) = *wish else {
+            return least(crowd, c + 1, left);
+        };
+        let affordable = crowd.menus[menu]
+            .iter()
+            .filter(|o| f64::from(o.cost) <= left);
+        let errors = affordable.map(|o| {
+            f64::from(weight) * f64::from(o.error_metres)
+                + least(crowd, c + 1, left - f64::from(o.cost))
+        });
+        errors.fold(f64::INFINITY, f64::min)
+    }
+    least(crowd, 0, budget)
+}
+
+proptest! {
+    #[test]
+    fn the_budget_is_never_exceeded_and_more_of_it_never_hurts(
+        crowd in crowd(40), cap_px in 0.5_f32..50.0, steps in prop::collection::vec(0.0_f32..400.0, 1..8),
+    ) {
+        let (mut budget, _) = crowd.budget(Policy { cap_px, ..PLAIN });
+        let (mut units, mut before) = (0.0, f64::INFINITY);
+        let mut costs = vec![0.0; crowd.wishes.len()];
+        for more in steps {
+            units += more;
+            let report = budget.solve(units);
+            let (cost, error) = crowd.totals(&budget);
+            prop_assert!((report.used - cost).abs() < 1e-6);
+            prop_assert!(cost <= f64::from(units).max(crowd.cheapest_cost()) + 1.0 / 64.0);
+            prop_assert!(error <= before, "{error} after {before}");
+            before = error;
+            for (c, cost) in costs.iter_mut().enumerate() {
+                if let Some(offer) = crowd.offer(&budget, c) {
+                    prop_assert!(offer.cost >= *cost, "nobody loses");
+                    *cost = offer.cost;
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn at_most_one_upgrade_from_the_best(crowd in crowd(6), units in 0.0_f32..500.0) {
+        let (mut budget, _) = crowd.budget(PLAIN);
+        budget.solve(units);
+        let (cost, error) = crowd.totals(&budget);
+        // Where even the cheapest do not fit there is nothing to compare with.
+        let best = brute_force(&crowd, cost.max(f64::from(units)));
+        prop_assert!(error >= best - 1e-6);
+        prop_assert!(error <= best + crowd.largest_upgrade() + 1e-6, "{error} for {best}");
+    }
+
+    #[test]
+    fn agrees_with_the_heap(crowd in crowd(40), units in 0.0_f32..3000.0, cap_px in 0.5_f32..50.0) {
+        let (mut budget, _) = crowd.budget(Policy { cap_px, ..PLAIN });
+        budget.solve(units);
+        let chosen = plain(&crowd, cap_px, f64::from(units));
+        // Equal gains per cost may be rounded apart, which is worth one upgrade of one character.
+        let others = (0..chosen.len()).filter(|c| {
+            let cost = |o: Option<Offer>| o.map(|o| o.cost);
+            cost(crowd.offer(&budget, *c)) != cost(chosen[*c])
+        });
+        prop_assert!(others.count() <= 2);
+        let total: f64 = crowd.wishes.iter().zip(&chosen)
+            .filter_map(|(w, o)| Some(f64::from(w.as_ref()?.1) * f64::from(o.as_ref()?.error_metres)))
+            .sum();
+        prop_assert!((crowd.totals(&budget).1 - total).abs() <= crowd.largest_upgrade() + 1e-6);
+    }
+
+    #[test]
+    fn a_repair_gives_what_solving_anew_gives(
+        crowd in crowd(40),
+        frames in prop::collection::vec(
+            (prop::collection::vec((0_usize..40, wish(1)), 0..5), 0.0_f32..3000.0), 1..12),
+    ) {
+        let mut crowd = crowd;
+        let policy = Policy { cap_px: 5.0, ..PLAIN };
+        let (mut repaired, ids) = crowd.budget(policy);
+        for (changes, units) in frames {
+            for (c, wish) in changes {
+                if let Some(slot) = crowd.wishes.get_mut(c) {
+                    // Either the same scale or one that is far enough away to be seen.
+                    *slot = wish.map(|(menu, weight, scale)| (menu, weight, scale.log2().round().exp2()));
+                }
+            }
+            // The history must be forgotten where it would be kept within the hysteresis.
+            for c in 0..crowd.wishes.len() {
+                repaired.requeue(c);
+            }
+            crowd.ask(&mut repaired, &ids);
+            let found = repaired.solve(units);
+            let (mut anew, _) = crowd.budget(policy);
+            let expected = anew.solve(units);
+            for c in 0..crowd.wishes.len() {
+                prop_assert_eq!(repaired.choice(c), anew.choice(c));
+            }
+            prop_assert_eq!(found.used, expected.used);
+            prop_assert_eq!(found.demand, expected.demand);
+            prop_assert_eq!((found.visible, found.above_cap), (expected.visible, expected.above_cap));
+            prop_assert_eq!((found.worst_px, found.mean_px), (expected.worst_px, expected.mean_px));
+            prop_assert_eq!(repaired.per_option(), anew.per_option());
+        }
+    }
+
+    #[test]
+    fn a_report_says_what_is_shown(crowd in crowd(40), units in prop::collection::vec(0.0_f32..3000.0, 1..4)) {
+        let (mut budget, _) = crowd.budget(Policy { cap_px: 5.0, ..PLAIN });
+        let mut known = vec![None; crowd.wishes.len()];
+        for units in units {
+            let report = budget.solve(units);
+            for change in budget.changes() {
+                let slot = &mut known[change.character as usize];
+                prop_assert_eq!(*slot, change.from);
+                prop_assert!(change.from != change.to);
+                *slot = change.to;
+            }
+            let shown: Vec<_> = (0..known.len()).map(|c| budget.choice(c)).collect();
+            let told: Vec<_> = known.iter().map(|k| k.map(usize::from)).collect();
+            prop_assert_eq!(&shown, &told);
+            prop_assert_eq!(report.changes, budget.changes().len());
+            prop_assert_eq!(report.budget, f64::from((units * 64.0).round()) / 64.0);
+            let px: Vec<f32> = (0..known.len())
+                .filter_map(|c| Some(crowd.offer(&budget, c)?.error_metres * crowd.wishes[c]?.2))
+                .collect();
+            prop_assert_eq!(report.visible, px.len());
+            prop_assert_eq!(report.above_cap, px.iter().filter(|px| **px > 5.0).count());
+            prop_assert_eq!(report.worst_px, px.iter().copied().fold(0.0, f32::max));
+            let mean = px.iter().sum::<f32>() / px.len().max(1) as f32;
+            prop_assert!((report.mean_px - mean).abs() <= 1e-4 * mean);
+            let counted = budget.per_option().iter().sum::<u32>() as usize;
+            prop_assert_eq!(counted, px.len());
+        }
+    }
+}
+
+/// A crowd of equals with two options, 10 and 110 units, off by 100 mm or not at all.
+fn equals(n: usize) -> Crowd {
+    let offer = |cost, error_metres| Offer { cost, error_metres };
+    Crowd {
+        menus: vec![vec![offer(10.0, 0.1), offer(110.0, 0.0)]],
+        wishes: vec![Some((0, 1.0, 100.0)); n],
+    }
+}
+
+fn fine(budget: &Budget, n: usize) -> Vec<usize> {
+    (0..n).filter(|c| budget.choice(*c) == Some(1)).collect()
+}
+
+#[test]
+fn ties_go_to_the_first_and_a_permutation_changes_nothing_else() {
+    let crowd = equals(10);
+    let (mut budget, _) = crowd.budget(PLAIN);
+    // 100 for all at their cheapest, 3 upgrades, and 99 that are no use.
+    let report = budget.solve(100.0 + 300.0 + 99.0);
+    assert_eq!(fine(&budget, 10), [0, 1, 2]);
+    assert_eq!((report.used, report.demand), (400.0, 1100.0));
+    assert_eq!(budget.per_option(), [7, 3]);
+
+    let mut state = 1_u32;
+    let mut random = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / (1 << 24) as f32
+    };
+    let offer = |cost: f32, error_metres: f32| Offer { cost, error_metres };
+    let menu = |f: f32| {
+        vec![
+            offer(20.0, 0.2 * f),
+            offer(60.0, 0.05 * f),
+            offer(180.0, 0.0),
+        ]
+    };
+    let crowd = Crowd {
+        menus: vec![menu(1.0), menu(0.7)],
+        wishes: (0..500)
+            .map(|i| Some((i % 2, 0.1 + random(), 10.0 + 300.0 * random())))
+            .collect(),
+    };
+    let mut turned = crowd.clone();
+    turned.wishes.rotate_left(123);
+    turned.wishes.reverse();
+    let policy = Policy {
+        cap_px: 3.0,
+        ..PLAIN
+    };
+    let ((mut a, _), (mut b, _)) = (crowd.budget(policy), turned.budget(policy));
+    for units in [15_000.0, 30_000.0, 50_000.0] {
+        assert_eq!(a.solve(units).used, b.solve(units).used);
+        for c in 0..500 {
+            assert_eq!(a.choice((c + 123) % 500), b.choice(499 - c));
+        }
+    }
+}
+
+#[test]
+fn who_is_above_the_cap_comes_first() {
+    let offer = |cost, error_metres| Offer { cost, error_metres };
+    let crowd = Crowd {
+        menus: vec![vec![offer(0.0, 0.10), offer(10.0, 0.01), offer(100.0, 0.0)]],
+        // The first counts a hundred times as much, but is within the cap of 2 px.
+        wishes: vec![Some((0, 100.0, 15.0)), Some((0, 1.0, 100.0))],
+    };
+    let policy = Policy {
+        cap_px: 2.0,
+        ..PLAIN
+    };
+    let (mut budget, ids) = crowd.budget(policy);
+    assert_eq!(budget.solve(10.0).above_cap, 0);
+    assert_eq!([budget.choice(0), budget.choice(1)], [Some(0), Some(1)]);
+    // Enough is enough: with the limit at the cap nothing more is bought.
+    budget.set_policy(Policy {
+        enough_px: 2.0,
+        ..policy
+    });
+    let report = budget.solve(1e6);
+    assert_eq!((report.used, report.demand), (10.0, 10.0));
+    budget.set_policy(policy);
+    assert_eq!(budget.solve(1e6).used, 200.0);
+    // Who does not matter is brought to the cap, no further.
+    let dull = |weight| Request {
+        menu: ids[0],
+        weight,
+        pixels_per_metre: 100.0,
+    };
+    for weight in [0.0, -1.0, f32::NAN] {
+        budget.request(1, dull(1.0));
+        budget.request(1, dull(weight));
+        budget.solve(1e6);
+        assert_eq!(budget.choice(1), Some(1));
+    }
+}
+
+#[test]
+fn small_changes_of_scale_touch_nothing() {
+    let crowd = equals(2);
+    let policy = Policy {
+        cap_px: 9.0,
+        enough_px: 9.0,
+        ..PLAIN
+    };
+    let (mut budget, ids) = crowd.budget(policy);
+    let at = |pixels_per_metre| Request {
+        menu: ids[0],
+        weight: 1.0,
+        pixels_per_metre,
+    };
+    // 10 px at 100 px/m, 9 px is allowed.
+    assert_eq!(budget.solve(1e6).changes, 2);
+    for scale in [99.0, 95.0, 91.0, 109.0, 100.0] {
+        budget.request(0, at(scale));
+        assert_eq!(budget.solve(1e6).changes, 0, "{scale}");
+    }
+    budget.request(0, at(85.0));
+    assert_eq!(budget.solve(1e6).changes, 1);
+    assert_eq!(budget.choice(0), Some(0));
+    // The report is of the true scale all the same: 8.5 px, and 9.2 just before it is judged.
+    budget.request(0, at(92.0));
+    let report = budget.solve(1e6);
+    assert_eq!((report.changes, report.above_cap), (0, 1));
+    assert!((report.worst_px - 9.2).abs() < 1e-4);
+    // A hold that ends has it judged in any case.
+    budget.requeue(0);
+    budget.request(0, at(92.0));
+    assert_eq!(budget.solve(1e6).changes, 1);
+}
+
+#[test]
+fn nobody_waits_for_ever() {
+    let (n, k) = (60, 7);
+    let policy = Policy {
+        cap_px: 1.0,
+        patience_frames: 8,
+        hold_frames: 12,
+        ..PLAIN
+    };
+    let units = 10.0 * n as f32 + 100.0 * k as f32;
+    // Equals; and the same where some count a thousand times as much as others.
+    for spread in [1.0_f32, 1000.0] {
+        let mut crowd = equals(n);
+        for (c, wish) in crowd.wishes.iter_mut().enumerate() {
+            wish.as_mut().unwrap().1 = spread.powf(c as f32 / n as f32);
+        }
+        let (mut budget, _) = crowd.budget(policy);
+        let (mut last, mut longest) = (vec![0; n], 0);
+        let mut changes = 0;
+        for frame in 1..3000 {
+            let report = budget.solve(units);
+            assert!(report.used <= f64::from(units));
+            assert_eq!(report.above_cap, n - k);
+            changes += report.changes;
+            for c in fine(&budget, n) {
+                longest = longest.max(frame - last[c]);
+                last[c] = frame;
+            }
+        }
+        longest = last.iter().map(|l| 3000 - l).fold(longest, i32::max);
+        // A round lasts n / k turns of a hold and a look; whoever counts a thousand times less
+        // must have waited ten times as long (the cube of ten) before it is even.
+        let round = (n as i32 / k as i32 + 1) * (12 + 2 * 8);
+        let bound = if spread > 1.0 { 10 * round } else { round };
+        assert!(longest <= bound, "{longest} frames, {bound} allowed");
+        // And what was chosen stays for a while: two changes for each turn of a hold.
+        assert!(changes <= 2 * k * 3000 / 12, "{changes} changes");
+    }
+}
+
+#[test]
+fn hostile_numbers_behave() {
+    let crowd = equals(3);
+    let (mut budget, ids) = crowd.budget(Policy::default());
+    for units in [0.0, -5.0, f32::NAN, f32::NEG_INFINITY] {
+        let report = budget.solve(units);
+        assert_eq!((report.used, report.budget), (30.0, 0.0), "{units}");
+    }
+    assert_eq!(budget.solve(f32::INFINITY).used, 330.0);
+    assert_eq!(budget.solve(f32::MAX).used, 330.0);
+    for odd in [
+        f32::NAN,
+        f32::INFINITY,
+        -1.0,
+        f32::MAX,
+        f32::MIN_POSITIVE,
+        0.0,
+    ] {
+        let request = |weight, pixels_per_metre| Request {
+            menu: ids[0],
+            weight,
+            pixels_per_metre,
+        };
+        budget.request(0, request(odd, 100.0));
+        budget.request(1, request(1.0, odd));
+        budget.request(2, request(odd, odd));
+        for _ in 0..40 {
+            let report = budget.solve(130.0);
+            assert_eq!(report.used, 130.0);
+            assert!(report.worst_px.is_finite() && report.mean_px.is_finite());
+        }
+    }
+    for c in 0..3 {
+        budget.hide(c);
+        budget.hide(c);
+    }
+    let report = budget.solve(100.0);
+    assert_eq!((report.visible, report.changes), (0, 3));
+    assert_eq!(
+        (report.used, report.demand, report.mean_px),
+        (0.0, 0.0, 0.0)
+    );
+    let report = Budget::new(0, Policy::default()).solve(100.0);
+    assert_eq!((report.visible, report.used), (0, 0.0));
+}
+
+#[test]
+fn new_costs_move_everyone_and_keep_their_names() {
+    let crowd = equals(4);
+    let (mut budget, ids) = crowd.budget(PLAIN);
+    budget.solve(240.0);
+    assert_eq!(fine(&budget, 4), [0, 1]);
+    // The fine option costs half now: room for all.
+    budget.reprice(|_, option| [10.0, 55.0][option]);
+    let report = budget.solve(240.0);
+    assert_eq!((report.used, report.changes), (220.0, 2));
+    // The fine one becomes the cheaper one: the hull has one point, by its old name.
+    budget.reprice(|_, option| [10.0, 5.0][option]);
+    assert_eq!(budget.menu(ids[0]).points().len(), 1);
+    let report = budget.solve(0.0);
+    assert_eq!((report.used, report.changes), (20.0, 0));
+    // A cost that is no number is never paid.
+    budget.reprice(|_, option| [10.0, f32::NAN][option]);
+    assert_eq!(budget.solve(1e6).used, 40.0);
+}
+
+#[test]
+fn a_frame_allocates_nothing() {
+    let crowd = equals(1000);
+    let (mut budget, ids) = crowd.budget(Policy::default());
+    let counted = allocation_counter::measure(|| {
+        for frame in 0..50_u16 {
+            for c in 0..1000 {
+                let pixels_per_metre = 50.0 + f32::from(frame) * (c % 17) as f32;
+                if (c + usize::from(frame)) % 13 == 0 {
+                    budget.hide(c);
+                } else {
+                    budget.request(
+                        c,
+                        Request {
+                            menu: ids[0],
+                            weight: 1.0,
+                            pixels_per_metre,
+                        },
+                    );
+                }
+            }
+            if frame % 10 == 0 {
+                budget.reprice(|_, option| [10.0, 110.0][option] + f32::from(frame));
+            }
+            budget.solve(1000.0 * f32::from(frame));
+        }
+    });
+    assert_eq!(counted.count_total, 0);
+}

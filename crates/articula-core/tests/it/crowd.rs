@@ -1,0 +1,548 @@
+//! Promises of a crowd: acceptance test 9 of `spec/motion-lod.md` part 10, palettes where the
+//! draws say, the same bytes however batches are spread, nothing skipped for who is hidden, and no
+//! allocation in a frame.
+
+use crate::random_rig::{Options, figure};
+use articula_core::crowd::{
+    CacheUse, ClipEvent, Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, Notice, Player,
+    RootPath, RootStep, Sight, Voice,
+};
+use articula_core::visibility::View;
+use articula_core::{
+    Backend, Bound, CachedKeys, CachedRows, Camera, Clip, ClipBounds, ClipErrors, ClipSet,
+    JointSet, Ladder, LevelErrors, ModelPose, MotionBounds, PaletteForm, PaletteMap, PaletteRows,
+    PoseCache, Rig, Sphere, Storage, Viewport, Wrap, local_to_model, sample,
+};
+use glam::{Affine3A, Quat, Vec3};
+use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+
+const PLAIN: Options = Options {
+    scaled: false,
+    steps: false,
+};
+
+/// A rig with two clips and up to four levels, each said to cost a centimetre more.
+fn model(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdModel {
+    let ladder = Ladder::of_sets(rig, sets, rig.rest_pose()).unwrap();
+    let levels: Vec<f32> = (0..ladder.levels()).map(|l| l as f32 * 0.01).collect();
+    let errors = LevelErrors {
+        clips: vec![
+            ClipErrors {
+                levels_metres: levels.clone(),
+                worst_metres: levels,
+                speed_metres_per_sec: 2.0,
+                seam_metres: 0.3,
+            };
+            clips.len()
+        ],
+    };
+    let around = Bound {
+        sphere: Sphere {
+            centre: Vec3::Y,
+            radius: 1.2,
+        },
+        least: Vec3::splat(-1.2),
+        greatest: Vec3::splat(1.2),
+    };
+    let bounds = clips.iter().map(|clip| {
+        let count = ClipBounds::count(clip.duration_secs());
+        ClipBounds::new(clip.duration_secs(), vec![around; count], around.sphere).unwrap()
+    });
+    let bounds = MotionBounds {
+        clips: bounds.collect(),
+        reach_metres: 1.2,
+    };
+    CrowdModel::new(CrowdParts {
+        palette: PaletteMap::joints(&ladder),
+        clips: ClipSet::new(rig, ladder, clips, Storage::Float).unwrap(),
+        form: PaletteForm::Matrix,
+        backend: Backend::best(),
+        errors,
+        bounds,
+    })
+    .unwrap()
+}
+
+fn fixed_figure() -> (Rig, Vec<Clip>, Vec<JointSet>) {
+    let mut runner = proptest::test_runner::TestRunner::deterministic();
+    loop {
+        let tree = figure(PLAIN).new_tree(&mut runner).unwrap();
+        let (rig, clips, sets) = tree.current();
+        if rig.len() > 9 && sets.len() > 1 && clips.iter().all(|c| c.duration_secs() > 0.2) {
+            return (rig, clips, sets);
+        }
+    }
+}
+
+/// Characters in rows ahead of a camera at the origin, which looks along -Z.
+struct Square {
+    positions: Vec<Vec3>,
+    rotations: Vec<Quat>,
+}
+
+impl Square {
+    fn new(count: usize) -> Self {
+        let place = |i: usize| Vec3::new((i % 9) as f32 - 4.0, -1.0, 4.0 - 3.0 * (i / 9) as f32);
+        Self {
+            positions: (0..count).map(place).collect(),
+            rotations: (0..count)
+                .map(|i| Quat::from_rotation_y(i as f32))
+                .collect(),
+        }
+    }
+
+    fn frame<'a>(&'a self, views: &'a [View<'a>], px: f32, share: bool) -> Frame<'a> {
+        Frame {
+            dt_secs: 1.0 / 60.0,
+            positions: &self.positions,
+            rotations: &self.rotations,
+            scales: &[],
+            wake_metres: &[],
+            importance: &[],
+            sight: Sight::Views(views),
+            detail: Detail::Tolerance { px },
+            share,
+            cache: CacheUse::Never,
+        }
+    }
+}
+
+fn camera() -> Camera {
+    Camera::looking_at(Vec3::ZERO, Vec3::NEG_Z, Viewport::default())
+}
+
+fn palettes(crowd: &Crowd, model: &CrowdModel) -> Vec<[f32; 4]> {
+    let mut rows = vec![[0.0; 4]; crowd.matrices() * 3];
+    let mut scratch = model.evaluator().scratch();
+    let all = 0..crowd.batches().len();
+    crowd.evaluate(model, all, PaletteRows::Float(&mut rows), &mut scratch);
+    rows
+}
+
+fn origin(rows: &[[f32; 4]], matrix: usize) -> Vec3 {
+    let at = &rows[matrix * 3..matrix * 3 + 3];
+    Vec3::new(at[0][3], at[1][3], at[2][3])
+}
+
+/// Plays a mixed crowd for some frames.
+fn played(model: &CrowdModel, square: &Square, share: bool, frames: usize) -> (Crowd, CrowdReport) {
+    let mut crowd = Crowd::new(model, square.positions.len());
+    for i in 0..crowd.len() {
+        let voice = Voice::new(model.clips(), i % 2)
+            .at_secs(model.clips(), i as f32 * 0.037)
+            .at_speed([1.0, 0.5, -1.0, 2.0][i % 4]);
+        crowd.play(i, voice.into());
+        if i % 5 == 0 {
+            crowd.fade_to(i, Voice::new(model.clips(), (i + 1) % 2), 10.0);
+        }
+    }
+    let views = [View::of(&camera())];
+    let mut report = CrowdReport::default();
+    for _ in 0..frames {
+        report = crowd.tick(model, &square.frame(&views, 2.0, share), &mut |_| {});
+    }
+    (crowd, report)
+}
+
+#[test]
+fn draws_name_the_palette_of_their_character() {
+    let (rig, clips, sets) = fixed_figure();
+    let model = model(&rig, &clips, &sets);
+    let square = Square::new(200);
+    for share in [false, true] {
+        let (crowd, report) = played(&model, &square, share, 7);
+        let rows = palettes(&crowd, &model);
+        assert_eq!(crowd.draws().len(), report.visible);
+        assert_eq!(report.own + report.followers, report.visible);
+        assert!(report.visible < crowd.len(), "some stand behind the camera");
+        assert!(share == (report.followers > 0) && report.blended > 0);
+        let mut drawn = vec![false; crowd.len()];
+        let mut others = 0;
+        for group in crowd.groups() {
+            assert_eq!(group.matrices, model.palette().len(group.level));
+            for draw in &crowd.draws()[group.draws.clone()] {
+                let character = draw.character as usize;
+                assert!(!std::mem::replace(&mut drawn[character], true));
+                assert_eq!(crowd.level(character), Some(group.level));
+                let mut off = 0f32;
+                for place in 0..group.matrices {
+                    let joint = usize::from(model.clips().ladder().joints()[place]);
+                    let truth = crowd.socket(&model, character, joint).translation;
+                    let shown = origin(&rows, draw.first_matrix as usize + place);
+                    off = off.max(shown.distance(truth.into()));
+                }
+                others += usize::from(off > 4e-5);
+            }
+        }
+        // Only who follows a leader shows another pose than its own.
+        assert!(
+            others <= report.followers,
+            "{others} of {}",
+            report.followers
+        );
+    }
+}
+
+#[test]
+fn ranges_of_batches_give_the_same_bytes_in_any_order() {
+    let (rig, clips, sets) = fixed_figure();
+    let model = model(&rig, &clips, &sets);
+    let (crowd, _) = played(&model, &Square::new(300), true, 3);
+    let whole = palettes(&crowd, &model);
+    for parts in [2, 3, 7, 1000] {
+        let mut ranges = Vec::new();
+        let mut first = 0;
+        while first < crowd.batches().len() {
+            let range = crowd.share_of_batches(first, parts);
+            first = range.end;
+            ranges.push(range);
+        }
+        assert!(ranges.len() <= parts);
+        let mut rows = vec![[f32::NAN; 4]; whole.len()];
+        for range in ranges.into_iter().rev() {
+            let matrices = crowd.matrices_of(range.clone());
+            let part = &mut rows[matrices.start * 3..matrices.end * 3];
+            let mut scratch = model.evaluator().scratch();
+            crowd.evaluate(&model, range, PaletteRows::Float(part), &mut scratch);
+        }
+        assert_eq!(rows, whole);
+    }
+}
+
+#[test]
+fn a_frame_allocates_nothing() {
+    let (rig, clips, sets) = fixed_figure();
+    let events = [ClipEvent { secs: 0.1, id: 7 }];
+    let model = model(&rig, &clips, &sets).with_events(0, &events).unwrap();
+    let square = Square::new(120);
+    let (mut crowd, _) = played(&model, &square, true, 2);
+    let camera = camera();
+    let mut rows = vec![[0.0; 4]; crowd.len() * model.palette().len(0) * 3];
+    let mut scratch = model.evaluator().scratch();
+    let mut heard = 0;
+    let counted = allocation_counter::measure(|| {
+        for i in 0..90 {
+            let views = [View::of(&camera)];
+            let frame = square.frame(&views, 0.1 * i as f32, i % 2 == 0);
+            crowd.tick(&model, &frame, &mut |_| heard += 1);
+            let used = crowd.matrices() * 3;
+            let all = 0..crowd.batches().len();
+            crowd.evaluate(
+                &model,
+                all,
+                PaletteRows::Float(&mut rows[..used]),
+                &mut scratch,
+            );
+        }
+    });
+    assert_eq!(counted.count_total, 0);
+    assert!(heard > 100);
+}
+
+/// Acceptance test 9: who walks into view from the side is shown rightly in the first frame
+/// that shows it, and was told every step meanwhile.
+#[test]
+fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
+    let (rig, clips, sets) = fixed_figure();
+    let duration = clips[0].duration_secs();
+    let marks = [
+        ClipEvent {
+            secs: duration * 0.25,
+            id: 1,
+        },
+        ClipEvent {
+            secs: duration * 0.75,
+            id: 2,
+        },
+    ];
+    // A metre ahead in each lap of the clip.
+    let ahead = RootStep {
+        offset: Vec3::Z,
+        yaw_radians: 0.0,
+    };
+    let path = RootPath::new(1.0 / duration, vec![RootStep::default(), ahead]).unwrap();
+    let model = model(&rig, &clips, &sets)
+        .with_events(0, &marks)
+        .unwrap()
+        .with_root_path(0, path)
+        .unwrap();
+    let mut crowd = Crowd::new(&model, 1);
+    let facing = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
+    let mut position = Vec3::new(-14.0, -1.0, -6.0);
+    let camera = camera();
+    let (mut secs, mut heard, mut first_seen) = (0.0f64, Vec::new(), None);
+    for i in 0..2000 {
+        let dt_secs = [1.0 / 60.0, 1.0 / 24.0, 0.11][i % 3];
+        let views = [View::of(&camera)];
+        let (positions, rotations) = ([position], [facing]);
+        let frame = Frame {
+            dt_secs,
+            positions: &positions,
+            rotations: &rotations,
+            scales: &[],
+            wake_metres: &[],
+            importance: &[],
+            sight: Sight::Views(&views),
+            detail: Detail::Full,
+            share: true,
+            cache: CacheUse::Never,
+        };
+        crowd.tick(&model, &frame, &mut |notice| {
+            if let Notice::Event { id, .. } = notice {
+                heard.push(id);
+            }
+        });
+        secs += f64::from(dt_secs);
+        position += facing * crowd.root_step(0).offset;
+        if crowd.level(0).is_some() {
+            first_seen = Some(i);
+            break;
+        }
+    }
+    assert!(first_seen.unwrap() > 20, "it begins out of view");
+    // The way and the events of all laps, though nothing was evaluated before.
+    let laps = secs / f64::from(duration);
+    assert!(
+        (f64::from(position.x) + 14.0 - laps).abs() < 0.01,
+        "{laps} laps"
+    );
+    let told = [0.25, 0.75].map(|mark| (laps - mark).floor() + 1.0);
+    assert_eq!(heard.len(), (told[0] + told[1]) as usize);
+    assert!(heard.windows(2).all(|w| w[0] != w[1]), "in turns");
+    let rows = palettes(&crowd, &model);
+    let mut pose = rig.rest_pose().clone();
+    sample(
+        &clips[0],
+        secs.rem_euclid(f64::from(duration)),
+        Wrap::Clamp,
+        &rig.all(),
+        &mut pose,
+    );
+    let mut truth = ModelPose::new(rig.len());
+    local_to_model(&rig, &pose, &mut truth);
+    for place in 0..rig.len() {
+        let joint = usize::from(model.clips().ladder().joints()[place]);
+        // A clock of f32 that ran for some seconds is right to some microseconds.
+        assert!(origin(&rows, place).distance(truth.position(joint)) < 1e-3);
+    }
+}
+
+#[test]
+fn a_fade_ends_at_the_other_clip_and_both_tell_their_events() {
+    let (rig, clips, sets) = fixed_figure();
+    let model = model(&rig, &clips, &sets)
+        .with_events(0, &[ClipEvent { secs: 0.0, id: 1 }])
+        .unwrap()
+        .with_events(1, &[ClipEvent { secs: 0.0, id: 2 }])
+        .unwrap();
+    let mut crowd = Crowd::new(&model, 1);
+    crowd.fade_to(0, Voice::new(model.clips(), 1), 0.5);
+    let square = Square::new(1);
+    let mut heard = [false; 3];
+    for step in 0..40 {
+        let mut frame = square.frame(&[], 1.0, false);
+        frame.dt_secs = 0.02;
+        crowd.tick(&model, &frame, &mut |notice| {
+            if let Notice::Event { id, weight, .. } = notice {
+                heard[id as usize] = true;
+                assert!((0.0..=1.0).contains(&weight));
+            }
+        });
+        let done = step as f32 * 0.02 + 0.02 >= 0.5 - 1e-6;
+        assert_eq!(crowd.player(0).next().is_none(), done, "step {step}");
+    }
+    assert_eq!(heard, [false, true, true]);
+    assert_eq!(crowd.player(0).voice().clip(), 1);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(48))]
+
+    /// Whatever is put in, a frame ends, and what it draws can be evaluated.
+    #[test]
+    fn odd_numbers_behave(
+        (rig, clips, sets) in figure(PLAIN),
+        count in 0usize..12,
+        odd in prop::collection::vec(
+            prop_oneof![Just(f32::NAN), Just(f32::INFINITY), Just(-1e30f32), Just(0.0f32), -5.0f32..5.0],
+            12,
+        ),
+        px in prop_oneof![Just(f32::NAN), Just(0.0f32), Just(f32::INFINITY), -1.0f32..9.0],
+    ) {
+        let model = model(&rig, &clips, &sets);
+        let mut crowd = Crowd::new(&model, count);
+        let positions: Vec<Vec3> = (0..count).map(|i| Vec3::new(odd[i], odd[11 - i], -3.0)).collect();
+        let rotations = vec![Quat::IDENTITY; count];
+        let scales: Vec<f32> = odd[..count].to_vec();
+        for (i, o) in odd.iter().enumerate().take(count) {
+            let voice = Voice::new(model.clips(), i % 2).at_speed(*o).at_secs(model.clips(), *o);
+            crowd.play(i, Player::blend(voice, voice.once(), *o));
+            if i % 3 == 0 {
+                crowd.fade_to(i, voice, *o);
+            }
+        }
+        let camera = camera();
+        let views = [View::of(&camera)];
+        for (i, dt_secs) in odd.iter().enumerate() {
+            let frame = Frame {
+                dt_secs: *dt_secs,
+                positions: &positions,
+                rotations: &rotations,
+                scales: &scales,
+                wake_metres: &scales,
+                importance: &scales,
+                sight: if i % 4 == 3 { Sight::Everyone } else { Sight::Views(&views) },
+                detail: Detail::Tolerance { px },
+                share: i % 2 == 0,
+                cache: CacheUse::Never,
+            };
+            let report = crowd.tick(&model, &frame, &mut |_| {});
+            prop_assert_eq!(crowd.draws().len(), report.visible);
+            let rows = palettes(&crowd, &model);
+            prop_assert!(rows.iter().flatten().all(|v| v.is_finite()));
+            for draw in crowd.draws() {
+                let level = crowd.level(draw.character as usize).unwrap();
+                let end = draw.first_matrix as usize + model.palette().len(level);
+                prop_assert!(end <= crowd.matrices());
+            }
+        }
+    }
+
+    /// A socket is the full character's joint, whatever is shown.
+    #[test]
+    fn sockets_are_true(
+        (rig, clips, _) in figure(Options { scaled: true, steps: true }),
+        secs in 0.0f32..1.0,
+        joint in any::<prop::sample::Index>(),
+    ) {
+        let set = ClipSet::new(&rig, Ladder::whole(&rig).unwrap(), &clips, Storage::Float).unwrap();
+        let joint = joint.index(rig.len());
+        let found = articula_core::crowd::socket(&set, &set.cursor(0, secs).into(), joint);
+        let mut pose = rig.rest_pose().clone();
+        sample(&clips[0], f64::from(secs), Wrap::Clamp, &rig.all(), &mut pose);
+        let mut truth = ModelPose::new(rig.len());
+        local_to_model(&rig, &pose, &mut truth);
+        let apart = |a: &Affine3A, b: &Affine3A, p: Vec3| a.transform_point3(p).distance(b.transform_point3(p));
+        for p in [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z] {
+            prop_assert!(apart(&found, &truth.matrices[joint], p) < 4e-5);
+        }
+    }
+}
+
+#[test]
+fn what_does_not_belong_together_is_refused() {
+    let (rig, clips, sets) = fixed_figure();
+    let good = model(&rig, &clips, &sets);
+    let parts = || CrowdParts {
+        clips: good.clips().clone(),
+        palette: good.palette().clone(),
+        form: PaletteForm::Matrix,
+        backend: Backend::Scalar,
+        errors: good.errors().clone(),
+        bounds: good.bounds().clone(),
+    };
+    let at = |parts| CrowdModel::new(parts).unwrap_err().at;
+    let mut few = parts();
+    few.errors.clips.pop();
+    assert_eq!(at(few), "errors.clips");
+    let mut few = parts();
+    few.bounds.clips.pop();
+    assert_eq!(at(few), "bounds.clips");
+    let mut other = parts();
+    let whole = Ladder::whole(&rig).unwrap();
+    other.palette = PaletteMap::joints(&whole);
+    assert_eq!(at(other), "map");
+    assert_eq!(
+        good.clone().with_events(9, &[]).unwrap_err().at,
+        "events[9]"
+    );
+    let late = [ClipEvent { secs: 1e9, id: 0 }];
+    assert_eq!(
+        good.with_events(0, &late).unwrap_err().at,
+        "events[0][0].secs"
+    );
+    const { assert!(Crowd::BYTES_PER_CHARACTER <= 64) }
+}
+
+/// A cache of the first and last pose of each clip at every level but the finest, said to be
+/// within half a centimetre.
+fn with_cache(model: CrowdModel) -> CrowdModel {
+    let evaluator = model.evaluator();
+    let mut scratch = evaluator.scratch();
+    let mut rows = Vec::new();
+    let mut keys = Vec::new();
+    for clip in 0..model.clips().clips() {
+        let duration = model.clips().duration_secs(clip);
+        let mut of_clip = vec![None];
+        for level in 1..model.levels() {
+            let first_matrix = (rows.len() / 3) as u32;
+            for secs in [0.0, duration] {
+                let mut palette = vec![[0.0; 4]; evaluator.rows(level)];
+                let shown = [model.clips().cursor(clip, secs).into()];
+                evaluator.evaluate(
+                    level,
+                    &shown,
+                    PaletteRows::Float(&mut palette),
+                    &mut scratch,
+                );
+                rows.extend(palette);
+            }
+            of_clip.push(Some(CachedKeys {
+                times_secs: vec![0.0, duration],
+                first_matrix,
+                error_metres: 0.005,
+            }));
+        }
+        keys.push(of_clip);
+    }
+    let rows = CachedRows::Float(rows);
+    let cache = PoseCache::new(model.clips(), model.palette(), &keys, rows).unwrap();
+    model.with_cache(cache).unwrap()
+}
+
+#[test]
+fn cached_poses_are_blended_by_either_side() {
+    let (rig, clips, sets) = fixed_figure();
+    let model = with_cache(model(&rig, &clips, &sets));
+    let square = Square::new(200);
+    let camera = camera();
+    let views = [View::of(&camera)];
+    let mut crowd = Crowd::new(&model, 200);
+    for i in 0..200 {
+        let voice = Voice::new(model.clips(), i % 2).at_secs(model.clips(), 0.01 * i as f32);
+        crowd.play(i, voice.into());
+    }
+    let mut frame = square.frame(&views, 3.0, false);
+    frame.dt_secs = 0.0;
+    frame.cache = CacheUse::Cpu;
+    let by_cpu = crowd.tick(&model, &frame, &mut |_| {});
+    let rows = palettes(&crowd, &model);
+    let draws = crowd.draws().to_vec();
+    assert!(by_cpu.cached > 20 && by_cpu.own > 2);
+    assert_eq!((draws.len(), crowd.records().len()), (by_cpu.visible, 0));
+    assert!(by_cpu.bound_px <= 3.0);
+
+    frame.cache = CacheUse::Gpu;
+    let by_gpu = crowd.tick(&model, &frame, &mut |_| {});
+    assert!(by_gpu.cached >= by_cpu.cached);
+    assert_eq!(crowd.draws().len() + crowd.records().len(), by_gpu.visible);
+    let CachedRows::Float(cached) = model.cache().unwrap().rows() else {
+        panic!("cached in f32");
+    };
+    let mut compared = 0;
+    for group in crowd.record_groups() {
+        for record in &crowd.records()[group.records.clone()] {
+            let level = crowd.level(record.character as usize);
+            assert_eq!(level, Some(group.level));
+            let mut of_character = draws.iter().filter(|d| d.character == record.character);
+            let first = of_character.next().unwrap().first_matrix as usize;
+            let after = origin(cached, record.after as usize);
+            let blended = origin(cached, record.before as usize).lerp(after, record.blend);
+            // Only where the CPU took it from the cache too is it the same pose.
+            let same = origin(&rows, first).distance(blended) < 1e-5;
+            compared += usize::from(same);
+        }
+    }
+    assert!(compared >= by_cpu.cached, "{compared} of {}", by_cpu.cached);
+}

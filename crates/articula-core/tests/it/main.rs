@@ -1,0 +1,16 @@
+//! What the runtime promises: the same values by every path, and no allocation in a frame.
+//!
+//! One program: linking one is faster than linking many.
+#![allow(clippy::unwrap_used, reason = "a test may stop at the first surprise")]
+
+mod batch;
+mod budget;
+mod clustered;
+mod crowd;
+mod drift;
+mod loa;
+mod occlusion;
+mod pose_cache;
+mod random_rig;
+mod skin_groups;
+mod visibility;

@@ -1,0 +1,192 @@
+//! One look at a whole crowd, against looking at each body by itself, and while cameras move.
+
+use articula_core::visibility::{
+    Bodies, Closing, Occlusion, Places, Seen, View, Visibility, carry, secs_until_grown, see,
+};
+use articula_core::{
+    Attention, Bound, Camera, Capsule, ClipBounds, Interval, Sphere, Viewport, Wrap,
+    tolerance_metres,
+};
+use glam::{Quat, Vec3};
+use proptest::prelude::*;
+
+/// Bodies as their owner keeps them.
+#[derive(Debug, Clone, Default)]
+struct Crowd {
+    bounds: Vec<Sphere>,
+    wakes: Vec<f32>,
+}
+
+const BALL: Sphere = Sphere {
+    centre: Vec3::ZERO,
+    radius: 1.0,
+};
+
+impl Crowd {
+    /// Unit balls that may move so far.
+    fn of(rows: &[(Vec3, f32)]) -> Self {
+        let mut crowd = Self::default();
+        for (centre, wake) in rows {
+            crowd.push(
+                Sphere {
+                    centre: *centre,
+                    ..BALL
+                },
+                *wake,
+            );
+        }
+        crowd
+    }
+
+    fn push(&mut self, bound: Sphere, wake: f32) {
+        self.bounds.push(bound);
+        self.wakes.push(wake);
+    }
+
+    fn seen(&self, views: &[View<'_>]) -> Vec<Seen> {
+        let mut out = vec![Seen::default(); self.bounds.len()];
+        see(
+            views,
+            Bodies::new(&self.bounds, &self.wakes).unwrap(),
+            &mut out,
+        );
+        out
+    }
+}
+
+fn vector(size: f32) -> impl Strategy<Value = Vec3> {
+    prop::array::uniform3(-size..size).prop_map(Vec3::from)
+}
+
+fn turn() -> impl Strategy<Value = Quat> {
+    vector(3.0).prop_map(Quat::from_scaled_axis)
+}
+
+proptest! {
+    /// The pass by fours against one body and one view at a time.
+    #[test]
+    fn agrees_with_the_plain_test(
+        rows in prop::collection::vec((vector(30.0), 0.0f32..3.0, 0.0f32..4.0), 0..150),
+        eyes in prop::collection::vec((vector(30.0), turn()), 1..4),
+    ) {
+        let mut crowd = Crowd::default();
+        for (centre, radius, wake) in &rows {
+            crowd.push(Sphere { centre: *centre, radius: *radius }, *wake);
+        }
+        let viewport = Viewport::default();
+        let cameras: Vec<Camera> = eyes.iter().map(|(eye, orientation)| Camera { eye: *eye, orientation: *orientation, viewport }).collect();
+        let views: Vec<View<'_>> = cameras.iter().map(View::of).collect();
+        for (b, seen) in crowd.seen(&views).iter().enumerate() {
+            let bound = crowd.bounds[b];
+            // Rounding may decide within this much of an edge.
+            let most = 1e-4;
+            let meets = |extra: f32| -> f32 {
+                views.iter().filter(|v| v.frustum().meets(bound.centre, bound.radius + extra))
+                    .map(|v| v.density().at(v.frustum().depth(bound.centre) - bound.radius - extra.max(0.0)))
+                    .fold(0.0, f32::max)
+            };
+            let between = |low: f32, found: f32, high: f32| low * 0.999 <= found && found <= high * 1.001;
+            match seen.visibility {
+                Visibility::Visible => prop_assert!(between(meets(-most), seen.pixels_per_metre, meets(most))),
+                Visibility::Near => {
+                    prop_assert_eq!(meets(-most), 0.0);
+                    let wake = rows[b].2;
+                    prop_assert!(between(meets(wake - most), seen.pixels_per_metre, meets(wake + most)));
+                }
+                Visibility::Hidden => prop_assert_eq!(meets(rows[b].2 - most), 0.0),
+            }
+        }
+    }
+
+    /// Acceptance test 13's half for visibility: a camera that moves, turns and runs into a
+    /// body that comes to meet it never sees it denser than was foretold.
+    #[test]
+    fn a_dolly_keeps_the_bound(
+        eye in vector(20.0),
+        way in vector(1.0),
+        axis in vector(1.0),
+        speeds in (0.0f32..8.0, 0.0f32..8.0, 0.0f32..2.0),
+        growth in 0.01f32..1.0,
+    ) {
+        let (camera_speed, body_speed, turning) = speeds;
+        let closing = Closing { metres_per_sec: camera_speed + body_speed, radians_per_sec: turning };
+        let start = Camera::looking_at(eye, Vec3::ZERO, Viewport::default());
+        let crowd = |position| Crowd::of(&[(position, 0.0)]);
+        let before = crowd(Vec3::ZERO).seen(&[View::of(&start)])[0];
+        let secs = secs_until_grown(&[View::of(&start)], BALL, before, growth, closing);
+        prop_assert!(secs > 0.0 || before.visibility != Visibility::Visible);
+        // Towards each other most of the time, whatever the random way says.
+        let inwards = (way - eye.normalize_or_zero()).normalize_or_zero();
+        for step in 0..=20 {
+            let t = secs.min(10.0) * step as f32 / 20.0;
+            let turned = Quat::from_scaled_axis(axis.normalize_or_zero() * (turning * t));
+            let camera = Camera {
+                eye: eye + inwards * (camera_speed * t),
+                orientation: turned * start.orientation,
+                ..start
+            };
+            let position = -inwards * (body_speed * t);
+            let seen = crowd(position).seen(&[View::of(&camera)])[0];
+            let limit = before.pixels_per_metre * (1.0 + growth) * 1.0001;
+            prop_assert!(
+                before.visibility != Visibility::Visible
+                    || seen.visibility != Visibility::Visible
+                    || seen.pixels_per_metre <= limit,
+                "{} above {limit} after {t} s of {secs}", seen.pixels_per_metre
+            );
+        }
+    }
+}
+
+/// Everything that this part of a frame asks, in one frame.
+#[test]
+fn a_look_does_not_allocate() {
+    let second = Bound {
+        sphere: BALL,
+        least: Vec3::NEG_ONE,
+        greatest: Vec3::ONE,
+    };
+    let clip = ClipBounds::new(1.5, vec![second; 2], BALL).unwrap();
+    let step = Interval {
+        start_secs: 0.2,
+        end_secs: 0.6,
+        factor: 0.25,
+    };
+    let attention = Attention::new(1.5, &[step]).unwrap();
+    let camera = Camera::looking_at(Vec3::Z * 30.0, Vec3::ZERO, Viewport::default());
+    let mut grid = Occlusion::new(160, 90).unwrap();
+    let (count, scale) = (130, 1.0);
+    let positions: Vec<Vec3> = (0..count).map(|i| Vec3::X * i as f32).collect();
+    let rotations = vec![Quat::IDENTITY; count];
+    let scales = vec![scale; count];
+    let mut bounds = vec![BALL; count];
+    let mut world = vec![BALL; count];
+    let wakes = vec![0.1; count];
+    let mut occluded = vec![0.0; count];
+    let mut seen = vec![Seen::default(); count];
+    let mut tolerance = 0.0;
+    let counted = allocation_counter::measure(|| {
+        for bound in &mut bounds {
+            *bound = clip.over(1.2, 0.5, 1.0, Wrap::Loop).sphere;
+        }
+        let places = Places::new(&positions, &rotations, &scales, &bounds).unwrap();
+        carry(places, &mut world);
+        grid.begin(&camera);
+        let trunk = Capsule {
+            ends: [Vec3::NEG_Y, Vec3::Y],
+            radius: 0.1,
+        };
+        grid.draw(&trunk.carried(positions[0], rotations[0], scale));
+        for (b, occluded) in occluded.iter_mut().enumerate() {
+            *occluded = grid.occluded(&second, positions[b], rotations[b], scale);
+        }
+        let views = [View::of(&camera).with_occluded(&occluded)];
+        see(&views, Bodies::new(&world, &wakes).unwrap(), &mut seen);
+        let secs = secs_until_grown(&views, world[0], seen[0], 0.25, Closing::default());
+        let m = attention.at(f64::from(secs.min(1.0)), Wrap::Loop);
+        tolerance = tolerance_metres(1.0, m, seen[0].pixels_per_metre);
+    });
+    assert_eq!(counted.count_total, 0);
+    assert_eq!(seen[0].visibility, Visibility::Visible);
+    assert!(tolerance > 0.0);
+}

@@ -1,0 +1,16 @@
+//! Promises of the glTF reader and writer: every feature by a tiny file made in code, every
+//! real file, hostile and mutated ones.
+
+mod clustered;
+mod compressed;
+mod features;
+mod files;
+mod hostile;
+mod khr_character;
+mod levels;
+mod mutated;
+mod quantized;
+mod tiny;
+mod vertex_classes;
+mod vrm;
+mod written;

@@ -1,0 +1,22 @@
+//! What readers and writers promise: every feature by a small file, real files, and hostile ones.
+//!
+//! One program: linking one is faster than linking many.
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    clippy::print_stdout,
+    reason = "a test may panic, reads files, and says what it skips"
+)]
+
+mod acclaim;
+mod bva_files;
+mod bvh_files;
+mod gltf;
+mod meshopt;
+mod mpeg4;
+mod mutated_text;
+mod profile_characters;
+mod real;
+mod simplified_characters;
+mod thinned;
+mod x3d;

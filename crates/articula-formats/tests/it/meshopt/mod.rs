@@ -1,0 +1,4 @@
+//! Promises of the meshopt decoder: the vectors of its makers, and whatever the bytes.
+
+mod mutated;
+mod vectors;

@@ -1,0 +1,8 @@
+//! Promises of the X3D reader and writer: every feature by a small file, every real file, what
+//! is written read again, hostile and mutated files.
+
+mod compare;
+mod features;
+mod hostile;
+mod mutated;
+mod written;

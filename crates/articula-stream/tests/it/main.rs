@@ -1,0 +1,14 @@
+//! What a stream promises: what comes back is what was given, whole or cut.
+//!
+//! One program: linking one is faster than linking many.
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    clippy::print_stdout,
+    reason = "a test may panic, reads files, and says what it skips"
+)]
+
+mod clustered_stream;
+mod mesh_levels;
+#[path = "../../../articula-formats/tests/it/real/mod.rs"]
+mod real;

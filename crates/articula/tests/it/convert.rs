@@ -1,0 +1,246 @@
+//! Clips of real files on the characters of others, and what is said where they do not fit.
+
+use crate::real::real_data;
+use articula::convert::{ClipEdits, ClipFit, ClipPart, ReduceOptions, write};
+use articula::glam::Vec3;
+use articula::{
+    AddClipsOptions, ConvertOptions, Error, Figure, Format, OpenOptions, Opened, PrepareOptions,
+    Work, convert, fs, open, prepare,
+};
+use articula_core::source::evaluate;
+use articula_core::{ModelPose, Rig, local_to_model};
+use std::path::Path;
+
+const MANNEQUIN: &str = "glb/kaykit_mannequin/manny_med_mod.gltf";
+const LIBRARY: &str = "glb/kaykit_mannequin/Med_MovementBasic.glb";
+const WOMAN: &str = "glb/mh_female_default163_arkit52.glb";
+const WALK: &str = "bvh/cmu_12_01_walk.bvh";
+const AVATAR: &str = "vrm/Godette_vrm_v4.vrm";
+const FOX: &str = "glb/Fox.glb";
+
+/// A character with the clips of a file, and where they come from.
+fn added(data: &Path, character: &str, file: &str) -> (Opened, Vec<ClipFit>) {
+    let mut opened = fs::open(data.join(character)).unwrap();
+    let files = [fs::open(data.join(file)).unwrap()];
+    let options = AddClipsOptions::default();
+    let fits = opened.add_clips(&files, &options, &Work::default());
+    (opened, fits.unwrap())
+}
+
+/// Why the clips of a file cannot be added.
+fn refused(data: &Path, character: &str, file: &str) -> Error {
+    let mut opened = fs::open(data.join(character)).unwrap();
+    let before = opened.character.clips.len();
+    let files = [fs::open(data.join(file)).unwrap()];
+    let why = opened.add_clips(&files, &AddClipsOptions::default(), &Work::default());
+    assert_eq!(opened.character.clips.len(), before);
+    why.unwrap_err()
+}
+
+/// Joint positions at a time of a clip, by name.
+fn positions(opened: &Opened, clip: &str, secs: f32) -> Vec<(String, Vec3)> {
+    let skeleton = &opened.character.skeleton;
+    let rig = Rig::new(skeleton, opened.articulation()).unwrap();
+    let clips = &opened.character.clips;
+    let clip = clips.iter().find(|c| c.name == clip).unwrap();
+    let mut local = rig.rest_pose().clone();
+    evaluate::pose(clip, skeleton, secs, &mut local);
+    let mut model = ModelPose::new(rig.len());
+    local_to_model(&rig, &local, &mut model);
+    let names = skeleton.joints.iter().map(|j| j.name.clone());
+    names
+        .enumerate()
+        .map(|(j, name)| (name, model.position(j)))
+        .collect()
+}
+
+/// Reads a GLB that was written.
+fn again(bytes: &[u8]) -> Opened {
+    let nothing = &mut |_: &str| Err("nothing lies beside it".into());
+    open(bytes, "written.glb", &OpenOptions::default(), nothing).unwrap()
+}
+
+#[test]
+fn a_library_of_clips_moves_its_mannequin_as_it_is() {
+    let Some(data) = real_data() else { return };
+    let (opened, fits) = added(&data, MANNEQUIN, LIBRARY);
+    assert_eq!(fits.len(), 11);
+    assert!(fits.iter().all(|fit| fit.retargeted.is_none()));
+    let name = "Rig_Medium|Running_A";
+    assert!(fits.iter().any(|fit| fit.name == name && fit.from == name));
+    // Every joint is where the library's own rig has it.
+    let library = fs::open(data.join(LIBRARY)).unwrap();
+    let there = positions(&library, name, 0.3);
+    let mut compared = 0;
+    for (joint, position) in positions(&opened, name, 0.3) {
+        if let Some((_, other)) = there.iter().find(|(name, _)| *name == joint) {
+            assert!(position.distance(*other) < 1e-4, "{joint}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 20, "only {compared} joints");
+    // What is prepared and written has the clips.
+    let prepared = prepare(opened, &PrepareOptions::default(), &Work::default()).unwrap();
+    assert_eq!(prepared.tables.len(), 11);
+    let asset = again(&prepared.glb);
+    assert_eq!(asset.character.clips.len(), 11);
+    assert_eq!(asset.character.meshes.len(), 8);
+}
+
+#[test]
+fn a_capture_walks_on_other_figures_by_the_map() {
+    let Some(data) = real_data() else { return };
+    for (character, tall) in [(WOMAN, 1.0), (AVATAR, 0.8)] {
+        let (opened, fits) = added(&data, character, WALK);
+        assert_eq!(fits[0].name, "cmu_12_01_walk");
+        let report = fits[0].retargeted.as_ref().unwrap();
+        assert!(report.quality.slide.mean_metres < 0.02, "{character}");
+        let format = opened.format;
+        let written = write(&opened, format).unwrap();
+        let back = again(&written.bytes);
+        let hips = |secs| {
+            let all = positions(&back, "cmu_12_01_walk", secs);
+            let at = back.mapping.articulation.joints.iter();
+            let hips = at.clone().position(|j| j.hanim.as_deref() == Some("l_hip"));
+            all[hips.unwrap()].1
+        };
+        let (start, end) = (hips(0.5), hips(3.5));
+        assert!(start.distance(end) > tall, "{character}: {start} to {end}");
+    }
+}
+
+#[test]
+fn figures_move_with_what_came_from_elsewhere() {
+    let Some(data) = real_data() else { return };
+    for (character, file) in [(MANNEQUIN, LIBRARY), (WOMAN, WALK)] {
+        let (opened, _) = added(&data, character, file);
+        let figure = Figure::new(opened).unwrap();
+        assert!(figure.clip(None).unwrap().is_some(), "{character}");
+    }
+}
+
+#[test]
+fn what_fits_neither_by_name_nor_by_map_says_the_mend() {
+    let Some(data) = real_data() else { return };
+    for (character, file) in [(FOX, WALK), (WOMAN, FOX)] {
+        let why = refused(&data, character, file);
+        assert!(matches!(why.cause(), Error::Unmapped(_)), "{why}");
+        let said = why.to_string();
+        assert!(said.contains(file) && said.contains("Fox.glb"), "{said}");
+        assert!(said.contains("joint-name profile"), "{said}");
+    }
+    let why = refused(&data, WOMAN, "glb/mh_male_cmu31.glb").to_string();
+    assert!(
+        why.contains("mh_male_cmu31.glb: clips: there is none"),
+        "{why}"
+    );
+}
+
+#[test]
+fn clips_of_several_files_keep_apart() {
+    let Some(data) = real_data() else { return };
+    let mut opened = fs::open(data.join(WOMAN)).unwrap();
+    let own = opened.character.clips.len();
+    let file = |name: &str| fs::open(data.join(name)).unwrap();
+    let files = [file(WALK), file(WALK), file(LIBRARY)];
+    let options = AddClipsOptions {
+        prefix: "new ".into(),
+        ..AddClipsOptions::default()
+    };
+    let fits = opened
+        .add_clips(&files, &options, &Work::default())
+        .unwrap();
+    let names: Vec<&str> = fits.iter().map(|fit| fit.name.as_str()).collect();
+    assert_eq!(names[..2], ["new cmu_12_01_walk", "new cmu_12_01_walk 2"]);
+    assert_eq!(names[2], "new Med_MovementBasic Rig_Medium|Jump_Full_Long");
+    assert_eq!(opened.character.clips.len(), own + 13);
+    let options = AddClipsOptions {
+        keep_own: false,
+        clip: Some("Rig_Medium|Walking_A".into()),
+        ..AddClipsOptions::default()
+    };
+    let files = [file(LIBRARY)];
+    opened
+        .add_clips(&files, &options, &Work::default())
+        .unwrap();
+    assert_eq!(opened.character.clips.len(), 1);
+}
+
+/// A figure of two joints that nods for three frames.
+const NOD: &str = "HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 90 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT Spine
+  {
+    OFFSET 0 30 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    End Site
+    {
+      OFFSET 0 20 0
+    }
+  }
+}
+MOTION
+Frames: 3
+Frame Time: 0.1
+0 90 0 0 0 0 0 0 0
+0 90 1 0 0 0 0 5 0
+0 90 2 0 0 0 0 0 0
+";
+
+fn nod() -> Opened {
+    let nothing = &mut |_: &str| Err("nothing lies beside it".into());
+    open(NOD.as_bytes(), "nod.bvh", &OpenOptions::default(), nothing).unwrap()
+}
+
+#[test]
+fn a_file_is_edited_and_written_in_another_format() {
+    let options = ConvertOptions {
+        edits: ClipEdits {
+            trim: Some(ClipPart {
+                from_secs: None,
+                to_secs: Some(0.1),
+            }),
+            rate_hz: Some(60.0),
+            reduce_keys: Some(ReduceOptions {
+                bound_metres: 1e-3,
+                drop_rest: false,
+            }),
+            ..ClipEdits::default()
+        },
+        ..ConvertOptions::default()
+    };
+    let made = convert(nod(), Format::Glb, &options, &Work::default()).unwrap();
+    let edited = &made.edits[0];
+    assert_eq!(edited.trim.unwrap().to_secs, 0.1);
+    let keys = edited.reduce_keys.unwrap();
+    assert_eq!(edited.rate.unwrap().keys_after, keys.keys_before);
+    assert!(keys.keys_after < keys.keys_before && keys.worst_m <= 1e-3);
+    let back = again(&made.written.bytes);
+    assert!((back.character.clips[0].duration_secs - 0.1).abs() < 1e-5);
+    let why = convert(nod(), Format::Bvh, &options, &Work::default()).unwrap_err();
+    assert!(why.is_argument() && why.to_string().contains("every frame"));
+    let why = convert(
+        nod(),
+        Format::Vrm,
+        &ConvertOptions::default(),
+        &Work::default(),
+    );
+    let why = why.unwrap_err().to_string();
+    assert!(why.starts_with("bvh to vrm is not converted"), "{why}");
+}
+
+#[test]
+fn without_a_clip_formats_of_motion_are_refused_and_pairs_come_as_two() {
+    let pair = write(&nod(), Format::Amc).unwrap();
+    assert_eq!(pair.beside.unwrap().0, Format::Asf);
+    let mut still = nod();
+    still.character.clips.clear();
+    let why = write(&still, Format::Bvh).unwrap_err().to_string();
+    assert!(why.contains("there is none to write"), "{why}");
+    assert!(write(&still, Format::Asf).unwrap().beside.is_none());
+    let made = Opened::from_character("made", nod().character);
+    assert_eq!(made.mapping.humanoid, nod().mapping.humanoid);
+}

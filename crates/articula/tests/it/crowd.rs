@@ -1,0 +1,247 @@
+//! Crowds of the library: any file does something sensible, and who evaluates changes no bit.
+
+use crate::real::real_data;
+use articula::crowd::{
+    Camera, CrowdAsset, CrowdOptions, CrowdPlayer, JointLods, PaletteForm, PaletteHash,
+    PaletteMatrices, PaletteSlice, RootMotion, Sight, View, Viewport,
+};
+use articula::{AddClipsOptions, Figure, OpenOptions, Opened, Work};
+use articula_core::loa::Expression;
+use glam::Vec3;
+use std::sync::OnceLock;
+
+/// The reference human, made once for all tests.
+fn human() -> Opened {
+    static HUMAN: OnceLock<Opened> = OnceLock::new();
+    let made = HUMAN.get_or_init(|| {
+        let options = articula_human::HumanOptions { triangles: 2000 };
+        let character = articula_human::human(&options).unwrap();
+        let document = articula_formats::gltf::Document::from_character(&character).unwrap();
+        let glb = document.write_glb().unwrap();
+        let nothing: &mut articula_formats::Resolver<'_> = &mut |_| Err("nothing".into());
+        articula::open(&glb, "human.glb", &OpenOptions::default(), nothing).unwrap()
+    });
+    made.clone()
+}
+
+fn asset_of(opened: Opened, options: &CrowdOptions) -> CrowdAsset {
+    let figure = Figure::new(opened).unwrap();
+    CrowdAsset::new(&figure, options, &Work::default()).unwrap()
+}
+
+/// A row of characters, each a little later in the next clip, and a camera that sees them all.
+fn row(asset: &CrowdAsset, count: usize) -> (CrowdPlayer, Camera) {
+    let mut crowd = CrowdPlayer::new(asset, count).unwrap();
+    for i in 0..count {
+        crowd.place(i, Vec3::X * (2.0 * i as f32 - count as f32), 0.3);
+        crowd.play(i, i % asset.clips().len(), 0.1 * i as f32);
+    }
+    let bounds = asset.model().bounds();
+    let radius = |c: &articula_core::ClipBounds| c.whole().sphere.radius;
+    let reach = bounds.clips.iter().map(radius).fold(1.0, f32::max);
+    let eye = Vec3::new(0.0, reach, 4.0 * reach + 4.0 * count as f32);
+    (
+        crowd,
+        Camera::looking_at(eye, Vec3::ZERO, Viewport::default()),
+    )
+}
+
+fn all_finite(palettes: PaletteSlice<'_>) -> bool {
+    match palettes {
+        PaletteSlice::Float(rows) => rows.as_flattened().iter().all(|v| v.is_finite()),
+        PaletteSlice::Half(rows) => rows.as_flattened().iter().all(|v| v & 0x7c00 != 0x7c00),
+    }
+}
+
+/// Plays a crowd for a second; how far the vertices of its characters went, metres.
+fn played(asset: &CrowdAsset) -> f32 {
+    let (mut crowd, camera) = row(asset, 8);
+    let mut before: Vec<Option<Vec<Vec3>>> = vec![None; 8];
+    let mut way: f32 = 0.0;
+    for frame in 0..20 {
+        let report = crowd.frame(0.05, &camera);
+        assert_eq!(report.visible, 8, "frame {frame}");
+        assert!(all_finite(crowd.palettes()), "frame {frame}");
+        let shown: usize = crowd.groups().map(|g| g.draws.len()).sum();
+        assert_eq!(shown, 8);
+        for (i, before) in before.iter_mut().enumerate() {
+            let (mesh, skinned) = crowd.skinned(i).unwrap();
+            assert_eq!(skinned.positions.len(), mesh.len());
+            assert!(skinned.positions.iter().all(|p| p.is_finite()));
+            if let Some(before) = before {
+                let apart = before.iter().zip(&skinned.positions);
+                way = apart.map(|(a, b)| a.distance(*b)).fold(way, f32::max);
+            }
+            *before = Some(skinned.positions);
+        }
+    }
+    way
+}
+
+#[test]
+fn any_file_makes_a_crowd() {
+    let Some(data) = real_data() else { return };
+    for (file, moves, said) in [
+        ("glb/KayKit_Knight.glb", true, ""),
+        ("glb/Quaternius_cyberpunk_pack__Character.glb", true, ""),
+        ("glb/Quaternius_modular_men__Casual2.glb", false, "no clip"),
+        ("glb/mh_female_dance.glb", true, ""),
+        ("glb/Fox.glb", true, ""),
+        ("glb/CesiumMan.glb", true, ""),
+        ("glb/mh_female_default163_arkit52.glb", false, "no clip"),
+        ("vrm/Godette_vrm_v4.vrm", false, "no clip"),
+        (
+            "glb/AnimatedMorphCube.glb",
+            false,
+            "play the file as a single figure",
+        ),
+        ("bvh/cmu_12_01_walk.bvh", true, "points on the bones"),
+    ] {
+        let opened = articula::fs::open(data.join(file)).unwrap();
+        let asset = asset_of(opened, &CrowdOptions::default());
+        let way = played(&asset);
+        assert_eq!(way > 1e-3, moves, "{file}: {way} m");
+        let warnings = asset.warnings().join("; ");
+        assert_eq!(warnings.is_empty(), said.is_empty(), "{file}: {warnings}");
+        assert!(warnings.contains(said), "{file}: {warnings}");
+    }
+}
+
+#[test]
+fn a_file_without_clips_moves_with_those_of_another() {
+    let Some(data) = real_data() else { return };
+    let motion = articula::fs::open(data.join("bvh/cmu_12_01_walk.bvh")).unwrap();
+    for file in [
+        "glb/Quaternius_modular_men__Casual2.glb",
+        "glb/mh_female_default163_arkit52.glb",
+        "vrm/Godette_vrm_v4.vrm",
+    ] {
+        let mut opened = articula::fs::open(data.join(file)).unwrap();
+        let motions = std::slice::from_ref(&motion);
+        opened
+            .add_clips(motions, &AddClipsOptions::default(), &Work::default())
+            .unwrap();
+        let asset = asset_of(opened, &CrowdOptions::default());
+        // A walk of some metres is played on the spot.
+        assert!(asset.travels(0), "{file}");
+        let way = played(&asset);
+        assert!(way > 0.01, "{file}: {way} m");
+        assert_eq!(asset.warnings(), [""; 0], "{file}");
+    }
+}
+
+#[test]
+fn a_named_level_of_unknown_joints_says_the_mend() {
+    let Some(data) = real_data() else { return };
+    let opened = articula::fs::open(data.join("glb/Fox.glb")).unwrap();
+    let options = CrowdOptions {
+        joints: JointLods::Named(Expression::parse("loa(Low)").unwrap()),
+        ..CrowdOptions::default()
+    };
+    let asset = asset_of(opened, &options);
+    assert!(asset.warnings().concat().contains("give a joint map"));
+    assert!(played(&asset) > 1e-3);
+}
+
+#[test]
+fn who_evaluates_changes_no_bit() {
+    for (matrices, form) in [
+        (PaletteMatrices::Skin, PaletteForm::Matrix),
+        (PaletteMatrices::Joints, PaletteForm::HalfMatrix),
+    ] {
+        let options = CrowdOptions {
+            matrices,
+            form,
+            ..CrowdOptions::default()
+        };
+        let asset = asset_of(human(), &options);
+        let run = |parts: usize, backwards: bool| {
+            let (mut crowd, camera) = row(&asset, 100);
+            let mut hash = PaletteHash::default();
+            for _ in 0..3 {
+                let views = [View::of(&camera)];
+                crowd.plan(1.0 / 60.0, Sight::Views(&views), &mut |_| ());
+                let mut parts: Vec<_> = crowd.parts(parts).collect();
+                if backwards {
+                    parts.reverse();
+                }
+                parts.iter_mut().for_each(|part| part.evaluate());
+                drop(parts);
+                hash.add(&crowd);
+            }
+            hash.text()
+        };
+        let one = run(1, false);
+        assert_eq!(one, run(5, false));
+        assert_eq!(one, run(7, true));
+        assert_eq!(one, run(1000, true));
+    }
+}
+
+#[test]
+fn a_frame_allocates_nothing() {
+    let asset = asset_of(human(), &CrowdOptions::default());
+    let (mut crowd, camera) = row(&asset, 200);
+    crowd.frame(0.0, &camera);
+    let counted = allocation_counter::measure(|| {
+        for i in 0..200 {
+            crowd.place(i, Vec3::Z * i as f32, 0.1);
+            crowd.fade_to(i, i % asset.clips().len(), 0.2);
+        }
+        crowd.frame(1.0 / 60.0, &camera);
+        let shown: usize = crowd.groups().map(|g| g.draws.len()).sum();
+        assert!(shown > 0);
+    });
+    assert_eq!(counted.count_total, 0);
+}
+
+#[test]
+fn joints_and_skin_show_the_same_vertices() {
+    let skinned = |matrices, form| {
+        let options = CrowdOptions {
+            matrices,
+            form,
+            ..CrowdOptions::default()
+        };
+        let (mut crowd, camera) = row(&asset_of(human(), &options), 3);
+        crowd.frame(0.3, &camera);
+        crowd.skinned(1).unwrap().1.positions
+    };
+    let skin = skinned(PaletteMatrices::Skin, PaletteForm::Matrix);
+    for (form, metres) in [
+        (PaletteForm::Matrix, 1e-5),
+        (PaletteForm::Rigid, 1e-5),
+        // Half floats: 1/2048 of a rotation's numbers at 2 m.
+        (PaletteForm::HalfMatrix, 4e-3),
+    ] {
+        let joints = skinned(PaletteMatrices::Joints, form);
+        let apart = skin.iter().zip(&joints).map(|(a, b)| a.distance(*b));
+        let apart = apart.fold(0.0, f32::max);
+        assert!(apart < metres, "{form:?}: {apart} m");
+    }
+}
+
+#[test]
+fn clips_are_chosen_by_name_and_unknown_ones_are_told() {
+    let figure = Figure::new(human()).unwrap();
+    let name = figure.asset.clips[1].name.clone();
+    let options = |name: &str| CrowdOptions {
+        clips: vec![name.to_owned()],
+        joints: JointLods::Named(Expression::parse("loa(Low)").unwrap()),
+        root_motion: RootMotion::Extracted,
+        ..CrowdOptions::default()
+    };
+    let asset = CrowdAsset::new(&figure, &options(&name), &Work::default()).unwrap();
+    assert_eq!((asset.clips().len(), asset.clip(&name).unwrap()), (1, 0));
+    assert_eq!(asset.levels(), 2);
+    assert!(asset.level(1).joints < asset.level(0).joints);
+    let why = CrowdAsset::new(&figure, &options("fly"), &Work::default()).unwrap_err();
+    assert!(why.is_argument() && why.to_string().starts_with("human.glb: no clip"));
+}
+
+#[test]
+fn too_large_a_crowd_is_refused() {
+    let asset = asset_of(human(), &CrowdOptions::default());
+    let why = CrowdPlayer::new(&asset, usize::MAX / 1000).unwrap_err();
+    assert!(why.to_string().contains("lower the count"), "{why}");
+}

@@ -1,0 +1,14 @@
+//! What the library promises to a caller: it plays and converts every kind of file.
+//!
+//! One program: linking one is faster than linking many.
+#![allow(
+    clippy::unwrap_used,
+    clippy::disallowed_methods,
+    clippy::print_stdout,
+    reason = "a test may panic, looks for the folder of real files, and says what it skips"
+)]
+
+mod convert;
+mod crowd;
+#[path = "../../../articula-formats/tests/it/real/mod.rs"]
+mod real;
