@@ -6,7 +6,7 @@
 use crate::chores::{cargo, root, run, tidy};
 use crate::outcome::Outcome;
 use crate::{node, wasm};
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use std::path::PathBuf;
 use std::process::Command;
 use std::time::Instant;
@@ -14,34 +14,47 @@ use std::time::Instant;
 /// One step: the name a person reads, and what it does.
 type Step = (&'static str, fn() -> Result<Outcome>);
 
-/// The steps in order. **A new step is one line here and one function below.**
-const STEPS: &[Step] = &[
-    ("format", format),
-    ("clippy", clippy),
-    ("oracle packages", node::install),
-    ("oracle browser", node::browser),
-    ("tests", tests),
-    ("examples", examples),
-    ("documentation", documentation),
-    ("wasm build", wasm::check),
-    ("tidy", tidy_step),
-    ("oracle self-test", node::self_test),
+/// The steps in order; those of one row run side by side, as they wait for different things.
+/// **A new step is one line here and one function below.**
+const STEPS: &[&[Step]] = &[
+    &[("format", format)],
+    &[
+        ("clippy", clippy),
+        ("oracle packages", node::install),
+        ("oracle browser", node::browser),
+    ],
+    &[("build of the tests", build_tests)],
+    &[("unit tests", unit_tests), ("other tests", other_tests)],
+    &[
+        ("examples", examples),
+        ("documentation", documentation),
+        ("wasm build", wasm::check),
+        ("tidy", tidy_step),
+        ("oracle self-test", node::self_test),
+    ],
 ];
 
 /// Runs every step up to the first failure and prints how long each took.
 pub(crate) fn test() -> Result<()> {
     let begin = Instant::now();
     let mut times = Vec::new();
-    for (name, step) in STEPS {
-        println!("== {name}");
-        let start = Instant::now();
-        let outcome = step().with_context(|| format!("step \"{name}\" failed"))?;
-        let secs = start.elapsed().as_secs_f64();
-        match outcome {
-            Outcome::Done => println!("== {name}: done in {secs:.1} s"),
-            Outcome::Skipped(why) => println!("skipped: {why}"),
+    for row in STEPS {
+        let ended: Vec<Result<f64>> = std::thread::scope(|scope| {
+            let started: Vec<_> = row
+                .iter()
+                .map(|step| scope.spawn(move || timed(step)))
+                .collect();
+            let ended = started.into_iter().map(|step| step.join());
+            ended
+                .map(|e| e.unwrap_or_else(|_| bail!("a step panicked")))
+                .collect()
+        });
+        for ((name, _), secs) in row.iter().zip(ended) {
+            times.push((
+                name,
+                secs.with_context(|| format!("step \"{name}\" failed"))?,
+            ));
         }
-        times.push((name, secs));
     }
     println!();
     for (name, secs) in times {
@@ -50,6 +63,23 @@ pub(crate) fn test() -> Result<()> {
     let total = begin.elapsed().as_secs_f64();
     println!("{total:7.1} s  all steps passed");
     Ok(())
+}
+
+/// Runs a step and says how it ended; gives its time in seconds.
+fn timed((name, step): &Step) -> Result<f64> {
+    println!("== {name}");
+    let start = Instant::now();
+    let outcome = step();
+    let secs = start.elapsed().as_secs_f64();
+    match outcome {
+        Ok(Outcome::Done) => println!("== {name}: done in {secs:.1} s"),
+        Ok(Outcome::Skipped(why)) => println!("skipped: {why}"),
+        Err(fault) => {
+            println!("== {name}: failed after {secs:.1} s");
+            return Err(fault);
+        }
+    }
+    Ok(secs)
 }
 
 fn format() -> Result<Outcome> {
@@ -63,12 +93,25 @@ fn clippy() -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn tests() -> Result<Outcome> {
+fn build_tests() -> Result<Outcome> {
+    run(cargo().args(["test", "--workspace", "--no-run"]))?;
+    Ok(Outcome::Done)
+}
+
+/// The tests inside libraries and programs, and those of the documentation.
+fn unit_tests() -> Result<Outcome> {
+    run(cargo().args(["test", "--workspace", "--lib", "--bins"]))?;
+    run(cargo().args(["test", "--workspace", "--doc"]))?;
+    Ok(Outcome::Done)
+}
+
+/// The tests that are programs of their own.
+fn other_tests() -> Result<Outcome> {
     // A passing test's own words are not shown, so what they skip is said here.
     if !data_folder().is_dir() {
         println!("skipped: no data (tests on real characters; set ARTICULA_DATA)");
     }
-    run(cargo().args(["test", "--workspace"]))?;
+    run(cargo().args(["test", "--workspace", "--test", "*"]))?;
     Ok(Outcome::Done)
 }
 
@@ -107,19 +150,19 @@ fn examples() -> Result<Outcome> {
     // The tests have just built them.
     let target = std::env::var_os("CARGO_TARGET_DIR").map(PathBuf::from);
     let built = target.unwrap_or_else(|| root().join("target"));
+    let run = |example: &str, files: &[String]| -> Result<()> {
+        let program = built.join("debug/examples").join(example);
+        let ran = Command::new(program).args(files).output()?;
+        anyhow::ensure!(
+            ran.status.success(),
+            "{example} {files:?}: {}",
+            String::from_utf8_lossy(&ran.stderr)
+        );
+        Ok(())
+    };
     let play = |files: &[String]| {
-        ["crowd", "hero"]
-            .iter()
-            .try_for_each(|example| -> Result<()> {
-                let program = built.join("debug/examples").join(example);
-                let ran = Command::new(program).args(files).output()?;
-                anyhow::ensure!(
-                    ran.status.success(),
-                    "{example} {files:?}: {}",
-                    String::from_utf8_lossy(&ran.stderr)
-                );
-                Ok(())
-            })
+        run("crowd", files)?;
+        run("hero", files)
     };
     play(&[])?;
     let data = data_folder();

@@ -13,6 +13,8 @@ mod data;
 mod measure;
 mod open;
 mod peers;
+#[cfg(test)]
+mod small;
 mod subdivide;
 mod tables;
 mod wire_mesh;
@@ -65,7 +67,10 @@ enum Table {
 }
 
 fn main() -> Result<()> {
-    let arguments = Arguments::parse();
+    run(Arguments::parse())
+}
+
+fn run(arguments: Arguments) -> Result<()> {
     let Some(data) = data::folder(arguments.data.as_deref())? else {
         println!("skipped: no data");
         return Ok(());

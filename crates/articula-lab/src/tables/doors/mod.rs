@@ -13,6 +13,7 @@ use anyhow::{Context, Result};
 use articula::Opened;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 use written::Trip;
 
 /// Files above this size are left out of a small run.
@@ -149,7 +150,9 @@ fn doors(run: &Run, folder: &Path) -> Result<Vec<Door>> {
 
 /// A folder for what is written on the way.
 fn scratch() -> Result<PathBuf> {
-    let folder = std::env::temp_dir().join(format!("articula-doors-{}", std::process::id()));
+    static MADE: AtomicU32 = AtomicU32::new(0);
+    let (process, made) = (std::process::id(), MADE.fetch_add(1, Ordering::Relaxed));
+    let folder = std::env::temp_dir().join(format!("articula-doors-{process}-{made}"));
     std::fs::create_dir_all(&folder)?;
     Ok(folder)
 }

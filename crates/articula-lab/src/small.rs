@@ -1,0 +1,60 @@
+//! Every published table in its small setting: it runs to its end and writes its pages.
+//!
+//! Within the program itself, beside its other tests, so that they share its build and the cores.
+
+use crate::{Arguments, data, run};
+use clap::Parser;
+
+/// Runs one table as its user would and gives what it wrote, or nothing without real characters.
+fn small(table: &str, page: &str) -> Option<String> {
+    let out = std::env::temp_dir().join(format!("articula-small-{}-{table}", std::process::id()));
+    let folder = out.display().to_string();
+    let words = ["articula-lab", table, "--small", "--out", folder.as_str()];
+    run(Arguments::try_parse_from(words).unwrap()).unwrap();
+    data::folder(None).unwrap()?;
+    let text = std::fs::read_to_string(out.join(page)).unwrap();
+    std::fs::remove_dir_all(&out).unwrap();
+    let rows = text.lines().filter(|l| l.starts_with("| ")).count();
+    assert!(rows > 1, "{page} has {rows} rows");
+    Some(text)
+}
+
+macro_rules! tables {
+    ($($test:ident: $table:literal writes $page:literal;)*) => {$(
+        #[test]
+        fn $test() {
+            small($table, $page);
+        }
+    )*};
+}
+
+tables! {
+    crowd: "crowd" writes "crowd.md";
+    doors: "doors" writes "doors.md";
+    merged_levels: "merged-levels" writes "merged-levels.md";
+    mesh_levels: "mesh-levels" writes "mesh-levels.md";
+    motion_lod: "motion-lod" writes "motion-lod.md";
+    retargets: "retargets" writes "retargets.md";
+    thesis_grid: "thesis-grid" writes "thesis-grid.md";
+}
+
+/// What the page promises of a speaking face (targets 1 to 5 of the specification).
+#[test]
+fn a_speaking_face_holds_the_targets() {
+    let Some(page) = small("flat", "flat.md") else {
+        return;
+    };
+    let mut rows = page.lines();
+    rows.find(|l| l.starts_with("## Targets"));
+    let targets: Vec<&str> = rows
+        .take_while(|l| !l.starts_with("## "))
+        .filter(|l| l.starts_with("| ") && !l.starts_with("| target") && !l.starts_with("| ---"))
+        .collect();
+    for number in 1..=5 {
+        let head = format!("| {number} |");
+        assert!(targets.iter().any(|t| t.starts_with(&head)), "{targets:?}");
+    }
+    for target in targets {
+        assert!(target.ends_with("| holds |"), "{target}");
+    }
+}
