@@ -60,7 +60,6 @@ mod scene;
 mod simplify;
 mod split_mix;
 mod surface_distance;
-mod triangle;
 
 pub use character::{Asset, character};
 pub use clip::{ClipOptions, source_rate_hz};

@@ -15,8 +15,7 @@
 use crate::character::Asset;
 use crate::motion_bounds::reach::Reach;
 use crate::motion_bounds::{Body, Look, looks};
-use crate::triangle::squared_distance;
-use articula_core::{Capsule, Clip, Track};
+use articula_core::{Capsule, Clip, Track, triangle_distance_squared};
 use glam::Vec3;
 
 /// A thinner capsule is not worth drawing; metres.
@@ -232,7 +231,7 @@ impl Skin {
         for face in &self.faces {
             let beyond = free + face.radius;
             if beyond < 0.0 || place.distance_squared(face.centre) < beyond * beyond {
-                let distance = squared_distance(place, face.corners).sqrt();
+                let distance = triangle_distance_squared(place, face.corners).sqrt();
                 free = free.min(distance - face.slack);
             }
         }

@@ -102,6 +102,7 @@ mod simd;
 mod skin;
 mod skin_groups;
 mod sphere;
+mod triangle;
 mod view;
 
 pub use articulation::{Articulation, Complexity, JointArticulation, Region, Zone};
@@ -138,4 +139,5 @@ pub use simd::half::{f32_from_half, half_from_f32};
 pub use skin::{SkinnedMesh, palette, skin, skin_points};
 pub use skin_groups::{GroupedSkin, Matrix3x4, Shape, Stale};
 pub use sphere::Sphere;
+pub use triangle::{triangle_distance_squared, triangle_weights};
 pub use view::{Camera, Viewport};

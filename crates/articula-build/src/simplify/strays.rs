@@ -120,7 +120,7 @@ impl Strays {
 
 /// Squared distance of a point to a triangle (Ericson, *Real-Time Collision Detection*, 5.1.5).
 ///
-/// It rounds otherwise than [`crate::triangle`], which is right for thin triangles too: there this
+/// It rounds otherwise than [`articula_core::triangle_distance_squared`], which is right for thin triangles too: there this
 /// one may be off by the length of a side. The order of collapses hangs on every bit of it, so it
 /// ranks candidates here and measures nothing that is stated.
 fn squared_distance(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {

@@ -5,7 +5,7 @@
 //! Detection of Complex Deformable Models using AABB Trees, 1997).
 
 use super::skin_point::SkinPoint;
-use crate::triangle::{squared_distance, weights};
+use articula_core::{triangle_distance_squared, triangle_weights};
 use glam::Vec3;
 
 /// The hint of a point about which nothing is known.
@@ -122,7 +122,7 @@ impl SurfaceTree {
         let corners = self.corners.get(place as usize)?;
         Some(SkinPoint {
             corners: self.triangles[place as usize],
-            weights: weights(point, *corners),
+            weights: triangle_weights(point, *corners),
         })
     }
 
@@ -137,7 +137,7 @@ impl SurfaceTree {
         let mut best = f32::INFINITY;
         let mut place = hint;
         if let Some(corners) = self.corners.get(hint as usize) {
-            let guess = squared_distance(point, *corners);
+            let guess = triangle_distance_squared(point, *corners);
             best = if guess.is_nan() { best } else { guess };
         }
         if best == 0.0 || self.nodes.is_empty() {
@@ -155,7 +155,7 @@ impl SurfaceTree {
             let node = &self.nodes[n as usize];
             if node.count > 0 {
                 for t in node.at..node.at + node.count {
-                    let squared = squared_distance(point, self.corners[t as usize]);
+                    let squared = triangle_distance_squared(point, self.corners[t as usize]);
                     if squared < best {
                         (best, place) = (squared, t);
                     }

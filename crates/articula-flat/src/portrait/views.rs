@@ -13,7 +13,7 @@ use super::visibility::{Layers, layers};
 use crate::picture::{Picture, Rgba};
 use crate::projection::Projection;
 use crate::render::{Light, RenderOptions, render};
-use articula_core::{Mesh, Part, Progress, SkinnedMesh};
+use articula_core::{Mesh, Part, Progress, SkinnedMesh, triangle_distance_squared};
 use glam::{Vec2, Vec3, Vec4};
 
 /// Pixels around what a layer shows.
@@ -208,7 +208,7 @@ fn owners(source: &PortraitSource<'_>, flat: &FlatMesh, rest: &SkinnedMesh) -> V
         let own = material(t[0]);
         let far = |c: usize| {
             let turned = facing.dot(normals[c]) < 0.0 || flat.materials[c] != own;
-            let far = distance_squared(&coarse[c], middle);
+            let far = triangle_distance_squared(middle, coarse[c]);
             // What faces away or is of other stuff counts as twice as far, and a centimetre.
             if turned { far * 4.0 + 1e-4 } else { far }
         };
@@ -216,22 +216,6 @@ fn owners(source: &PortraitSource<'_>, flat: &FlatMesh, rest: &SkinnedMesh) -> V
         nearest.map_or(0, |c| c as u32)
     };
     source.mesh.triangles.iter().map(owner).collect()
-}
-
-/// Squared distance of a point from a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-fn distance_squared(&[a, b, c]: &[Vec3; 3], p: Vec3) -> f32 {
-    let edge = |from: Vec3, to: Vec3| {
-        let along = to - from;
-        let share = (p - from).dot(along) / along.length_squared().max(1e-20);
-        (from + along * share.clamp(0.0, 1.0) - p).length_squared()
-    };
-    let normal = (b - a).cross(c - a);
-    let inside = |from: Vec3, to: Vec3| (to - from).cross(p - from).dot(normal) >= 0.0;
-    if inside(a, b) && inside(b, c) && inside(c, a) {
-        let height = (p - a).dot(normal);
-        return height * height / normal.length_squared().max(1e-20);
-    }
-    edge(a, b).min(edge(b, c)).min(edge(c, a))
 }
 
 /// The mesh with some of its triangles, to be rendered as it is skinned.
@@ -309,16 +293,6 @@ fn mean_around(picture: &Picture, x: u32, y: u32) -> Option<Rgba> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn distance_to_a_triangle_by_hand() {
-        let t = [Vec3::ZERO, Vec3::X, Vec3::Y];
-        let far = |x: f32, y: f32, z: f32| distance_squared(&t, Vec3::new(x, y, z));
-        assert!((far(0.2, 0.2, 0.5) - 0.25).abs() < 1e-6);
-        assert!((far(0.5, -2.0, 0.0) - 4.0).abs() < 1e-6);
-        assert!((far(1.0, 1.0, 0.0) - 0.5).abs() < 1e-6);
-        assert!((far(-3.0, -4.0, 0.0) - 25.0).abs() < 1e-5);
-    }
 
     #[test]
     fn colours_run_into_the_empty_and_no_farther() {

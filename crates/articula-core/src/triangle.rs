@@ -9,9 +9,12 @@ use glam::Vec3;
 /// plane of a thinner triangle is rounding, and its sides lie within a few thousandths of it.
 const NO_AREA: f32 = 1e-5;
 
-/// Squared distance, metres²; not a number if an argument is not.
+/// Squared distance of a point to a triangle, metres²; not a number if an argument is not.
+///
+/// Source: Ericson, *Real-Time Collision Detection* (2005), 5.1.5. A triangle (nearly) without area
+/// is taken as its three sides.
 #[inline]
-pub(crate) fn squared_distance(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
+pub fn triangle_distance_squared(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     let (ab, ac, ap) = (b - a, c - a, point - a);
     let (d1, d2) = (ab.dot(ap), ac.dot(ap));
     if d1 <= 0.0 && d2 <= 0.0 {
@@ -42,8 +45,9 @@ pub(crate) fn squared_distance(point: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
     height * height / area
 }
 
-/// How much each corner counts in the closest point; they sum to 1.
-pub(crate) fn weights(point: Vec3, [a, b, c]: [Vec3; 3]) -> [f32; 3] {
+/// How much each corner of a triangle counts in its point that is closest to another; they are at
+/// least 0 and sum to 1.
+pub fn triangle_weights(point: Vec3, [a, b, c]: [Vec3; 3]) -> [f32; 3] {
     let (ab, ac) = (b - a, c - a);
     let normal = ab.cross(ac);
     let area = normal.length_squared();
@@ -89,7 +93,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn distance(point: Vec3, corners: [Vec3; 3]) -> f32 {
-        squared_distance(point, corners).sqrt()
+        triangle_distance_squared(point, corners).sqrt()
     }
 
     #[test]
@@ -157,7 +161,7 @@ mod tests {
         #[test]
         fn agrees_with_dense_sampling(p in point(), a in point(), b in point(), c in point()) {
             let fast = f64::from(distance(p, [a, b, c]));
-            let [u, v, w] = weights(p, [a, b, c]);
+            let [u, v, w] = triangle_weights(p, [a, b, c]);
             let point = a * u + b * v + c * w;
             prop_assert!((f64::from(point.distance(p)) - fast).abs() < 1e-4);
             prop_assert!(u.min(v).min(w) >= 0.0 && (u + v + w - 1.0).abs() < 1e-5);
@@ -175,7 +179,7 @@ mod tests {
             let [a, b, c] = corners;
             let other = a.lerp(b, mixed.0).lerp(c, mixed.1);
             prop_assert!(distance(place, corners) <= other.distance(place) + 1e-5);
-            let [u, v, w] = weights(place, corners);
+            let [u, v, w] = triangle_weights(place, corners);
             let nearest = a * u + b * v + c * w;
             // It lies in the triangle: what is between its corners sums up to no more.
             let area = |a: Vec3, b: Vec3, c: Vec3| (b - a).cross(c - a).length();
