@@ -34,9 +34,9 @@ pub struct Prepared {
     /// The clip; with more triangles than it came with if some were cut.
     pub clip: PlanarClip,
     /// Which triangles are drawn when.
-    pub drawn: Drawn,
+    pub(crate) drawn: Drawn,
     /// In which order.
-    pub painting: Painting,
+    pub(crate) painting: Painting,
     /// The order as one list with copies.
     pub(crate) layers: Vec<Layer>,
     /// Wrong pixels, percent of the character's.

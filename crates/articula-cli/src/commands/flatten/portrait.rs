@@ -83,6 +83,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         .copied()
         .collect();
     let sizes = Sizes::of(&all)?;
+    let counts = portrait.counts();
     let report = Report {
         out: files::shown(args.out()),
         profile: "portrait",
@@ -91,10 +92,10 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             gzip: sizes.gzip,
             brotli: sizes.brotli,
         },
-        views: portrait.views(),
-        triangles: portrait.triangles(),
-        vertices: portrait.vertices(),
-        expressions: portrait.expressions(),
+        views: counts.views,
+        triangles: counts.triangles,
+        vertices: counts.vertices,
+        expressions: counts.expressions,
         frames: portrait.clips.first().map_or(0, |c| c.poses.len()),
         size_px: portrait.size,
         error,

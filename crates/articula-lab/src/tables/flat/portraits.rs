@@ -11,7 +11,6 @@ use articula_build::decimate;
 use articula_core::Progress;
 use articula_flat::Appearance;
 use articula_flat::Bounds;
-use articula_flat::planar::stage;
 use articula_flat::planar::{Subject, Turn};
 use articula_flat::portrait::PictureFormat;
 use articula_flat::portrait::{
@@ -124,7 +123,7 @@ fn row(source: &PortraitSource<'_>, head: &'static str, views: usize) -> Result<
     let rmse_levels: Result<Vec<f64>, _> = YAWS_DEGREES.iter().map(off).collect();
     Ok(Row {
         head,
-        triangles: portrait.triangles(),
+        triangles: portrait.counts().triangles,
         views,
         document: size(".json"),
         pictures: size(".webp"),
@@ -141,5 +140,7 @@ fn at_rest(asset: &Asset, look: &Appearance) -> Result<Bounds> {
         clip: None,
         morph_weights: &asset.mesh.morph_weights,
     };
-    stage::bounds(&subject, &[0.0], &Turn::default()).context("the head has no vertex")
+    subject
+        .bounds(&[0.0], &Turn::default())
+        .context("the head has no vertex")
 }
