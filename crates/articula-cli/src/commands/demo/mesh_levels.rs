@@ -27,7 +27,7 @@ impl MeshLevels {
         Self {
             levels: report::levels(levels),
             bytes: report::bytes(levels, mesh_bytes),
-            poses_measured: levels.levels.measured.poses(),
+            poses_measured: report::poses_measured(levels),
         }
     }
 }

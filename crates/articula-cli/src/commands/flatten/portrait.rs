@@ -68,7 +68,10 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let written = write(args, &portrait)?;
     let mut error = Vec::with_capacity(YAWS_DEG.len());
     for yaw_deg in YAWS_DEG {
-        let pose = HeadPose::yaw(yaw_deg);
+        let pose = HeadPose {
+            yaw_degrees: yaw_deg,
+            ..HeadPose::default()
+        };
         let image_rmse_levels = portrait.error(&shot.source(), &options, &pose, &[]);
         error.push(YawError {
             yaw_deg,

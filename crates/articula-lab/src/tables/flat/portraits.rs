@@ -119,7 +119,13 @@ fn row(source: &PortraitSource<'_>, head: &'static str, views: usize) -> Result<
         let of = files.iter().filter(|(name, _)| name.ends_with(ending));
         of.map(|(_, bytes)| bytes.len()).sum()
     };
-    let off = |yaw: &f32| portrait.error(source, &options, &HeadPose::yaw(*yaw), &[]);
+    let off = |yaw: &f32| {
+        let pose = HeadPose {
+            yaw_degrees: *yaw,
+            ..HeadPose::default()
+        };
+        portrait.error(source, &options, &pose, &[])
+    };
     let rmse_levels: Result<Vec<f64>, _> = YAWS_DEGREES.iter().map(off).collect();
     Ok(Row {
         head,
