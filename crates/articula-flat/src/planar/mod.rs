@@ -11,12 +11,11 @@
 //!   stays wrong
 //! - [`Shading`]: one gradient for each triangle, or one colour
 //! - [`SplitOptions`]: how triangles that pass through each other are cut
-//! - [`UnderlapOptions`]: how far edges reach under what is painted later, so that no gap shows
 //! - [`reference()`]: the supersampled Gouraud picture that every output is measured against
 //! - [`PlanarError`]: what can be wrong with a clip that is to be converted
 //!
-//! Inside stand `drawn`, which triangles are seen in which frames, and `keyed_clip`, few keys
-//! instead of every frame.
+//! Inside stand `drawn`, which triangles are seen in which frames; `underlap`, how edges reach under
+//! what is painted later, so that no gap shows; and `keyed_clip`, few keys instead of every frame.
 
 mod bake;
 pub(crate) mod clip;
@@ -48,4 +47,3 @@ pub use reference::{object_mask, reference};
 pub use shading::Shading;
 pub use split::SplitOptions;
 pub use subject::Subject;
-pub use underlap::UnderlapOptions;

@@ -44,4 +44,4 @@ pub use error::PortraitError;
 pub use head::{Head, HeadPose, JointTurn, PortraitExpression};
 pub use model::{Portrait, PortraitCounts};
 pub use page::{Enclosed, PageOptions, page};
-pub use source::{LightFollows, PortraitOptions, PortraitSource};
+pub use source::{PortraitOptions, PortraitSource};
