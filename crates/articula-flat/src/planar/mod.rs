@@ -14,8 +14,9 @@
 //! - [`reference()`]: the supersampled Gouraud picture that every output is measured against
 //! - [`PlanarError`]: what can be wrong with a clip that is to be converted
 //!
-//! Inside stand `drawn`, which triangles are seen in which frames; `underlap`, how edges reach under
-//! what is painted later, so that no gap shows; and `keyed_clip`, few keys instead of every frame.
+//! Inside stand `drawn`, which triangles are seen in which frames; `underlap`, how edges reach
+//! under what is painted later, so that no gap shows; and `keyed_clip`, few keys instead of every
+//! frame.
 
 mod bake;
 pub(crate) mod clip;

@@ -35,8 +35,8 @@ impl Subject<'_> {
         }))
     }
 
-    /// A camera from an azimuth and elevation ([`crate::frame::orbit_view`]), as near as the subject
-    /// allows at all these moments; `None` without a triangle.
+    /// A camera from an azimuth and elevation ([`crate::frame::orbit_view`]), as near as the
+    /// subject allows at all these moments; `None` without a triangle.
     pub fn camera(
         &self,
         moments_secs: &[f64],
@@ -56,11 +56,12 @@ impl Subject<'_> {
         view.camera()
     }
 
-    /// Whether each of the subject's triangles owns a sample of the picture at one of these moments.
+    /// Whether each of the subject's triangles owns a sample of the picture at one of these
+    /// moments.
     ///
-    /// Unlike a bake this takes meshes of any size. It looks more closely than the picture does, and
-    /// what touches a seen triangle counts as seen: small triangles between samples would leave holes
-    /// that no simplifier may close. O(moments x (vertices + samples covered)).
+    /// Unlike a bake this takes meshes of any size. It looks more closely than the picture does,
+    /// and what touches a seen triangle counts as seen: small triangles between samples would
+    /// leave holes that no simplifier may close. O(moments x (vertices + samples covered)).
     ///
     /// # Errors
     /// [`PlanarError::Picture`] if the camera's picture is too large.
