@@ -83,12 +83,10 @@ pub use points::draw_vertices;
 pub use pose_cache::{CacheOptions, CacheReport, CachedPoses, Fate, cached_poses};
 pub use poses::{Origin, PoseOptions, PoseSource, Poses, SkinPose, poses, positions};
 pub use reduce::{MotionSize, motion_size, reduce};
-pub use scene::{
-    CrossFade, Member, PLAZA_COUNT, Play, Plaza, Scene, plaza, put_in_place, root_path,
-};
+pub use scene::{CrossFade, Member, PLAZA_COUNT, Play, Plaza, Scene, plaza};
 pub use simplify::{
     LevelTriangles, Simplified, SimplifyOptions, Weighting, region_weights, simplify,
 };
 pub use surface_distance::{
-    DistanceOptions, LevelDistances, SkinPoint, attach, corners, surface_distances,
+    DistanceOptions, LevelDistances, SkinPoint, attach, compact, surface_distances,
 };

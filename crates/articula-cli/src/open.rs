@@ -79,19 +79,21 @@ mod tests {
 
     #[test]
     fn a_guess_names_its_flag() {
-        let guessed = |guess| {
+        let warned = |what: &str, guess| {
             advised(&Warning {
-                guess: Some(guess),
-                ..Warning::new("file", "inches")
+                at: "file".to_owned(),
+                what: what.to_owned(),
+                guess,
             })
         };
+        let guessed = |guess| warned("inches", Some(guess));
         let said = "inches; give --unit-metres M if that is wrong";
         assert_eq!(guessed(Guess::Unit), said);
         let said = "inches; give --up y or --up z if that is wrong";
         assert_eq!(guessed(Guess::UpAxis), said);
         let said = "inches; give --amc-rate-hz HZ if that is wrong";
         assert_eq!(guessed(Guess::Rate), said);
-        assert_eq!(advised(&Warning::new("file", "odd")), "odd");
+        assert_eq!(warned("odd", None), "odd");
     }
 
     #[test]

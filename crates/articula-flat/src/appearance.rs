@@ -1,6 +1,5 @@
 //! What a surface looks like: materials, and textures with their smaller copies.
 
-use crate::codec::decode;
 use crate::picture::{Picture, linear_table};
 use articula_core::source::{Image, Material};
 use glam::{Vec2, Vec4};
@@ -29,7 +28,7 @@ impl Appearance {
         let mut textures = Vec::with_capacity(images.len());
         for (i, image) in images.iter().enumerate() {
             let named = materials.iter().any(|m| m.base_color_image == Some(i));
-            let decoded = named.then(|| decode(&image.bytes));
+            let decoded = named.then(|| Picture::decode(&image.bytes));
             textures.push(match decoded {
                 None => None,
                 Some(Ok(picture)) => Some(Texture::new(picture)),
@@ -56,7 +55,7 @@ impl Appearance {
 
 /// A picture with halved copies of itself, down to one pixel.
 #[derive(Debug, Clone)]
-pub struct Texture {
+pub(crate) struct Texture {
     levels: Vec<Picture>,
 }
 
@@ -119,7 +118,6 @@ fn linear([r, g, b, a]: [u8; 4]) -> Vec4 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::codec::png;
 
     fn checker() -> Picture {
         let (black, white) = ([0, 0, 0, 255], [255; 4]);
@@ -160,7 +158,7 @@ mod tests {
             ..Material::default()
         };
         let images = [
-            image(png(&checker()).unwrap()),
+            image(checker().to_png().unwrap()),
             image(vec![1]),
             image(vec![]),
         ];

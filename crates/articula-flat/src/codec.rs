@@ -12,45 +12,47 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 /// Most bytes that a decoder may hold for one picture.
 const MAX_DECODED_BYTES: usize = 1 << 29;
 
-/// Writes a PNG file. The same picture gives the same bytes.
-///
-/// # Errors
-/// [`PictureError::Mismatch`] if the picture has no pixel, which PNG cannot say.
-pub fn png(picture: &Picture) -> Result<Vec<u8>, PictureError> {
-    let refuse = |e: png::EncodingError| PictureError::Mismatch {
-        at: "picture",
-        what: e.to_string(),
-    };
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, picture.width(), picture.height());
-    encoder.set_color(png::ColorType::Rgba);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    encoder.set_compression(png::Compression::Balanced);
-    let mut writer = encoder.write_header().map_err(refuse)?;
-    writer
-        .write_image_data(picture.pixels().as_flattened())
-        .map_err(refuse)?;
-    writer.finish().map_err(refuse)?;
-    Ok(bytes)
-}
+impl Picture {
+    /// Writes a PNG file. The same picture gives the same bytes.
+    ///
+    /// # Errors
+    /// [`PictureError::Mismatch`] if the picture has no pixel, which PNG cannot say.
+    pub fn to_png(&self) -> Result<Vec<u8>, PictureError> {
+        let refuse = |e: png::EncodingError| PictureError::Mismatch {
+            at: "picture",
+            what: e.to_string(),
+        };
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, self.width(), self.height());
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        encoder.set_compression(png::Compression::Balanced);
+        let mut writer = encoder.write_header().map_err(refuse)?;
+        writer
+            .write_image_data(self.pixels().as_flattened())
+            .map_err(refuse)?;
+        writer.finish().map_err(refuse)?;
+        Ok(bytes)
+    }
 
-/// Reads a PNG or JPEG file, told apart by its first bytes.
-///
-/// # Errors
-/// [`PictureError`] if the file is broken, of another format, or too large.
-pub fn decode(bytes: &[u8]) -> Result<Picture, PictureError> {
-    if bytes.starts_with(b"\x89PNG") {
-        return decode_png(bytes);
+    /// Reads a PNG or JPEG file, told apart by its first bytes.
+    ///
+    /// # Errors
+    /// [`PictureError`] if the file is broken, of another format, or too large.
+    pub fn decode(bytes: &[u8]) -> Result<Self, PictureError> {
+        if bytes.starts_with(b"\x89PNG") {
+            return decode_png(bytes);
+        }
+        if bytes.starts_with(&[0xff, 0xd8]) {
+            return decode_jpeg(bytes);
+        }
+        let head: Vec<String> = bytes.iter().take(4).map(|b| format!("{b:02x}")).collect();
+        Err(PictureError::Unsupported {
+            what: format!("a picture that begins with bytes [{}]", head.join(" ")),
+            mend: "use PNG or JPEG".to_owned(),
+        })
     }
-    if bytes.starts_with(&[0xff, 0xd8]) {
-        return decode_jpeg(bytes);
-    }
-    let head: Vec<String> = bytes.iter().take(4).map(|b| format!("{b:02x}")).collect();
-    Err(PictureError::Unsupported {
-        what: format!("a picture that begins with bytes [{}]", head.join(" ")),
-        mend: "use PNG or JPEG".to_owned(),
-    })
 }
 
 fn decode_png(bytes: &[u8]) -> Result<Picture, PictureError> {
@@ -136,10 +138,10 @@ mod tests {
 
     #[test]
     fn png_goes_there_and_back_with_the_same_bytes() {
-        let bytes = png(&small()).unwrap();
-        assert_eq!(bytes, png(&small()).unwrap());
-        assert_eq!(decode(&bytes).unwrap(), small());
-        assert!(png(&Picture::new(0, 3, [0; 4]).unwrap()).is_err());
+        let bytes = small().to_png().unwrap();
+        assert_eq!(bytes, small().to_png().unwrap());
+        assert_eq!(Picture::decode(&bytes).unwrap(), small());
+        assert!(Picture::new(0, 3, [0; 4]).unwrap().to_png().is_err());
     }
 
     #[test]
@@ -157,7 +159,7 @@ mod tests {
             let mut writer = encoder.write_header().unwrap();
             writer.write_image_data(data).unwrap();
             writer.finish().unwrap();
-            decode(&bytes).unwrap().pixels().to_vec()
+            Picture::decode(&bytes).unwrap().pixels().to_vec()
         };
         let grey = encode(ColorType::Grayscale, BitDepth::One, &[0b0100_0000]);
         assert_eq!(grey, [[0, 0, 0, 255], [255; 4]]);
@@ -172,25 +174,28 @@ mod tests {
 
     #[test]
     fn broken_files_are_refused_at_every_length() {
-        let bytes = png(&small()).unwrap();
+        let bytes = small().to_png().unwrap();
         for length in 0..bytes.len() - 12 {
-            assert!(decode(&bytes[..length]).is_err(), "cut to {length} bytes");
+            assert!(
+                Picture::decode(&bytes[..length]).is_err(),
+                "cut to {length} bytes"
+            );
         }
-        let gif = decode(b"GIF89a").unwrap_err().to_string();
+        let gif = Picture::decode(b"GIF89a").unwrap_err().to_string();
         assert!(gif.contains("47 49 46 38") && gif.contains("PNG or JPEG"));
     }
 
     #[test]
     fn a_picture_of_nearly_no_bytes_cannot_ask_for_much_memory() {
-        let mut bytes = png(&small()).unwrap();
+        let mut bytes = small().to_png().unwrap();
         bytes[16..24].copy_from_slice(&[0, 0, 0x7f, 0xff, 0, 0, 0x7f, 0xff]);
         // The header's checksum is now wrong as well; either complaint will do.
-        assert!(decode(&bytes).is_err());
+        assert!(Picture::decode(&bytes).is_err());
         // Start of image, then a frame header for 65535 x 65535.
         let jpeg =
             b"\xff\xd8\xff\xc0\x00\x11\x08\xff\xff\xff\xff\x03\x01\x11\x00\x02\x11\x00\x03\x11\x00";
         assert!(matches!(
-            decode(jpeg),
+            Picture::decode(jpeg),
             Err(PictureError::Malformed { .. } | PictureError::LimitExceeded { .. })
         ));
     }

@@ -19,24 +19,6 @@ pub fn rmse(a: &Picture, b: &Picture) -> Result<f64, PictureError> {
     Ok((sum / (3 * a.pixels().len().max(1)) as f64).sqrt())
 }
 
-/// A picture of the differences: white where two pictures agree, the darker the more they
-/// differ, `gain` times as strong as the difference itself.
-///
-/// # Errors
-/// [`PictureError::Mismatch`] if the pictures differ in size.
-pub fn difference(a: &Picture, b: &Picture, gain: f32) -> Result<Picture, PictureError> {
-    same_size(a, b)?;
-    let of = |(p, q): (&Rgba, &Rgba)| {
-        let channel = |i: usize| {
-            let apart = (on_white(*p, i) - on_white(*q, i)).abs();
-            (255.0 - apart * gain).clamp(0.0, 255.0).round() as u8
-        };
-        [channel(0), channel(1), channel(2), 255]
-    };
-    let pixels = a.pixels().iter().zip(b.pixels()).map(of).collect();
-    Picture::from_pixels(a.width(), a.height(), pixels)
-}
-
 /// [`rmse`] over the pixels of a mask, row by row; 0 where the mask is empty.
 ///
 /// # Errors
@@ -55,7 +37,7 @@ pub fn masked_rmse(a: &Picture, b: &Picture, mask: &[bool]) -> Result<f64, Pictu
 ///
 /// # Errors
 /// [`PictureError::Mismatch`] if pictures or mask differ in size.
-pub fn share_off(
+pub(crate) fn share_off(
     a: &Picture,
     b: &Picture,
     mask: &[bool],
@@ -187,9 +169,6 @@ mod tests {
         let expected = (2500.0f64 / 12.0).sqrt();
         assert!((rmse(&a, &b).unwrap() - expected).abs() < 1e-9);
         assert_eq!(rmse(&a, &a).unwrap(), 0.0);
-        let seen = difference(&a, &b, 2.0).unwrap();
-        assert_eq!(seen.get(1, 0), Some([195, 255, 175, 255]));
-        assert_eq!(seen.get(0, 0), Some([255; 4]));
         assert!(rmse(&a, &Picture::new(2, 1, [0; 4]).unwrap()).is_err());
     }
 

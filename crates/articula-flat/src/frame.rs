@@ -78,10 +78,23 @@ pub fn orbit_view(
     }
 }
 
+/// The nearest camera of a direction that sees all points, with a margin around them; `None`
+/// without a finite one. Angles as in [`orbit_view`].
+pub fn tight_view(
+    points: impl IntoIterator<Item = Vec3>,
+    azimuth_radians: f32,
+    elevation_radians: f32,
+    viewport: Viewport,
+) -> Option<Camera> {
+    let mut view = TightView::new(azimuth_radians, elevation_radians, viewport);
+    points.into_iter().for_each(|p| view.add(p));
+    view.camera()
+}
+
 /// Finds the nearest camera of a direction that sees all points it was told of, with the margin
 /// around them.
 #[derive(Debug, Clone, Copy)]
-pub struct TightView {
+pub(crate) struct TightView {
     aimed: Camera,
     /// Half the view's width and height at depth one, the margin taken off.
     half: [f32; 2],
@@ -93,7 +106,7 @@ pub struct TightView {
 
 impl TightView {
     /// No point yet. Angles as in [`orbit_view`].
-    pub fn new(azimuth_radians: f32, elevation_radians: f32, viewport: Viewport) -> Self {
+    pub(crate) fn new(azimuth_radians: f32, elevation_radians: f32, viewport: Viewport) -> Self {
         let (turn_sin, turn_cos) = azimuth_radians.sin_cos();
         let (lift_sin, lift_cos) = elevation_radians.sin_cos();
         let toward = Vec3::new(lift_cos * turn_sin, lift_sin, lift_cos * turn_cos);
@@ -107,7 +120,7 @@ impl TightView {
     }
 
     /// Tells of a point that must be seen; points that are not finite are left out.
-    pub fn add(&mut self, point: Vec3) {
+    pub(crate) fn add(&mut self, point: Vec3) {
         if !point.is_finite() {
             return;
         }
@@ -127,7 +140,7 @@ impl TightView {
     }
 
     /// The camera; `None` without a point.
-    pub fn camera(&self) -> Option<Camera> {
+    pub(crate) fn camera(&self) -> Option<Camera> {
         if !self.nearest.is_finite() {
             return None;
         }

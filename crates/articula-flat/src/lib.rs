@@ -5,9 +5,10 @@
 //! same for the same input.
 //!
 //! - [`render()`]: a lit [`Picture`] of a skinned character before a [`Screen`]; [`Appearance`]:
-//!   its materials and textures; [`orbit_view`], [`TightView`]: where the camera stands;
+//!   its materials and textures; [`orbit_view`], [`tight_view`]: where the camera stands;
 //!   [`Ground`]: what it stands on
-//! - [`codec`], [`compare`]: picture files; how far two pictures are apart
+//! - [`Picture::to_png`], [`Picture::decode`]: picture files; [`rmse`], [`ssim`]: how far two
+//!   pictures are apart
 //! - [`planar`]: a clip as the camera sees it, ready to be written in 2D
 //! - [`flatten`]: one call from there to a file with its size and error
 //! - [`vector`]: the files, written, read back and sampled
@@ -64,9 +65,12 @@
 //! plots of reports (`articula-report`); which camera and how many triangles suit a character
 //! (the library `articula`).
 
+#[cfg(test)]
+extern crate self as articula_flat;
+
 mod appearance;
-pub mod codec;
-pub mod compare;
+mod codec;
+mod compare;
 mod error;
 pub mod flatten;
 mod frame;
@@ -81,9 +85,10 @@ mod projection;
 mod render;
 pub mod vector;
 
-pub use appearance::{Appearance, Texture, Undecoded};
+pub use appearance::{Appearance, Undecoded};
+pub use compare::{masked_rmse, rmse, ssim};
 pub use error::PictureError;
-pub use frame::{Bounds, TightView, orbit_view};
+pub use frame::{Bounds, orbit_view, tight_view};
 pub use ground::Ground;
 pub use item_buffer::Samples;
 pub use markup::escaped;

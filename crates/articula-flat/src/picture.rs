@@ -99,13 +99,6 @@ impl Picture {
         }
     }
 
-    /// Lays a colour over every pixel.
-    pub fn wash(&mut self, color: Rgba, coverage: f32) {
-        for pixel in &mut self.pixels {
-            *pixel = over(*pixel, color, coverage);
-        }
-    }
-
     /// The part that begins at `(x, y)`; what would lie outside is left out.
     #[must_use]
     pub(crate) fn crop(&self, x: u32, y: u32, width: u32, height: u32) -> Self {

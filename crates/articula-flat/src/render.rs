@@ -585,7 +585,7 @@ mod tests {
         assert_eq!(plain, [188, 137, 255, 255]);
         let grey = Picture::new(4, 4, [188, 188, 188, 255]).unwrap();
         let image = Image {
-            bytes: crate::codec::png(&grey).unwrap(),
+            bytes: grey.to_png().unwrap(),
             ..Image::default()
         };
         let textured = Material {

@@ -102,7 +102,7 @@ pub enum Guess {
 
 impl Warning {
     /// Says what is odd at a place.
-    pub fn new(at: impl Into<String>, what: impl Into<String>) -> Self {
+    pub(crate) fn new(at: impl Into<String>, what: impl Into<String>) -> Self {
         Self {
             at: at.into(),
             what: what.into(),

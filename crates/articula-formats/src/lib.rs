@@ -13,7 +13,7 @@
 //! - [`x3d`]: H-Anim figures in X3D and VRML97
 //! - [`profile`]: joint-name profiles, name to H-Anim joint, level and region
 //! - [`loa_profile`]: a saved selection of levels of articulation
-//! - [`motion_table`]: motion-error tables as bytes
+//! - [`write_segs`], [`write_pose_keys`]: motion-error tables as bytes
 //! - [`Limits`], [`ReadError`], [`Warning`]: how much is too much, what can be wrong, what was odd
 //! - [`ReadOptions`], [`MotionFile`]: what files of motion do not say, and what they hold
 //! - [`Written`], [`WriteError`]: what writers give
@@ -50,7 +50,7 @@ mod limits;
 pub mod loa_profile;
 pub mod meshopt;
 mod motion_file;
-pub mod motion_table;
+mod motion_table;
 pub mod mpeg4;
 mod notes;
 pub mod profile;
@@ -64,6 +64,7 @@ pub mod x3d;
 pub use error::{Guess, Read, ReadError, Warning};
 pub use limits::Limits;
 pub use motion_file::{MotionFile, ReadOptions};
+pub use motion_table::{read_pose_keys, read_segs, write_pose_keys, write_segs};
 pub use units::Up;
 pub use written::{WriteError, Written};
 

@@ -2,8 +2,8 @@
 
 use anyhow::{Result, bail};
 use articula::Figure;
+use articula::crowd::put_in_place;
 use articula_build::Asset;
-use articula_build::put_in_place;
 use std::path::{Path, PathBuf};
 
 /// The data folder: the one given, `ARTICULA_DATA`, or `../shared/data` beside the project.

@@ -74,7 +74,7 @@ impl<'a> Artist<'a> {
     }
 
     /// Frames the camera on all of some poses, each with its morph weights.
-    pub fn frame_poses(&mut self, poses: &[(&LocalPose, Vec<f32>)]) {
+    pub(crate) fn frame_poses(&mut self, poses: &[(&LocalPose, Vec<f32>)]) {
         let mut cloud = Vec::new();
         for (pose, morphs) in poses {
             self.pose(pose, morphs);
@@ -138,7 +138,7 @@ impl<'a> Artist<'a> {
     ///
     /// # Errors
     /// [`PictureError`] if the artist's pictures are too large.
-    pub fn reference(
+    pub(crate) fn reference(
         &mut self,
         pose: &LocalPose,
         morphs: Vec<f32>,
@@ -154,7 +154,7 @@ impl<'a> Artist<'a> {
     ///
     /// # Errors
     /// [`PictureError`] if the artist's pictures are too large.
-    pub fn articulated(
+    pub(crate) fn articulated(
         &mut self,
         pose: &LocalPose,
         morphs: Vec<f32>,

@@ -68,16 +68,6 @@ impl CrowdPicture {
         });
     }
 
-    /// Number of characters that were added.
-    pub fn len(&self) -> usize {
-        self.mesh.parts.len()
-    }
-
-    /// Whether nobody was added.
-    pub fn is_empty(&self) -> bool {
-        self.mesh.parts.is_empty()
-    }
-
     /// Draws the characters over a ground of height 0; the picture is as large as the camera's
     /// viewport. A line of the legend stands beside the colour of its level, if it has one.
     ///
@@ -146,7 +136,6 @@ mod tests {
     #[test]
     fn characters_have_the_colour_of_their_level_and_lie_where_they_stand() {
         let mut crowd = CrowdPicture::default();
-        assert!(crowd.is_empty());
         let primitive = Primitive {
             positions: vec![
                 Vec3::new(-0.5, 0.0, 0.0),
@@ -174,7 +163,7 @@ mod tests {
             let world = Affine3A::from_translation(Vec3::X * x);
             crowd.add(&own, level, &[Affine3A::IDENTITY], &world);
         }
-        assert_eq!(crowd.len(), 2);
+        assert_eq!(crowd.mesh.parts.len(), 2);
         let viewport = Viewport {
             width_px: 240.0,
             height_px: 160.0,

@@ -8,8 +8,6 @@
 //! - [`CrowdPicture`]: a crowd, every character in the colour of its level
 //! - [`motion_sheet`], [`camera_path_sheet`], [`rest_sheet`]: a clip under motion level of detail
 //!   beside the clip as it is
-//! - [`gain_plot`], [`error_plot`], [`updates_plot`], [`cost_plot`], [`path_plots`]: what such a
-//!   clip saves and costs
 //! - [`middles`]: the frames of a clip that a sheet shows
 //!
 //! ```
@@ -34,7 +32,6 @@
 mod artist;
 mod contact_sheet;
 mod crowd;
-mod motion_plots;
 mod motion_sheet;
 mod paint;
 mod plot;
@@ -43,7 +40,6 @@ mod skeleton;
 pub use artist::{Artist, close_up, middles};
 pub use contact_sheet::{Cell, ContactSheet, Row, Tile};
 pub use crowd::CrowdPicture;
-pub use motion_plots::{CostBy, cost_plot, error_plot, gain_plot, path_plots, updates_plot};
 pub use motion_sheet::{MotionLine, camera_path_sheet, motion_sheet, rest_sheet};
 pub use plot::{BarSeries, Plot, PlotOptions, Scale, Series, Values, bar_plot, line_plot, stacked};
 pub use skeleton::{JointMark, draw_skeleton, followed};

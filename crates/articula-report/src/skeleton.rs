@@ -118,7 +118,11 @@ fn draw(
     marks: &[JointMark],
     options: &SkeletonOptions,
 ) {
-    picture.wash([255; 4], options.fade);
+    for y in 0..picture.height() as i32 {
+        for x in 0..picture.width() as i32 {
+            picture.blend(x, y, [255; 4], options.fade);
+        }
+    }
     let joints = placed(rig, pose, screen, options);
     let mark = |joint: usize| marks.get(joint).copied().unwrap_or(JointMark::Active);
     for end in &joints {

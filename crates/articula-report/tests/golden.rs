@@ -9,9 +9,7 @@ mod figure;
 
 use articula_core::Viewport;
 use articula_core::source::{Image, Material};
-use articula_flat::codec::{decode, png};
-use articula_flat::compare::{difference, rmse};
-use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render};
+use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render, rmse};
 use articula_report::{Cell, ContactSheet, JointMark, Row, Tile, draw_skeleton};
 use glam::Vec4;
 use std::path::PathBuf;
@@ -24,7 +22,7 @@ fn look() -> Appearance {
     let stripes = (0..64).map(|i| colors[i / 8 % 2]).collect();
     let stripes = Picture::from_pixels(8, 8, stripes).unwrap();
     let image = Image {
-        bytes: png(&stripes).unwrap(),
+        bytes: stripes.to_png().unwrap(),
         ..Image::default()
     };
     let plain = Material {
@@ -71,20 +69,36 @@ fn drawn() -> (Picture, Picture) {
     (body, skeleton)
 }
 
+/// White where two pictures of one size agree over white, four times as dark as they differ.
+fn difference(a: &Picture, b: &Picture) -> Picture {
+    let [a, b] = [a, b].map(|picture| {
+        let mut over = Picture::new(picture.width(), picture.height(), [255; 4]).unwrap();
+        over.blit(picture, 0, 0);
+        over
+    });
+    let of = |(p, q): (&[u8; 4], &[u8; 4])| {
+        let channel = |i: usize| 255 - p[i].abs_diff(q[i]).saturating_mul(4);
+        [channel(0), channel(1), channel(2), 255]
+    };
+    let pixels = a.pixels().iter().zip(b.pixels()).map(of).collect();
+    Picture::from_pixels(a.width(), a.height(), pixels).unwrap()
+}
+
 fn check(name: &str, picture: &Picture) {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests/golden");
     let path = folder.join(format!("{name}.png"));
     if std::env::var_os("ARTICULA_GOLDEN").is_some_and(|v| v == "renew") {
-        std::fs::write(&path, png(picture).unwrap()).unwrap();
+        std::fs::write(&path, picture.to_png().unwrap()).unwrap();
         return;
     }
-    let golden = decode(&std::fs::read(&path).expect("run `cargo xtask golden` once")).unwrap();
+    let golden = std::fs::read(&path).expect("run `cargo xtask golden` once");
+    let golden = Picture::decode(&golden).unwrap();
     let off = rmse(picture, &golden).expect("the size changed; `cargo xtask golden` renews");
     if off > TOLERANCE {
         let scratch = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
         let seen = scratch.join(format!("{name}-difference.png"));
-        let apart = difference(picture, &golden, 4.0).unwrap();
-        std::fs::write(&seen, png(&apart).unwrap()).unwrap();
+        let apart = difference(picture, &golden);
+        std::fs::write(&seen, apart.to_png().unwrap()).unwrap();
         panic!("{name}: {off:.2} levels off; see {}", seen.display());
     }
 }
@@ -115,8 +129,8 @@ fn figure_skeleton_and_sheet_look_as_before() {
 #[test]
 fn the_same_input_gives_the_same_bytes() {
     let (once, again) = (drawn(), drawn());
-    assert_eq!(png(&once.0).unwrap(), png(&again.0).unwrap());
-    assert_eq!(png(&once.1).unwrap(), png(&again.1).unwrap());
+    assert_eq!(once.0.to_png().unwrap(), again.0.to_png().unwrap());
+    assert_eq!(once.1.to_png().unwrap(), again.1.to_png().unwrap());
 }
 
 /// Independent of the golden pictures: the body covers its own projected joints.

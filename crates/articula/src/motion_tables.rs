@@ -11,7 +11,7 @@ use articula_build::pose_keys;
 use articula_build::{key_table, table_hashes};
 use articula_core::{JointLever, KeyMode, KeyTable, Mismatch, PoseKeys};
 use articula_formats::Limits;
-use articula_formats::motion_table::{read_pose_keys, read_segs, write_pose_keys, write_segs};
+use articula_formats::{read_pose_keys, read_segs, write_pose_keys, write_segs};
 use serde::Serialize;
 
 /// Names of the tables in the file.

@@ -63,11 +63,6 @@ impl MeasuredOn {
         }
         out
     }
-
-    /// All of them.
-    pub fn poses(self) -> usize {
-        self.clips + self.bends + self.morphs
-    }
 }
 
 impl MeshLevels {

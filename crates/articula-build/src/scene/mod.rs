@@ -2,10 +2,8 @@
 //!
 //! [`plaza`] makes the default scenes from a seed; a scene file is read into the same [`Scene`]. Nothing here opens a file or knows how a pose is evaluated.
 
-mod in_place;
 mod plaza;
 
-pub use in_place::{put_in_place, root_path};
 pub use plaza::{PLAZA_COUNT, Plaza, plaza};
 
 use crate::evaluate::{CameraKey, camera_at};

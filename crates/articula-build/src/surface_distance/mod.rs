@@ -14,7 +14,8 @@ mod skin_point;
 mod tree;
 
 pub use attach::attach;
-pub use skin_point::{SkinPoint, corners};
+pub(crate) use skin_point::corners;
+pub use skin_point::{SkinPoint, compact};
 
 use crate::points::draw_vertices;
 use articula_core::percentile;

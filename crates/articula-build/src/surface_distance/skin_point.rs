@@ -23,7 +23,7 @@ impl SkinPoint {
     /// The same point, its corners named by their places among some vertices, which rise and hold
     /// them.
     #[must_use]
-    pub fn among(&self, vertices: &[u32]) -> Self {
+    pub(crate) fn among(&self, vertices: &[u32]) -> Self {
         Self {
             corners: self
                 .corners
@@ -47,8 +47,16 @@ impl SkinPoint {
     }
 }
 
+/// The vertices that some points name, rising, and the points with their corners named by their
+/// places among these.
+pub fn compact(points: &[SkinPoint]) -> (Vec<u32>, Vec<SkinPoint>) {
+    let vertices = corners(points);
+    let points = points.iter().map(|p| p.among(&vertices)).collect();
+    (vertices, points)
+}
+
 /// All corners of some points, rising.
-pub fn corners(points: &[SkinPoint]) -> Vec<u32> {
+pub(crate) fn corners(points: &[SkinPoint]) -> Vec<u32> {
     let mut vertices: Vec<u32> = points.iter().flat_map(|p| p.corners).collect();
     vertices.sort_unstable();
     vertices.dedup();

@@ -26,7 +26,7 @@ pub(crate) fn draw(
     stage.plan(0.0, allowance.as_ref())?;
     stage.evaluate();
     let (player, camera) = (stage.scene.player(), stage.scene.camera()?);
-    let crowd = gathered(player, &camera);
+    let (crowd, drawn) = gathered(player, &camera);
     let camera = Camera {
         viewport: Viewport {
             width_px: size.0 as f32,
@@ -35,12 +35,12 @@ pub(crate) fn draw(
         },
         ..camera
     };
-    let legend = legend(player, crowd.len());
+    let legend = legend(player, drawn);
     crowd.draw(&camera, &legend).context("drawing the crowd")
 }
 
-/// The skins of all who are shown, nearest first.
-fn gathered(player: &CrowdPlayer, camera: &Camera) -> CrowdPicture {
+/// The skins of those who are shown, nearest first, and how many these are.
+fn gathered(player: &CrowdPlayer, camera: &Camera) -> (CrowdPicture, usize) {
     let asset = player.asset();
     let sources = player.sources();
     let shown = sources.iter().enumerate();
@@ -50,7 +50,7 @@ fn gathered(player: &CrowdPlayer, camera: &Camera) -> CrowdPicture {
         .collect();
     draws.sort_by(|a, b| a.0.total_cmp(&b.0));
     draws.truncate((MOST_TRIANGLES / asset.full().mesh.triangles.len().max(1)).max(1));
-    let mut picture = CrowdPicture::default();
+    let (mut picture, mut drawn) = (CrowdPicture::default(), 0);
     let mut matrices = Vec::new();
     for (_, character, source) in draws {
         let Some(level) = player.crowd().level(character) else {
@@ -59,8 +59,9 @@ fn gathered(player: &CrowdPlayer, camera: &Camera) -> CrowdPicture {
         player.skin_matrices(level, source, &mut matrices);
         let world = player.world_from_model(character);
         picture.add(asset.mesh(level), level, &matrices, &world);
+        drawn += 1;
     }
-    picture
+    (picture, drawn)
 }
 
 /// Says which colour is which level, how many are shown at it, and how many of all are drawn.

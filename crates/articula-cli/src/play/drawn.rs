@@ -1,10 +1,11 @@
 //! What was played as pictures and curves: the drawing is that of `articula_report`.
 
+use super::motion_plots::{CostBy, cost_plot};
 use articula::evaluate::{Cost, Costs, EvaluatedClip, MethodRow, MethodTable};
 use articula::{Figure, facing};
 use articula_core::{ModelPose, local_to_model};
 use articula_flat::{Appearance, Picture, PictureError};
-use articula_report::{Artist, CostBy, MotionLine, Plot, Series, cost_plot, motion_sheet};
+use articula_report::{Artist, MotionLine, Plot, Series, motion_sheet};
 
 /// Width and height of a tile on a sheet of its own, pixels.
 pub(crate) const LARGE: (u32, u32) = (200, 290);

@@ -2,9 +2,11 @@
 //!
 //! - [`methods`]: which method, with which parameters
 //! - [`drawn`]: what was played as pictures and curves
+//! - [`motion_plots`]: what such a clip saves and costs, as curves and bars
 
 pub(crate) mod drawn;
 pub(crate) mod methods;
+pub(crate) mod motion_plots;
 
 use crate::files;
 use anyhow::Context;

@@ -11,18 +11,17 @@ use articula_flat::Appearance;
 use articula_flat::Picture;
 use articula_flat::Projection;
 use articula_flat::Samples;
-use articula_flat::compare::{masked_rmse, ssim};
 use articula_flat::flatten::{
     PrepareOptions, Prepared, Profile, Quality, Settings, Truth, flatten,
 };
 use articula_flat::planar::PlanarClip;
 use articula_flat::planar::Shading;
-use articula_flat::planar::stage;
 use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn, bake};
 use articula_flat::planar::{object_mask, reference};
 use articula_flat::vector::MovingSvg;
 use articula_flat::vector::player::Output;
 use articula_flat::vector::raster;
+use articula_flat::{masked_rmse, ssim};
 use articula_human::{HumanOptions, human};
 use std::sync::OnceLock;
 
@@ -70,7 +69,9 @@ fn film() -> &'static Film {
             height_px: SIDE as f32,
             ..Viewport::default()
         };
-        let camera = stage::camera(&subject, &moments, &turn, (-0.4, 0.0), viewport).unwrap();
+        let camera = subject
+            .camera(&moments, &turn, (-0.4, 0.0), viewport)
+            .unwrap();
         let options = BakeOptions {
             camera,
             projection: Projection::Perspective,

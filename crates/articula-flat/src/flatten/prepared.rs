@@ -13,8 +13,6 @@ pub struct PrepareOptions {
     pub order: OrderOptions,
     /// How triangles that pierce each other are cut, if they are.
     pub split: Option<SplitOptions>,
-    /// How edges are sealed.
-    pub underlap: UnderlapOptions,
 }
 
 impl Default for PrepareOptions {
@@ -23,7 +21,6 @@ impl Default for PrepareOptions {
         Self {
             order: OrderOptions::default(),
             split: Some(SplitOptions::default()),
-            underlap: UnderlapOptions::default(),
         }
     }
 }
@@ -34,9 +31,9 @@ pub struct Prepared {
     /// The clip; with more triangles than it came with if some were cut.
     pub clip: PlanarClip,
     /// Which triangles are drawn when.
-    pub drawn: Drawn,
+    pub(crate) drawn: Drawn,
     /// In which order.
-    pub painting: Painting,
+    pub(crate) painting: Painting,
     /// The order as one list with copies.
     pub(crate) layers: Vec<Layer>,
     /// Wrong pixels, percent of the character's.
@@ -44,7 +41,7 @@ pub struct Prepared {
     /// The same if every frame were sorted by depth.
     pub wrong_percent_depth_sort: f64,
     /// How writers seal edges.
-    pub underlap: UnderlapOptions,
+    pub(crate) underlap: UnderlapOptions,
 }
 
 impl Prepared {
@@ -86,7 +83,7 @@ impl Prepared {
             clip,
             wrong_percent,
             wrong_percent_depth_sort,
-            underlap: options.underlap,
+            underlap: UnderlapOptions::default(),
         })
     }
 

@@ -62,7 +62,7 @@ impl Flattened {
     /// What it can stand for.
     pub fn entry(&self) -> Entry {
         Entry {
-            modality: format!("vector/{}", self.profile.name()),
+            modality: format!("vector/{}", self.profile),
             bytes: self.sizes.raw,
             error_px: self.errors.position_rmse_px,
             needs: self.profile.needs(),

@@ -3,6 +3,7 @@
 use crate::planar::shading::Shading;
 use crate::vector::player::Output;
 use crate::vector::thesis::ThesisOptions;
+use std::fmt;
 
 /// What is written.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,19 +27,21 @@ pub enum Profile {
     Thesis(ThesisOptions),
 }
 
-impl Profile {
+impl fmt::Display for Profile {
     /// Its name on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
             Self::Smil => "smil",
             Self::Flipbook => "flipbook",
             Self::Player(_) => "player",
             Self::Lottie => "lottie",
             Self::Still { .. } => "still",
             Self::Thesis(_) => "thesis",
-        }
+        })
     }
+}
 
+impl Profile {
     /// What a client must be able to do to show it.
     pub(crate) fn needs(self) -> Vec<&'static str> {
         match self {

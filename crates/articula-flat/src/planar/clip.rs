@@ -3,6 +3,7 @@
 //! Source: `spec/vector.md` 2. Differs: vertices keep their nearness instead of their depth,
 //! since nearness is linear on the screen under every projection ([`crate::projection`]).
 
+use super::drawn::Drawn;
 use super::error::PlanarError;
 use glam::{Vec2, Vec4};
 use std::collections::BTreeMap;
@@ -70,8 +71,18 @@ impl PlanarClip {
         self.albedo[vertex as usize].map(|level| level * light)
     }
 
+    /// Number of triangles that are seen in some frame.
+    ///
+    /// O(frames x samples covered).
+    ///
+    /// # Errors
+    /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
+    pub fn triangles_seen(&self) -> Result<usize, PlanarError> {
+        Ok(Drawn::seen(self)?.ever().len())
+    }
+
     /// A triangle's corners on the screen.
-    pub fn places(&self, frame: usize, triangle: usize) -> [Vec2; 3] {
+    pub(crate) fn places(&self, frame: usize, triangle: usize) -> [Vec2; 3] {
         self.triangles[triangle].map(|v| self.frames[frame].xy[v as usize])
     }
 

@@ -14,7 +14,7 @@ const SHORT_GAP: usize = 6;
 
 /// A bit for each frame and triangle.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Drawn {
+pub(crate) struct Drawn {
     frames: usize,
     triangles: usize,
     bits: Vec<bool>,
@@ -56,7 +56,7 @@ impl Drawn {
     ///
     /// # Errors
     /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
-    pub fn seen(clip: &PlanarClip) -> Result<Self, PlanarError> {
+    pub(crate) fn seen(clip: &PlanarClip) -> Result<Self, PlanarError> {
         clip.check()?;
         let mut drawn = Self::none(clip.frames.len(), clip.triangles.len());
         let mut buffer = ItemBuffer::new(clip.width, clip.height, Samples::Two)?;
@@ -98,7 +98,7 @@ impl Drawn {
     }
 
     /// Triangles that are drawn in some frame, rising.
-    pub fn ever(&self) -> Vec<u32> {
+    pub(crate) fn ever(&self) -> Vec<u32> {
         self.within(&(0..self.frames))
     }
 

@@ -494,7 +494,7 @@ fn slack_of_small(places: &[Vec2; 3]) -> f64 {
 mod tests {
     use super::super::clip::fixture;
     use super::*;
-    use crate::planar::Painting;
+    use crate::planar::order::Painting;
     use crate::vector::MovingSvg;
     use crate::vector::smil;
 

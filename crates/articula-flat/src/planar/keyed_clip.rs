@@ -8,7 +8,7 @@ use crate::planar::clip::MAX_FRAMES;
 use std::ops::Range;
 
 /// Steps of the grid in a pixel; the viewBox of an SVG is this many times its size.
-pub const GRID: i32 = 4;
+pub(crate) const GRID: i32 = 4;
 /// Farthest that a number may be from the origin, grid steps; players count in `f32`.
 pub(crate) const MAX_GRID: u32 = 1 << 20;
 
@@ -17,7 +17,7 @@ pub(crate) const BOX: i32 = 1000;
 
 /// What the lines of gradients are counted in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LineUnits {
+pub(crate) enum LineUnits {
     /// Grid steps on the picture.
     #[default]
     Grid,
@@ -29,7 +29,7 @@ pub enum LineUnits {
 
 /// A moving vector graphic.
 #[derive(Debug, Clone, PartialEq)]
-pub struct KeyedClip {
+pub(crate) struct KeyedClip {
     /// Width, pixels.
     pub width: u32,
     /// Height, pixels.
@@ -48,7 +48,7 @@ pub struct KeyedClip {
 
 /// One shape. A triangle that changes its place in the painting order is there more than once.
 #[derive(Debug, Clone, PartialEq)]
-pub struct KeyedShape {
+pub(crate) struct KeyedShape {
     /// Its closed outlines' points as x, y, x, y, …; grid steps.
     pub outline: KeyedTrack,
     /// First point of each further closed outline (merged shapes have holes and islands); empty
@@ -64,7 +64,7 @@ pub struct KeyedShape {
 
 /// What a shape is filled with.
 #[derive(Debug, Clone, PartialEq)]
-pub enum KeyedPaint {
+pub(crate) enum KeyedPaint {
     /// One colour, sRGB levels.
     Flat([u8; 3]),
     /// A shared ramp from black to a colour, along a line.
@@ -85,7 +85,7 @@ pub enum KeyedPaint {
 
 /// Numbers that move straight from key to key.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub struct KeyedTrack {
+pub(crate) struct KeyedTrack {
     /// Frame of each key, rising. One key alone does not move. More than one: the first is 0
     /// and the last the clip's last frame.
     pub frames: Vec<u32>,
@@ -142,7 +142,7 @@ impl KeyedTrack {
     }
 
     /// A track that does not move.
-    pub fn still(values: Vec<i32>) -> Self {
+    pub(crate) fn still(values: Vec<i32>) -> Self {
         Self {
             frames: vec![0],
             width: values.len(),

@@ -5,16 +5,18 @@
 //!
 //! - [`Subject`]: who is shown; [`bake()`] skins, projects and lights it into a [`PlanarClip`]:
 //!   places and light of every vertex in every frame
-//! - [`stage`]: where a moving subject is, and which of its triangles are ever seen
-//! - [`Drawn`]: which triangles are seen in which frames
-//! - [`Painted`], [`Painting`]: in which order triangles are painted, in epochs, and what stays
-//!   wrong
+//! - [`Subject::bounds`], [`Subject::camera`], [`Subject::seen`]: where a moving subject is, and
+//!   which of its triangles are ever seen
+//! - [`OrderOptions`]: in which order triangles are painted, in epochs; [`OrderComparison`]: what
+//!   stays wrong
 //! - [`Shading`]: one gradient for each triangle, or one colour
 //! - [`SplitOptions`]: how triangles that pass through each other are cut
-//! - [`UnderlapOptions`]: how far edges reach under what is painted later, so that no gap shows
 //! - [`reference()`]: the supersampled Gouraud picture that every output is measured against
-//! - [`KeyedClip`]: few keys instead of every frame
 //! - [`PlanarError`]: what can be wrong with a clip that is to be converted
+//!
+//! Inside stand `drawn`, which triangles are seen in which frames; `underlap`, how edges reach
+//! under what is painted later, so that no gap shows; and `keyed_clip`, few keys instead of every
+//! frame.
 
 mod bake;
 pub(crate) mod clip;
@@ -30,7 +32,7 @@ pub(crate) mod order;
 pub(crate) mod reference;
 pub(crate) mod shading;
 pub(crate) mod split;
-pub mod stage;
+mod stage;
 mod subject;
 mod tunnel;
 pub(crate) mod underlap;
@@ -38,12 +40,11 @@ mod vertex_colors;
 
 pub use bake::{BakeOptions, Lamp, Turn, bake, bake_shapes};
 pub use clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, Surface};
-pub use drawn::Drawn;
+pub(crate) use drawn::Drawn;
 pub use error::PlanarError;
-pub use keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
-pub use order::{Epoch, OrderOptions, Overlaps, Painted, Painting, WrongPixels};
+pub(crate) use order::{Epoch, Painting};
+pub use order::{OrderComparison, OrderOptions};
 pub use reference::{object_mask, reference};
-pub use shading::{Shading, flat_color};
+pub use shading::Shading;
 pub use split::SplitOptions;
 pub use subject::Subject;
-pub use underlap::UnderlapOptions;

@@ -135,7 +135,7 @@ impl Colors {
 /// The one colour of a triangle: the mean over its frames, weighted by its size in each.
 ///
 /// Black if there is no frame.
-pub fn flat_color(
+pub(crate) fn flat_color(
     clip: &PlanarClip,
     triangle: usize,
     frames: impl Iterator<Item = usize>,

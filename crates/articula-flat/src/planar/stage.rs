@@ -17,82 +17,85 @@ use std::collections::BTreeSet;
 /// Longer side of the picture in which triangles are looked for, pixels.
 const CLOSER_PX: f32 = 1024.0;
 
-/// The smallest box around the subject's triangles at all these moments; `None` without a
-/// triangle.
-pub fn bounds(subject: &Subject<'_>, moments_secs: &[f64], turn: &Turn) -> Option<Bounds> {
-    let used = used_vertices(subject);
-    let mut poser = Poser::new(subject);
-    Bounds::around(moments_secs.iter().filter_map(|secs| {
-        poser.pose(*secs);
-        let angle = turn.at(*secs);
-        let places = used
-            .iter()
-            .map(|v| turn.apply(poser.skinned.positions[*v], angle));
-        places
-            .map(|p| (p, p))
-            .reduce(|(low, high), (p, _)| (low.min(p), high.max(p)))
-    }))
-}
-
-/// A camera from an azimuth and elevation ([`crate::frame::orbit_view`]), as near as the subject
-/// allows at all these moments; `None` without a triangle.
-pub fn camera(
-    subject: &Subject<'_>,
-    moments_secs: &[f64],
-    turn: &Turn,
-    (azimuth_radians, elevation_radians): (f32, f32),
-    viewport: Viewport,
-) -> Option<Camera> {
-    let mut view = TightView::new(azimuth_radians, elevation_radians, viewport);
-    let used = used_vertices(subject);
-    let mut poser = Poser::new(subject);
-    for secs in moments_secs {
-        poser.pose(*secs);
-        let angle = turn.at(*secs);
-        let places = used.iter().map(|v| poser.skinned.positions[*v]);
-        places.for_each(|p| view.add(turn.apply(p, angle)));
+impl Subject<'_> {
+    /// The smallest box around the subject's triangles at all these moments; `None` without a
+    /// triangle.
+    pub fn bounds(&self, moments_secs: &[f64], turn: &Turn) -> Option<Bounds> {
+        let used = used_vertices(self);
+        let mut poser = Poser::new(self);
+        Bounds::around(moments_secs.iter().filter_map(|secs| {
+            poser.pose(*secs);
+            let angle = turn.at(*secs);
+            let places = used
+                .iter()
+                .map(|v| turn.apply(poser.skinned.positions[*v], angle));
+            places
+                .map(|p| (p, p))
+                .reduce(|(low, high), (p, _)| (low.min(p), high.max(p)))
+        }))
     }
-    view.camera()
-}
 
-/// Whether each of the subject's triangles owns a sample of the picture at one of these moments.
-///
-/// Unlike a bake this takes meshes of any size. It looks more closely than the picture does, and
-/// what touches a seen triangle counts as seen: small triangles between samples would leave holes
-/// that no simplifier may close. O(moments x (vertices + samples covered)).
-///
-/// # Errors
-/// [`PlanarError::Picture`] if the camera's picture is too large.
-pub fn seen(
-    subject: &Subject<'_>,
-    moments_secs: &[f64],
-    options: &BakeOptions,
-) -> Result<Vec<bool>, PlanarError> {
-    let (camera, projection) = closer(options);
-    let (width, height) = (camera.viewport.width_px, camera.viewport.height_px);
-    let mut buffer = ItemBuffer::new(width as u32, height as u32, Samples::Two)?;
-    let screen = Screen::new(&camera, projection);
-    let mut poser = Poser::new(subject);
-    let faces = faces(subject);
-    let mut seen = vec![false; subject.triangles.len()];
-    for secs in moments_secs {
-        poser.pose(*secs);
-        let angle = options.turn.at(*secs);
-        let corner = |p: &Vec3| screen.corner(options.turn.apply(*p, angle));
-        let corners: Vec<_> = poser.skinned.positions.iter().map(corner).collect();
-        buffer.clear();
-        for (t, triangle) in subject.triangles.iter().enumerate() {
-            let of = triangle.map(|v| corners.get(v as usize).copied().unwrap_or_default());
-            buffer.draw(t as u32, of, faces[t]);
+    /// A camera from an azimuth and elevation ([`crate::frame::orbit_view`]), as near as the
+    /// subject allows at all these moments; `None` without a triangle.
+    pub fn camera(
+        &self,
+        moments_secs: &[f64],
+        turn: &Turn,
+        (azimuth_radians, elevation_radians): (f32, f32),
+        viewport: Viewport,
+    ) -> Option<Camera> {
+        let mut view = TightView::new(azimuth_radians, elevation_radians, viewport);
+        let used = used_vertices(self);
+        let mut poser = Poser::new(self);
+        for secs in moments_secs {
+            poser.pose(*secs);
+            let angle = turn.at(*secs);
+            let places = used.iter().map(|v| poser.skinned.positions[*v]);
+            places.for_each(|p| view.add(turn.apply(p, angle)));
         }
-        let (width, height) = buffer.sample_size();
-        for y in 0..height {
-            for item in (0..width).filter_map(|x| buffer.item(x, y)) {
-                seen[item as usize] = true;
+        view.camera()
+    }
+
+    /// Whether each of the subject's triangles owns a sample of the picture at one of these
+    /// moments.
+    ///
+    /// Unlike a bake this takes meshes of any size. It looks more closely than the picture does,
+    /// and what touches a seen triangle counts as seen: small triangles between samples would
+    /// leave holes that no simplifier may close. O(moments x (vertices + samples covered)).
+    ///
+    /// # Errors
+    /// [`PlanarError::Picture`] if the camera's picture is too large.
+    pub fn seen(
+        &self,
+        moments_secs: &[f64],
+        options: &BakeOptions,
+    ) -> Result<Vec<bool>, PlanarError> {
+        let (camera, projection) = closer(options);
+        let (width, height) = (camera.viewport.width_px, camera.viewport.height_px);
+        let mut buffer = ItemBuffer::new(width as u32, height as u32, Samples::Two)?;
+        let screen = Screen::new(&camera, projection);
+        let mut poser = Poser::new(self);
+        let faces = faces(self);
+        let mut seen = vec![false; self.triangles.len()];
+        for secs in moments_secs {
+            poser.pose(*secs);
+            let angle = options.turn.at(*secs);
+            let corner = |p: &Vec3| screen.corner(options.turn.apply(*p, angle));
+            let corners: Vec<_> = poser.skinned.positions.iter().map(corner).collect();
+            buffer.clear();
+            for (t, triangle) in self.triangles.iter().enumerate() {
+                let of = triangle.map(|v| corners.get(v as usize).copied().unwrap_or_default());
+                buffer.draw(t as u32, of, faces[t]);
+            }
+            let (width, height) = buffer.sample_size();
+            for y in 0..height {
+                for item in (0..width).filter_map(|x| buffer.item(x, y)) {
+                    seen[item as usize] = true;
+                }
             }
         }
+        Ok(with_neighbours(self, &seen))
     }
-    Ok(with_neighbours(subject, &seen))
 }
 
 /// The same view in more pixels, about a thousand a side.
@@ -166,19 +169,19 @@ mod tests {
     #[test]
     fn bounds_hold_the_figure_and_its_turn() {
         let figure = figure();
-        let still = bounds(&figure.subject(), &[0.0], &Turn::default()).unwrap();
+        let still = figure.subject().bounds(&[0.0], &Turn::default()).unwrap();
         assert!(still.high.y > 1.5 && still.low.y < 0.1);
         let turn = Turn {
             axis: (0.0, 0.0),
             radians_per_sec: std::f32::consts::FRAC_PI_2,
         };
-        let turned = bounds(&figure.subject(), &[1.0], &turn).unwrap();
+        let turned = figure.subject().bounds(&[1.0], &turn).unwrap();
         // A quarter turn to the left takes x to -z and z to x.
         assert!((turned.high.z + still.low.x).abs() < 1e-4);
         assert!((turned.high.x - still.high.z).abs() < 1e-4);
         let mut empty = figure.subject();
         empty.triangles = &[];
-        assert_eq!(bounds(&empty, &[0.0], &Turn::default()), None);
+        assert_eq!(empty.bounds(&[0.0], &Turn::default()), None);
     }
 
     #[test]
@@ -186,7 +189,7 @@ mod tests {
         let figure = figure();
         let viewport = figure.options.camera.viewport;
         let (subject, turn) = (figure.subject(), Turn::default());
-        let camera = camera(&subject, &[0.0], &turn, (0.4, 0.0), viewport).unwrap();
+        let camera = subject.camera(&[0.0], &turn, (0.4, 0.0), viewport).unwrap();
         let options = BakeOptions {
             camera,
             ..figure.options.clone()
@@ -201,7 +204,7 @@ mod tests {
     #[test]
     fn holds_what_a_bake_draws_and_leaves_out_the_back() {
         let figure = figure();
-        let seen = seen(&figure.subject(), &[0.0], &figure.options).unwrap();
+        let seen = figure.subject().seen(&[0.0], &figure.options).unwrap();
         let options = BakeOptions {
             lamp: Lamp::default(),
             ..figure.options.clone()

@@ -34,7 +34,7 @@ const MOST_NEIGHBOURS: usize = 8;
 
 /// How edges are sealed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct UnderlapOptions {
+pub(crate) struct UnderlapOptions {
     /// How far an edge reaches under its neighbour, pixels; 0 moves nothing.
     pub distance_px: f32,
 }

@@ -71,11 +71,6 @@ impl PortraitClip {
         out
     }
 
-    /// Length; a clip of one frame has none.
-    pub fn duration_secs(&self) -> f32 {
-        self.poses.len().saturating_sub(1) as f32 / self.rate_hz
-    }
-
     /// Head and weights at a time, blended between frames and held before and after.
     pub fn at(&self, time_secs: f32) -> (HeadPose, Vec<f32>) {
         let last = self.poses.len().saturating_sub(1);

@@ -48,16 +48,13 @@ impl PictureFormat {
     }
 }
 
-/// Names of the files of a portrait with their bytes.
-pub type Files = Vec<(String, Vec<u8>)>;
-
 impl Portrait {
-    /// All files: `portrait.json`, a picture for each view, and the player.
+    /// All files by name: `portrait.json`, a picture for each view, and the player.
     ///
     /// # Errors
     /// [`PortraitError::Mismatch`] if a number is not finite, [`PortraitError::Picture`] if a
     /// picture cannot be encoded.
-    pub fn to_files(&self, format: PictureFormat) -> Result<Files, PortraitError> {
+    pub fn to_files(&self, format: PictureFormat) -> Result<Vec<(String, Vec<u8>)>, PortraitError> {
         let mut files = vec![(
             "portrait.json".to_owned(),
             self.to_json(format)?.into_bytes(),
@@ -191,7 +188,7 @@ fn clip_json(clip: &PortraitClip) -> Result<String, PortraitError> {
 /// The picture's file.
 pub(crate) fn encoded(picture: &Picture, format: PictureFormat) -> Result<Vec<u8>, PictureError> {
     if format == PictureFormat::Png {
-        return crate::codec::png(picture);
+        return picture.to_png();
     }
     let mut bytes = Vec::new();
     let pixels: Vec<u8> = picture.pixels().iter().flatten().copied().collect();

@@ -32,7 +32,7 @@ pub(super) fn truth(
     let poser = Poser::new(source.mesh, source.rig, &source.head, source.expressions);
     let driven: Vec<(usize, f32)> = weights.iter().copied().enumerate().collect();
     let skinned = poser.skin(*pose, &driven);
-    let options = render_options(options, pose);
+    let options = render_options(pose);
     Ok(render(
         source.mesh,
         &skinned,

@@ -16,7 +16,8 @@ pub struct HeadPose {
 
 impl HeadPose {
     /// A turn without nod and tilt.
-    pub fn yaw(yaw_degrees: f32) -> Self {
+    #[cfg(test)]
+    pub(crate) fn yaw(yaw_degrees: f32) -> Self {
         Self {
             yaw_degrees,
             ..Self::default()

@@ -39,9 +39,9 @@ mod tests;
 
 pub use build::build;
 pub use clip::PortraitClip;
-pub use document::{Files, PictureFormat};
+pub use document::PictureFormat;
 pub use error::PortraitError;
 pub use head::{Head, HeadPose, JointTurn, PortraitExpression};
-pub use model::Portrait;
+pub use model::{Portrait, PortraitCounts};
 pub use page::{Enclosed, PageOptions, page};
-pub use source::{LightFollows, PortraitOptions, PortraitSource};
+pub use source::{PortraitOptions, PortraitSource};

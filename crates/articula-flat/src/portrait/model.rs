@@ -33,25 +33,28 @@ pub struct Portrait {
     pub clips: Vec<PortraitClip>,
 }
 
+/// How much a portrait holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PortraitCounts {
+    /// View pictures.
+    pub views: usize,
+    /// Triangles of the 2D mesh.
+    pub triangles: usize,
+    /// Vertices of the 2D mesh.
+    pub vertices: usize,
+    /// Shapes of the face that can be driven.
+    pub expressions: usize,
+}
+
 impl Portrait {
-    /// Number of view pictures.
-    pub fn views(&self) -> usize {
-        self.views.len()
-    }
-
-    /// Number of triangles of the 2D mesh.
-    pub fn triangles(&self) -> usize {
-        self.mesh.triangles.len()
-    }
-
-    /// Number of vertices of the 2D mesh.
-    pub fn vertices(&self) -> usize {
-        self.mesh.vertices.len()
-    }
-
-    /// Number of shapes of the face that can be driven.
-    pub fn expressions(&self) -> usize {
-        self.grid.expressions.len()
+    /// How much of everything there is.
+    pub fn counts(&self) -> PortraitCounts {
+        PortraitCounts {
+            views: self.views.len(),
+            triangles: self.mesh.triangles.len(),
+            vertices: self.mesh.vertices.len(),
+            expressions: self.grid.expressions.len(),
+        }
     }
 
     /// Places of all vertices in pixels. One weight for each expression; missing ones are 0.

@@ -34,16 +34,6 @@ pub struct PortraitSource<'a> {
     pub camera: Camera,
 }
 
-/// Whether light stays with the viewer or with the head.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum LightFollows {
-    /// The key light turns with the head, so that all views show the same shading.
-    #[default]
-    Head,
-    /// Light stays where it is while the head turns, as in a scene; views blend their shading.
-    Viewer,
-}
-
 /// How a portrait is made.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PortraitOptions {
@@ -60,8 +50,6 @@ pub struct PortraitOptions {
     pub pitch_limit_degrees: f32,
     /// Root mean square error of the 2D positions that the tables may have, pixels.
     pub tolerance_px: f32,
-    /// Where the light stays.
-    pub light: LightFollows,
 }
 
 impl Default for PortraitOptions {
@@ -73,7 +61,6 @@ impl Default for PortraitOptions {
             yaw_limit_degrees: 60.0,
             pitch_limit_degrees: 30.0,
             tolerance_px: 0.1,
-            light: LightFollows::Head,
         }
     }
 }

@@ -418,7 +418,7 @@ fn the_document_is_as_its_schema_says() {
     assert_eq!(document["expressions"][0]["name"], "jawOpen\"<");
     assert_eq!(document["views"][2]["picture"], "view2.png");
     for (view, (_, bytes)) in portrait.views.iter().zip(&files[1..4]) {
-        assert_eq!(crate::codec::decode(bytes).unwrap(), view.picture);
+        assert_eq!(crate::Picture::decode(bytes).unwrap(), view.picture);
     }
     // The same source gives the same bytes, and the page cannot be left by a name.
     assert_eq!(

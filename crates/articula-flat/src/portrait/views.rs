@@ -8,7 +8,7 @@ use super::error::PortraitError;
 use super::flat_mesh::{FlatMesh, corners_of, part_at};
 use super::head::HeadPose;
 use super::posing::{Poser, places, project};
-use super::source::{LightFollows, PortraitOptions, PortraitSource};
+use super::source::{PortraitOptions, PortraitSource};
 use super::visibility::{Layers, layers};
 use crate::picture::{Picture, Rgba};
 use crate::projection::Projection;
@@ -42,29 +42,27 @@ pub(crate) struct Views {
     pub(crate) layers: Layers,
 }
 
-/// The light of a picture of a head in this pose.
-pub(crate) fn light(options: &PortraitOptions, pose: &HeadPose) -> Light {
+/// The light of a picture of a head in this pose: it turns with the head, so that all views show
+/// the same shading.
+pub(crate) fn light(pose: &HeadPose) -> Light {
     let still = Light::default();
-    match options.light {
-        LightFollows::Viewer => still,
-        // The fill light mirrors the key about the viewer, so it cannot turn with the head: what
-        // it gives on the mean comes from everywhere instead.
-        LightFollows::Head => Light {
-            key_direction: pose.rotation() * still.key_direction,
-            fill: 0.0,
-            ambient: still.ambient + 0.5 * still.fill,
-            ..still
-        },
+    // The fill light mirrors the key about the viewer, so it cannot turn with the head: what it
+    // gives on the mean comes from everywhere instead.
+    Light {
+        key_direction: pose.rotation() * still.key_direction,
+        fill: 0.0,
+        ambient: still.ambient + 0.5 * still.fill,
+        ..still
     }
 }
 
 /// How pictures of the figure are rendered.
-pub(crate) fn render_options(options: &PortraitOptions, pose: &HeadPose) -> RenderOptions {
+pub(crate) fn render_options(pose: &HeadPose) -> RenderOptions {
     RenderOptions {
         background: [0; 4],
         samples: crate::item_buffer::Samples::Four,
         projection: Projection::Perspective,
-        light: light(options, pose),
+        light: light(pose),
         ..RenderOptions::default()
     }
 }
@@ -117,7 +115,7 @@ pub(crate) fn views(
                     .iter_mut()
                     .for_each(|m| m.double_sided = true);
             }
-            let options = render_options(options, pose);
+            let options = render_options(pose);
             let picture = render(&mesh, &skinned[v], &look, &source.camera, &options)?;
             let picture = picture.crop(low.0, low.1, high.0 - low.0, high.1 - low.1);
             sheet.place(bleed(&picture), low);

@@ -85,7 +85,7 @@ mod tests {
         let pages: Vec<KeyedClip> = (0..5).map(|f| page(4 * f)).collect();
         let text = flipbook(&pages, "").unwrap();
         let moving = MovingSvg::read(&text).unwrap();
-        assert_eq!(moving.duration_secs(), 0.4);
+        assert_eq!(moving.duration_secs, 0.4);
         for (secs, x) in [
             (0.0, 0),
             (0.06, 4),

@@ -7,6 +7,9 @@
 //! One shape layer holds a group for each shape. The layer's scale takes the grid to pixels, so
 //! that coordinates stay whole numbers.
 
+#[cfg(test)]
+mod players;
+
 use crate::planar::PlanarError;
 use crate::planar::keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
 use std::fmt::Write;
@@ -19,7 +22,7 @@ use std::ops::Range;
 ///
 /// # Errors
 /// [`PlanarError::Mismatch`] if the clip is not sound, or has lines counted in bounding boxes, which Lottie cannot say.
-pub fn lottie(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
+pub(crate) fn lottie(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
     clip.check()?;
     if clip.lines != LineUnits::Grid {
         return Err(PlanarError::Mismatch {

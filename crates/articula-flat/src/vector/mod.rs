@@ -3,13 +3,13 @@
 //! Source: thesis 4.2, `spec/vector.md` 7 to 11; what the files hold: `docs/formats/svg.md`.
 //! [`crate::flatten`] chooses among the writers and measures what they give.
 //!
-//! - [`smil()`], [`lottie()`]: a clip of keyed shapes as animated SVG without script, as Lottie
 //! - [`player`]: a clip as a small file with a small player
 //! - [`MovingSvg`], [`raster()`]: what animated SVG of ours shows at a moment, and its pixels
 //! - [`gif()`], [`webp()`]: pictures as a movie
 //! - [`thesis()`]: the files of the thesis, the baseline of all ratios
 //!
-//! Inside stand the flip-book, stills, and the shortest text for outlines, numbers and colours.
+//! Inside stand `smil` and `lottie` (a clip of keyed shapes as animated SVG without script, as
+//! Lottie), the flip-book, stills, and the shortest text for outlines, numbers and colours.
 
 pub(crate) mod flipbook;
 mod lottie;
@@ -23,9 +23,9 @@ pub(crate) mod still;
 mod svg_text;
 pub(crate) mod thesis;
 
-pub use lottie::lottie;
-pub use moving_picture::{Moment, gif, webp};
+pub(crate) use lottie::lottie;
+pub use moving_picture::{gif, webp};
 pub use raster::raster;
-pub use smil::smil;
+pub(crate) use smil::smil;
 pub use smil_sampler::MovingSvg;
 pub use thesis::{ThesisFile, ThesisForm, ThesisOptions, thesis};

@@ -3,7 +3,7 @@
 //! Source: GIF89a (CompuServe, 1990) with the loop extension of Netscape; the WebP container
 //! (RFC 9649: `VP8X`, `ANIM`, `ANMF`) around lossless pictures. The frames come from
 //! [`super::smil_sampler`] and [`super::raster`]; a sequence of PNG files is
-//! [`crate::codec::png`] of each. Both repeat for ever.
+//! [`Picture::to_png`] of each. Both repeat for ever.
 
 use crate::error::PictureError;
 use crate::picture::Picture;
@@ -15,10 +15,8 @@ const PALETTE_SPEED: i32 = 10;
 /// Longest side of a WebP picture, pixels.
 const MAX_WEBP_SIDE: u32 = 1 << 14;
 
-/// A picture and how long it is shown, seconds.
-pub type Moment = (Picture, f64);
-
-/// A GIF file: 256 colours a frame, pixels are there or not, times in hundredths of a second.
+/// A GIF file of pictures and how long each is shown, seconds: 256 colours a frame, pixels are
+/// there or not, times in hundredths of a second.
 ///
 /// Rounded times never drift from those asked for by more than half a hundredth, but browsers
 /// slow down what is faster than 50 frames a second.
@@ -26,7 +24,7 @@ pub type Moment = (Picture, f64);
 /// # Errors
 /// [`PictureError::Mismatch`] if there is no frame, their sizes differ, a side is 0 or beyond
 /// 65535, or a time is not a positive number.
-pub fn gif(moments: &[Moment]) -> Result<Vec<u8>, PictureError> {
+pub fn gif(moments: &[(Picture, f64)]) -> Result<Vec<u8>, PictureError> {
     let (width, height) = size(moments, u32::from(u16::MAX))?;
     let (width, height) = (width as u16, height as u16);
     let refuse = |e: gif::EncodingError| mismatch(e.to_string());
@@ -50,11 +48,12 @@ pub fn gif(moments: &[Moment]) -> Result<Vec<u8>, PictureError> {
     Ok(bytes)
 }
 
-/// An animated WebP file without loss; times in milliseconds.
+/// An animated WebP file of pictures and how long each is shown, seconds, without loss; times in
+/// milliseconds.
 ///
 /// # Errors
 /// As [`gif()`], with sides up to 16384.
-pub fn webp(moments: &[Moment]) -> Result<Vec<u8>, PictureError> {
+pub fn webp(moments: &[(Picture, f64)]) -> Result<Vec<u8>, PictureError> {
     let (width, height) = size(moments, MAX_WEBP_SIDE)?;
     // Canvas and frames are stored less one, in three bytes.
     let three = |n: u32| n.to_le_bytes().into_iter().take(3);
@@ -103,10 +102,10 @@ fn push_chunk(out: &mut Vec<u8>, name: [u8; 4], content: &[u8]) {
 }
 
 /// How many ticks each picture is shown; sums are rounded, so nothing drifts.
-fn ticks(moments: &[Moment], a_second: f64) -> Vec<u32> {
+fn ticks(moments: &[(Picture, f64)], a_second: f64) -> Vec<u32> {
     let mut secs = 0.0;
     let mut before = 0.0;
-    let of = |(_, shown): &Moment| {
+    let of = |(_, shown): &(Picture, f64)| {
         secs += shown;
         let now = (secs * a_second).round();
         let ticks = now - before;
@@ -116,7 +115,7 @@ fn ticks(moments: &[Moment], a_second: f64) -> Vec<u32> {
     moments.iter().map(of).collect()
 }
 
-fn size(moments: &[Moment], most: u32) -> Result<(u32, u32), PictureError> {
+fn size(moments: &[(Picture, f64)], most: u32) -> Result<(u32, u32), PictureError> {
     let Some((first, _)) = moments.first() else {
         return Err(mismatch("no frame".to_owned()));
     };
@@ -147,7 +146,7 @@ mod tests {
     use crate::picture::Rgba;
     use std::io::Cursor;
 
-    fn moment(colors: [Rgba; 2], secs: f64) -> Moment {
+    fn moment(colors: [Rgba; 2], secs: f64) -> (Picture, f64) {
         let picture = Picture::from_pixels(2, 1, colors.to_vec()).unwrap();
         (picture, secs)
     }

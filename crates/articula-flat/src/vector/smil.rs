@@ -32,7 +32,7 @@ const MAX_TURNED_POINTS: usize = 16;
 ///
 /// # Errors
 /// [`PlanarError::Mismatch`] if the clip is not sound.
-pub fn smil(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
+pub(crate) fn smil(clip: &KeyedClip, name: &str) -> Result<String, PlanarError> {
     clip.check()?;
     let mut writer = SvgWriter::new(clip, name);
     for shape in &clip.shapes {
@@ -636,9 +636,9 @@ mod tests {
             let outline = track(frames, inner, values);
             let text = smil(&clip(frames, vec![triangle(outline.clone(), frames)]), "n").unwrap();
             let moving = MovingSvg::read(&text).unwrap();
-            prop_assert!((moving.duration_secs() - f64::from(steps) / 25.0).abs() < 1e-9);
+            prop_assert!((moving.duration_secs - f64::from(steps) / 25.0).abs() < 1e-9);
             for share in moments {
-                let svg = moving.at(share * moving.duration_secs()).unwrap();
+                let svg = moving.at(share * moving.duration_secs).unwrap();
                 let mut expected: Vec<[f64; 2]> = outline
                     .at(share * f64::from(steps))
                     .chunks(2)

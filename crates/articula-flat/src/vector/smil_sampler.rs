@@ -24,7 +24,8 @@ const MAX_DEPTH: usize = 32;
 #[derive(Debug, Clone, PartialEq)]
 pub struct MovingSvg {
     parts: Vec<Part>,
-    duration_secs: f64,
+    /// Length of the longest animation before it repeats, seconds; 0 if nothing moves.
+    pub duration_secs: f64,
 }
 
 /// A piece of the still SVG, in the order of the text.
@@ -144,11 +145,6 @@ impl MovingSvg {
             }
         }
         Ok(svg)
-    }
-
-    /// Length of the longest animation before it repeats, seconds; 0 if nothing moves.
-    pub fn duration_secs(&self) -> f64 {
-        self.duration_secs
     }
 
     /// What is shown at a moment, as a still SVG. Animations repeat for ever, so their end shows
@@ -531,7 +527,7 @@ mod tests {
         let text =
             animate(r#"values="m0 0l8 0-8 8z;m4-4l8 0-8 8z;m4 0l8 0-8 8z" keyTimes="0;.5;1""#);
         let svg = MovingSvg::read(&text).unwrap();
-        assert_eq!(svg.duration_secs(), 2.0);
+        assert_eq!(svg.duration_secs, 2.0);
         let path = |secs| {
             let still = svg.at(secs).unwrap();
             assert!(

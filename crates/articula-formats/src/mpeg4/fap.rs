@@ -116,12 +116,6 @@ impl FapClip {
         let values = || self.frames.iter().map(|frame| frame.low[index]);
         Some((values().min()?, values().max()?))
     }
-
-    /// Time of the last frame, in seconds after the first.
-    pub fn duration_secs(&self) -> f32 {
-        let ends = self.frames.first().zip(self.frames.last());
-        ends.map_or(0.0, |(a, b)| (b.number - a.number) as f32 / self.rate_hz)
-    }
 }
 
 /// What a parameter does in a frame whose mask leaves it out.

@@ -52,7 +52,8 @@ pub struct MeshStream {
     pub(super) records: Vec<Vec<u8>>,
     /// Length and hash of each chunk, level after level, object after object.
     pub(super) entries: Vec<(u32, Hash)>,
-    head_bytes: usize,
+    /// Bytes of the head.
+    pub head_bytes: usize,
     counts: Counts,
 }
 
@@ -150,11 +151,6 @@ impl MeshStream {
             head_bytes,
             counts,
         })
-    }
-
-    /// Bytes of the head.
-    pub fn head_bytes(&self) -> usize {
-        self.head_bytes
     }
 
     /// Where the chunk of a level of this stream (0 is the finest in it) and an object lies, in

@@ -75,7 +75,7 @@ fn by_value(mesh: &QuantisedMesh) -> BTreeSet<[Vec<i64>; 3]> {
 /// A client that has the head of a stream and no chunk.
 fn waiting(whole: &[u8]) -> Receiver {
     let limits = StreamLimits::default();
-    let head = MeshStream::open(whole, &limits).unwrap().head_bytes();
+    let head = MeshStream::open(whole, &limits).unwrap().head_bytes;
     Receiver::read(&whole[..head], &limits).unwrap()
 }
 
@@ -260,7 +260,7 @@ fn heads_of_other_files_and_short_ones_are_errors() {
     let (table, objects) = levels();
     let limits = StreamLimits::default();
     let whole = write(table, objects, 0..table.levels.len()).unwrap().bytes;
-    let head = MeshStream::open(&whole, &limits).unwrap().head_bytes();
+    let head = MeshStream::open(&whole, &limits).unwrap().head_bytes;
     assert_eq!(MeshStream::head_length(&whole[..12]).unwrap(), head);
     for length in 0..head {
         assert!(MeshStream::open(&whole[..length], &limits).is_err());
@@ -362,7 +362,7 @@ fn mutated_streams_give_a_character_or_an_error() {
     };
     assert!((1..4000).contains(&mutations.read_of(OLD, 4000, read)));
     for bytes in cut_off(OLD) {
-        assert_eq!(read(bytes), bytes.len() >= head.head_bytes());
+        assert_eq!(read(bytes), bytes.len() >= head.head_bytes);
     }
     // Without the hashes: what is coded itself.
     let layout = &head.objects[0].layout;

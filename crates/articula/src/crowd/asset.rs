@@ -1,5 +1,6 @@
 //! The character of a crowd: its levels, their skins and errors, its bounds, ready to be played.
 
+use super::in_place::{put_in_place, root_path};
 use super::mesh_lods::MeshLods;
 use super::options::{CrowdOptions, JointLods, PaletteMatrices, RootMotion};
 use crate::error::{Context, Result};
@@ -15,7 +16,6 @@ use articula_build::{
     LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
     named_ladder, skin_of,
 };
-use articula_build::{put_in_place, root_path};
 use articula_core::crowd::{CrowdModel, CrowdParts};
 use articula_core::source::{Character, Property};
 use articula_core::{Clip, ClipSet, Ladder, Mesh, MotionBounds, PaletteMap, Tracks};

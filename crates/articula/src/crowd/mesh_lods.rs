@@ -6,7 +6,7 @@ use articula_build::{FigureLevel, figure_levels};
 use articula_build::{LevelOptions, MergedLevels};
 use articula_build::{PoseOptions, poses, positions};
 use articula_build::{SimplifyOptions, simplify};
-use articula_build::{SkinPoint, attach, corners};
+use articula_build::{SkinPoint, attach, compact};
 use articula_core::Mesh;
 use glam::Vec3;
 
@@ -86,10 +86,9 @@ impl MeshLods {
             return Watch::plain(vertices);
         }
         let points = attach(&mesh.triangles, vertices, &self.poses, &mesh.parts);
-        let vertices = corners(&points);
-        let points = points.iter().map(|p| p.among(&vertices));
+        let (vertices, points) = compact(&points);
         Watch {
-            points: Some(points.collect()),
+            points: Some(points),
             vertices,
         }
     }

@@ -3,6 +3,7 @@
 //! - [`CrowdAsset`]: the character with its joint and mesh LODs and what each costs the viewer
 //! - [`CrowdPlayer`]: a crowd of it, with all the memory that a frame needs
 //! - [`ScenePlayer`]: the same as a scene says: places, cameras, cross-fades; [`read_scene`]
+//! - [`put_in_place`]: clips that carry their character away, on the spot
 //! - [`BudgetAllocator`]: what a frame may spend, learnt from what frames took
 //! - [`ErrorMeter`], [`LevelTally`]: what is shown against what should be, and who is shown how
 //!
@@ -13,6 +14,7 @@
 
 mod asset;
 mod budget;
+mod in_place;
 mod level_use;
 mod lod_error;
 mod mesh_lods;
@@ -25,6 +27,7 @@ mod scene_player;
 
 pub use asset::{CrowdAsset, CrowdLevel};
 pub use budget::{Allowance, BudgetAllocator};
+pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelTally, LevelUse, MeasuredError};
 pub use lod_error::{CharacterError, ErrorMeter, ErrorSample, ErrorSummary, NEAR_METRES};
 pub use mesh_lods::MOST_MESH_LEVELS;

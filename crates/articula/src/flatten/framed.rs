@@ -8,10 +8,9 @@ use crate::figure::Figure;
 use crate::work::Work;
 use articula_build::decimate;
 use articula_core::{ModelPose, Viewport, local_to_model};
-use articula_flat::planar::stage;
 use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn, bake};
-use articula_flat::planar::{Drawn, PlanarClip, PlanarError};
 use articula_flat::planar::{MAX_FRAMES, MAX_TRIANGLES};
+use articula_flat::planar::{PlanarClip, PlanarError};
 use articula_flat::{Appearance, Projection};
 
 /// What the first step is called.
@@ -204,7 +203,9 @@ impl<'a> Framed<'a> {
             )),
         };
         let subject = self.subject();
-        let bounds = stage::bounds(&subject, &looks, &Turn::default()).ok_or_else(unseen)?;
+        let bounds = subject
+            .bounds(&looks, &Turn::default())
+            .ok_or_else(unseen)?;
         let rig = &self.figure.asset.rig;
         let mut model = ModelPose::new(rig.len());
         local_to_model(rig, rig.rest_pose(), &mut model);
@@ -214,7 +215,7 @@ impl<'a> Framed<'a> {
         };
         let azimuth = facing(rig, &model) + self.shot.yaw_deg.to_radians();
         let angles = (azimuth, self.shot.pitch_deg.to_radians());
-        let camera = stage::camera(&subject, &looks, &turn, angles, self.shot.viewport);
+        let camera = subject.camera(&looks, &turn, angles, self.shot.viewport);
         self.options.camera = camera.ok_or_else(unseen)?;
         self.options.turn = turn;
         Ok(())
@@ -231,7 +232,10 @@ impl<'a> Framed<'a> {
         }
         let looks = self.looks();
         let place = || &self.figure.opened.name;
-        let seen = stage::seen(&self.subject(), &looks, &self.options).with_context(place)?;
+        let seen = self
+            .subject()
+            .seen(&looks, &self.options)
+            .with_context(place)?;
         let asset = &self.figure.asset;
         let clip = self.shot.clip;
         let weights = head_weights(self.figure);
@@ -241,7 +245,7 @@ impl<'a> Framed<'a> {
             ..self.subject()
         };
         let few = bake(&shown, &looks, &self.options).with_context(place)?;
-        let drawn = Drawn::seen(&few).with_context(place)?.ever().len();
+        let drawn = few.triangles_seen().with_context(place)?;
         let share = drawn as f64 / triangles.len().max(1) as f64;
         if share < 0.9 && share > 0.0 {
             let more = ((count as f64 / share) as usize).min(MAX_TRIANGLES);

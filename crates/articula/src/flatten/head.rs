@@ -6,9 +6,8 @@ use crate::facing::facing;
 use crate::figure::Figure;
 use articula_build::decimate;
 use articula_core::{Camera, ModelPose, PosedMesh, Viewport, local_to_model};
-use articula_flat::Appearance;
 use articula_flat::portrait::{Head, PortraitClip, PortraitExpression, PortraitSource};
-use articula_flat::{Bounds, TightView};
+use articula_flat::{Appearance, Bounds, tight_view};
 use glam::Vec3;
 
 /// Part of the head's height that is shown beside it: hair above, neck and shoulders below.
@@ -167,9 +166,7 @@ fn before(bounds: &Bounds, azimuth_radians: f32, viewport: Viewport) -> Camera {
         low: bounds.low - around,
         high: bounds.high + around,
     };
-    let mut view = TightView::new(azimuth_radians, 0.0, viewport);
-    wider.corners().into_iter().for_each(|p| view.add(p));
-    view.camera()
+    tight_view(wider.corners(), azimuth_radians, 0.0, viewport)
         .unwrap_or_else(|| Camera::looking_at(wider.middle() + Vec3::Z, wider.middle(), viewport))
 }
 

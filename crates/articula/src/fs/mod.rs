@@ -50,8 +50,9 @@ pub fn open_with(path: impl AsRef<Path>, options: &OpenOptions) -> Result<Opened
             let file = skeleton.file_name().unwrap_or_default().to_string_lossy();
             let what = format!("{file} was taken, {how}");
             let warning = Warning {
+                at: "skeleton".to_owned(),
+                what,
                 guess: Some(Guess::Skeleton),
-                ..Warning::new("skeleton", what)
             };
             opened.warnings.insert(0, warning);
         }

@@ -154,6 +154,7 @@ pub fn inspect_data(opened: OpenedData, file: &str, format: DataFormat) -> DataF
 }
 
 fn of_fap(clip: &FapClip) -> DataFindings {
+    let ends = clip.frames.first().zip(clip.frames.last());
     let moving = clip.moving();
     let mut first = 0;
     let mut groups = Vec::new();
@@ -174,7 +175,7 @@ fn of_fap(clip: &FapClip) -> DataFindings {
         name: clip.name.clone(),
         clips: vec![DataClip {
             name: clip.name.clone(),
-            duration_secs: clip.duration_secs(),
+            duration_secs: ends.map_or(0.0, |(a, b)| (b.number - a.number) as f32 / clip.rate_hz),
             fps: clip.rate_hz,
             frames: clip.frames.len(),
             joints_animated: 0,

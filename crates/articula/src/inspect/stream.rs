@@ -55,7 +55,7 @@ pub fn inspect_stream(bytes: &[u8], file: &str, limits: &StreamLimits) -> Result
         file: file.to_owned(),
         format: "ams",
         bytes: bytes.len(),
-        bytes_head: stream.head_bytes(),
+        bytes_head: stream.head_bytes,
         objects: stream.objects.len(),
         regions: stream.levels.regions.clone(),
         levels: levels(stream, &received),

@@ -23,7 +23,11 @@ pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
     } else {
         let what = "the format has no hierarchy, and the segments are not called like those of a human \
                     (a joint-name profile of your own maps them); they move side by side";
-        warnings.push(Warning::new("file", what));
+        warnings.push(Warning {
+            at: "file".to_owned(),
+            what: what.to_owned(),
+            guess: None,
+        });
     }
     Ok(input.opened(character, warnings, None))
 }

@@ -73,6 +73,12 @@ pub(crate) fn bytes(made: &CodedMeshLevels, store: usize) -> Bytes {
     }
 }
 
+/// How many poses errors in motion were measured on.
+pub(crate) fn poses_measured(made: &CodedMeshLevels) -> usize {
+    let on = made.levels.measured;
+    on.clips + on.bends + on.morphs
+}
+
 /// What errors in motion were measured on, in words.
 pub(crate) fn measured(made: &CodedMeshLevels) -> String {
     let on = made.levels.measured;

@@ -156,7 +156,7 @@ impl Report {
             added: Vec::new(),
             levels: made.map(levels::levels).unwrap_or_default(),
             bytes: made.map(|l| levels::bytes(l, built.mesh_bytes)),
-            poses_measured: made.map(|l| l.levels.measured.poses()),
+            poses_measured: made.map(levels::poses_measured),
             measured: made.map(levels::measured).unwrap_or_default(),
             mesh_stream: args.mesh_levels.mesh_stream.as_deref().map(files::shown),
             warnings: {

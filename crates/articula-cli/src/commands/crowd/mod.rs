@@ -18,7 +18,6 @@ use articula::crowd::{
 use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
 use articula_core::Clip;
 use articula_core::loa::Expression;
-use articula_flat::codec;
 use articula_report::{Plot, PlotOptions, Series, line_plot, stacked};
 use clap::{Args, ValueEnum};
 use report::Report;
@@ -417,7 +416,7 @@ impl CrowdArgs {
         }
         if let Some(path) = &self.picture {
             let picture = picture::draw(&piece.asset, &piece.scene, piece.settings, PICTURE_PX)?;
-            let png = codec::png(&picture).with_context(|| files::shown(path))?;
+            let png = picture.to_png().with_context(|| files::shown(path))?;
             files::write(path, &png)?;
             report.written.push(files::shown(path));
         }

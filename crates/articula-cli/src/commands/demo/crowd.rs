@@ -12,7 +12,6 @@ use articula::crowd::{
     RootMotion,
 };
 use articula_build::{Plaza, Scene, plaza};
-use articula_flat::codec;
 use serde::Serialize;
 
 /// Characters: a square of 14 by 14.
@@ -58,7 +57,7 @@ pub(super) fn of(
     let seen = play(&merged, &scene, settings(tolerance, false), console)?;
     let shared = play(&merged, &scene, settings(tolerance, true), console)?;
     let picture = picture::draw(&merged, &scene, settings(tolerance, false), PICTURE_PX)?;
-    folder.write("crowd.png", &codec::png(&picture).context("crowd.png")?)?;
+    folder.write("crowd.png", &picture.to_png().context("crowd.png")?)?;
     Ok(Crowd {
         characters: COUNT,
         visible: seen.visible.median.round() as usize,

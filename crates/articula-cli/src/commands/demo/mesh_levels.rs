@@ -9,7 +9,6 @@ use articula::{CodedMeshLevels, Figure};
 use articula_core::source;
 use articula_core::{Region, Wrap, sample};
 use articula_flat::Picture;
-use articula_flat::codec;
 use articula_report::{Cell, ContactSheet, Row};
 use serde::Serialize;
 
@@ -28,7 +27,7 @@ impl MeshLevels {
         Self {
             levels: report::levels(levels),
             bytes: report::bytes(levels, mesh_bytes),
-            poses_measured: levels.levels.measured.poses(),
+            poses_measured: report::poses_measured(levels),
         }
     }
 }
@@ -48,7 +47,7 @@ pub(super) fn draw(folder: &Folder, scene: &EvaluatedClip<'_>) -> anyhow::Result
         ..ContactSheet::default()
     };
     let picture = sheet.draw().context("the picture of mesh levels")?;
-    folder.write("mesh-levels.png", &codec::png(&picture)?)
+    folder.write("mesh-levels.png", &picture.to_png()?)
 }
 
 fn row(scene: &EvaluatedClip<'_>, level: usize) -> anyhow::Result<Row> {

@@ -15,6 +15,7 @@ use crate::commands::human;
 use crate::commands::lod::DISTANCES_M;
 use crate::console::Console;
 use crate::open;
+use crate::play::motion_plots::{error_plot, gain_plot, updates_plot};
 use crate::play::{drawn, nanoseconds};
 use crate::{fault, files};
 use anyhow::Context;
@@ -23,7 +24,6 @@ use articula::{Figure, MeshLevelOptions, PrepareOptions, prepare, stored_tables}
 use articula_build::evaluate::{MethodOptions, Setup};
 use articula_formats::gltf::Document;
 use articula_human::HumanOptions;
-use articula_report::{error_plot, gain_plot, updates_plot};
 use clap::Args;
 use mesh_levels::MeshLevels;
 use report::{ClipRows, Found, Level, Report};
@@ -177,7 +177,7 @@ fn draw(
         ("methods.png", pictures::methods),
         ("levels.png", pictures::levels),
     ] {
-        let png = articula_flat::codec::png(&picture(scene, tables)?)?;
+        let png = picture(scene, tables)?.to_png()?;
         folder.write(name, &png)?;
         bar.inc(1);
     }

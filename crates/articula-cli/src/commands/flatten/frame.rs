@@ -5,7 +5,6 @@ use super::arguments::FrameArgs;
 use crate::console::Console;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_flat::codec;
 use articula_flat::vector::MovingSvg;
 use articula_flat::vector::raster;
 use serde::Serialize;
@@ -42,13 +41,13 @@ pub(super) fn run(args: &FrameArgs, console: &Console) -> anyhow::Result<()> {
         text.into_bytes()
     } else {
         let picture = raster(&text, args.background.unwrap_or([0; 4])).with_context(place)?;
-        codec::png(&picture).with_context(place)?
+        picture.to_png().with_context(place)?
     };
     files::write(&args.out, &bytes)?;
     let rendered = Rendered {
         out: files::shown(&args.out),
         at_secs: at,
-        duration_secs: moving.duration_secs(),
+        duration_secs: moving.duration_secs,
         bytes: bytes.len(),
     };
     console.result(&rendered, |r| {

@@ -6,9 +6,8 @@ use super::frame;
 use crate::console::Console;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_flat::codec;
+use articula_flat::Picture;
 use articula_flat::vector;
-use articula_flat::vector::Moment;
 use articula_flat::vector::raster;
 use serde::Serialize;
 
@@ -31,7 +30,7 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
     check_ending(args)?;
     let moving = frame::read(&args.file)?;
     let place = || files::shown(&args.file);
-    let duration = moving.duration_secs();
+    let duration = moving.duration_secs;
     let steps = (duration * f64::from(args.fps)).round().max(1.0);
     if steps > MOST_FRAMES {
         let what = format!("{steps} frames are more than {MOST_FRAMES}; ask for fewer a second");
@@ -44,7 +43,7 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
     let background = args.background.unwrap_or([255; 4]);
     let bar = console.progress("drawing", steps as usize);
     let mut pixels = 0;
-    let mut moments: Vec<Moment> = Vec::with_capacity(steps as usize);
+    let mut moments: Vec<(Picture, f64)> = Vec::with_capacity(steps as usize);
     // The last frame is left out, the first follows it when the movie repeats.
     for f in 0..steps as u32 {
         let text = moving
@@ -92,7 +91,7 @@ fn check_ending(args: &MovieArgs) -> anyhow::Result<()> {
 }
 
 /// Writes the pictures as the name asks for; all bytes written.
-fn write(args: &MovieArgs, moments: &[Moment]) -> anyhow::Result<usize> {
+fn write(args: &MovieArgs, moments: &[(Picture, f64)]) -> anyhow::Result<usize> {
     let place = || files::shown(&args.out);
     let ending = args
         .out
@@ -105,7 +104,7 @@ fn write(args: &MovieArgs, moments: &[Moment]) -> anyhow::Result<usize> {
         _ => {
             let mut all = 0;
             for (f, (picture, _)) in moments.iter().enumerate() {
-                let bytes = codec::png(picture).with_context(place)?;
+                let bytes = picture.to_png().with_context(place)?;
                 files::write(&args.out.join(format!("{f:04}.png")), &bytes)?;
                 all += bytes.len();
             }

@@ -68,7 +68,10 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let written = write(args, &portrait)?;
     let mut error = Vec::with_capacity(YAWS_DEG.len());
     for yaw_deg in YAWS_DEG {
-        let pose = HeadPose::yaw(yaw_deg);
+        let pose = HeadPose {
+            yaw_degrees: yaw_deg,
+            ..HeadPose::default()
+        };
         let image_rmse_levels = portrait.error(&shot.source(), &options, &pose, &[]);
         error.push(YawError {
             yaw_deg,
@@ -83,6 +86,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         .copied()
         .collect();
     let sizes = Sizes::of(&all)?;
+    let counts = portrait.counts();
     let report = Report {
         out: files::shown(args.out()),
         profile: "portrait",
@@ -91,10 +95,10 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
             gzip: sizes.gzip,
             brotli: sizes.brotli,
         },
-        views: portrait.views(),
-        triangles: portrait.triangles(),
-        vertices: portrait.vertices(),
-        expressions: portrait.expressions(),
+        views: counts.views,
+        triangles: counts.triangles,
+        vertices: counts.vertices,
+        expressions: counts.expressions,
         frames: portrait.clips.first().map_or(0, |c| c.poses.len()),
         size_px: portrait.size,
         error,

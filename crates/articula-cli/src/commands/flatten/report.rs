@@ -8,7 +8,7 @@ use serde::Serialize;
 #[derive(Debug, Serialize)]
 pub(crate) struct Report {
     pub(crate) out: String,
-    pub(crate) profile: &'static str,
+    pub(crate) profile: String,
     pub(crate) bytes: BytesReport,
     /// Triangles of the character, of those that the camera may see at the level that was asked
     /// for, and of those that some frame shows.
@@ -97,7 +97,7 @@ impl Report {
         let per = |bytes| flat.per_triangle_and_frame(bytes);
         Self {
             out,
-            profile: flat.profile.name(),
+            profile: flat.profile.to_string(),
             bytes: BytesReport {
                 raw: flat.sizes.raw,
                 gzip: flat.sizes.gzip,

@@ -7,6 +7,7 @@ use crate::arguments::{CharacterArgs, ViewArgs, not_negative, positive};
 use crate::console::Console;
 use crate::open;
 use crate::play::methods::MethodArgs;
+use crate::play::motion_plots::{error_plot, gain_plot, updates_plot};
 use crate::play::{drawn, nanoseconds};
 use crate::{fault, files};
 use anyhow::Context;
@@ -14,8 +15,8 @@ use articula::Figure;
 use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, Tuning};
 use articula::{StoredTables, stored_tables};
 use articula_build::evaluate::{Method, Setup};
-use articula_flat::{Picture, codec};
-use articula_report::{error_plot, gain_plot, motion_sheet, rest_sheet, stacked, updates_plot};
+use articula_flat::Picture;
+use articula_report::{motion_sheet, rest_sheet, stacked};
 use clap::Args;
 use report::Report;
 use std::path::{Path, PathBuf};
@@ -273,7 +274,7 @@ fn write_plots(
 }
 
 fn write_png(picture: &Picture, path: &Path) -> anyhow::Result<String> {
-    let bytes = codec::png(picture).with_context(|| files::shown(path))?;
+    let bytes = picture.to_png().with_context(|| files::shown(path))?;
     files::write(path, &bytes)?;
     Ok(files::shown(path))
 }

@@ -4,10 +4,11 @@ use super::report::Report;
 use super::{LodArgs, write_png};
 use crate::console::Console;
 use crate::files;
+use crate::play::motion_plots::path_plots;
 use crate::play::{drawn, read_camera_path};
 use anyhow::Context;
 use articula::evaluate::{CameraPath, EvaluatedClip};
-use articula_report::{Plot, camera_path_sheet, path_plots, stacked};
+use articula_report::{Plot, camera_path_sheet, stacked};
 use std::path::Path;
 
 /// Plays the clip along the path and prints the report.

@@ -1,9 +1,9 @@
 //! Pictures that Chromium takes of our files (`oracle/browser.mjs` says what kinds there are).
 
 use super::{ask_on, is_required, judges_are_here};
-use articula_flat::{Picture, codec};
+use articula_flat::Picture;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -39,7 +39,9 @@ fn next() -> String {
 
 /// A folder of this test program's own.
 fn folder() -> PathBuf {
-    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("browser");
+    // Cargo names a folder to integration tests, not to unit tests.
+    let scratch = option_env!("CARGO_TARGET_TMPDIR").map_or_else(std::env::temp_dir, PathBuf::from);
+    let folder = scratch.join("browser");
     std::fs::create_dir_all(&folder).unwrap();
     folder
 }
@@ -85,7 +87,7 @@ fn seen(answer: &Value) -> Seen {
         let path = path.as_str().unwrap();
         let bytes = std::fs::read(path).unwrap();
         std::fs::remove_file(path).unwrap();
-        codec::decode(&bytes).unwrap()
+        Picture::decode(&bytes).unwrap()
     };
     Seen {
         pictures: answer["paths"]

@@ -33,7 +33,7 @@ impl Painting {
     ///
     /// # Errors
     /// What is wrong with the clip, or [`PlanarError::Mismatch`] if `drawn` is of another one.
-    pub fn single(clip: &PlanarClip, drawn: &Drawn) -> Result<Self, PlanarError> {
+    pub(crate) fn single(clip: &PlanarClip, drawn: &Drawn) -> Result<Self, PlanarError> {
         let overlaps = Overlaps::of(clip, drawn)?;
         Ok(single(clip, drawn, &overlaps))
     }
@@ -43,7 +43,7 @@ impl Painting {
     ///
     /// # Errors
     /// What is wrong with the clip, or [`PlanarError::Mismatch`] if `drawn` is of another one.
-    pub fn per_frame(clip: &PlanarClip, drawn: &Drawn) -> Result<Self, PlanarError> {
+    pub(crate) fn per_frame(clip: &PlanarClip, drawn: &Drawn) -> Result<Self, PlanarError> {
         let overlaps = Overlaps::of(clip, drawn)?;
         Ok(per_frame(clip, drawn, &overlaps))
     }

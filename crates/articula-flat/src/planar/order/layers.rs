@@ -37,7 +37,7 @@ impl Painting {
     }
 
     /// Number of copies for each triangle that is drawn, on the mean; 1 if none needs a second.
-    pub fn mean_copies(&self, drawn: &Drawn) -> f64 {
+    pub(crate) fn mean_copies(&self, drawn: &Drawn) -> f64 {
         self.layers(drawn).len() as f64 / drawn.ever().len().max(1) as f64
     }
 

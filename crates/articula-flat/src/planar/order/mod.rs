@@ -13,10 +13,12 @@
 //! - `painting`: the order itself
 //! - `painted`: all of this for a clip: what is drawn, in which order, what stays wrong
 //! - `layers`: one list with copies that shows every epoch's order
+//! - `comparison`: what the ways of ordering show wrong, beside each other
 //!
 //! Differs: constraints also bind what is painted but hidden (short gaps are drawn), and an
 //! order is improved by sifting after the greedy choice.
 
+mod comparison;
 mod epochs;
 mod gaps;
 mod graph;
@@ -26,11 +28,12 @@ mod painted;
 mod painting;
 mod sift;
 
+pub use comparison::OrderComparison;
 pub(crate) use layers::Layer;
-pub(crate) use overlap::wrong_pixels;
-pub use overlap::{Overlaps, WrongPixels};
-pub use painted::Painted;
-pub use painting::{Epoch, OrderOptions, Painting};
+pub(crate) use overlap::{Overlaps, wrong_pixels};
+pub(crate) use painted::Painted;
+pub use painting::OrderOptions;
+pub(crate) use painting::{Epoch, Painting};
 
 #[cfg(test)]
 mod tests;

@@ -19,7 +19,7 @@ const MAX_SETS: usize = 1 << 22;
 
 /// The sets of painted triangles that overlap in a clip, with their samples in each frame.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Overlaps {
+pub(crate) struct Overlaps {
     /// Where each set's members begin, and the end.
     starts: Vec<usize>,
     /// Members of all sets, the owner of the sample first.
@@ -41,7 +41,7 @@ struct FrameOverlaps {
 
 /// Where a painting is wrong.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct WrongPixels {
+pub(crate) struct WrongPixels {
     /// For each frame the samples that show a triangle other than the nearest, and the samples
     /// of the object. There are four samples in a pixel.
     pub per_frame: Vec<(u32, u32)>,
@@ -49,7 +49,7 @@ pub struct WrongPixels {
 
 impl WrongPixels {
     /// Mean over the frames of the share of the object that is wrong, per cent.
-    pub fn percent_mean(&self) -> f64 {
+    pub(crate) fn percent_mean(&self) -> f64 {
         let share = |(wrong, object): &(u32, u32)| f64::from(*wrong) / f64::from((*object).max(1));
         let sum: f64 = self.per_frame.iter().map(share).sum();
         100.0 * sum / self.per_frame.len().max(1) as f64
@@ -139,7 +139,7 @@ impl Overlaps {
     }
 
     /// Samples that a painting shows wrong, frame by frame.
-    pub fn wrong(&self, painting: &Painting) -> WrongPixels {
+    pub(crate) fn wrong(&self, painting: &Painting) -> WrongPixels {
         let mut per_frame = vec![(0, 0); self.frames.len()];
         for epoch in &painting.epochs {
             let places = Places::of(&epoch.order);

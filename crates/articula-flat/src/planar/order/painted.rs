@@ -10,7 +10,7 @@ use crate::planar::error::PlanarError;
 
 /// A clip's triangles with when and in which order they are painted.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Painted {
+pub(crate) struct Painted {
     /// What is drawn: what is seen, and short gaps where that does no harm.
     pub drawn: Drawn,
     /// In which order.
@@ -27,7 +27,7 @@ impl Painted {
     ///
     /// # Errors
     /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
-    pub fn of(clip: &PlanarClip, options: &OrderOptions) -> Result<Self, PlanarError> {
+    pub(crate) fn of(clip: &PlanarClip, options: &OrderOptions) -> Result<Self, PlanarError> {
         let seen = Drawn::seen(clip)?;
         let filled = seen.with_short_gaps();
         let mut overlaps = Overlaps::of(clip, &filled)?;

@@ -7,14 +7,14 @@ use std::ops::Range;
 
 /// When which triangles are painted, and in which order.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Painting {
+pub(crate) struct Painting {
     /// Spans that together are all frames, in turn.
     pub epochs: Vec<Epoch>,
 }
 
 /// A span of frames with one order.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Epoch {
+pub(crate) struct Epoch {
     /// The frames.
     pub frames: Range<usize>,
     /// The triangles that are drawn in some of these frames, back to front.
@@ -45,7 +45,7 @@ impl Painting {
     ///
     /// # Errors
     /// [`PlanarError::Mismatch`] if the clip has no such frame or `drawn` is of another clip.
-    pub fn one_depth_sort(
+    pub(crate) fn one_depth_sort(
         clip: &PlanarClip,
         drawn: &Drawn,
         frame: usize,

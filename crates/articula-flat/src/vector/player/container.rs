@@ -14,9 +14,9 @@ use flate2::write::ZlibEncoder;
 use std::io::Write;
 
 /// First bytes of a container.
-pub const MAGIC: [u8; 4] = *b"ARTV";
+pub(crate) const MAGIC: [u8; 4] = *b"ARTV";
 /// The form that is written and read here.
-pub const VERSION: u8 = 1;
+pub(crate) const VERSION: u8 = 1;
 /// Flag: triangles are shaded, so wedges have light and colours.
 pub(super) const GOURAUD: u32 = 1;
 /// Flag: components are inputs, with their names at the end.
@@ -24,7 +24,7 @@ pub(super) const INPUTS: u32 = 2;
 
 /// How many bytes each part takes before compression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct PartSizes {
+pub(crate) struct PartSizes {
     /// Sizes, rates and units.
     pub header: usize,
     /// Corners of the triangles.
@@ -45,8 +45,13 @@ pub struct PartSizes {
     pub inputs: usize,
 }
 
-/// Bytes of a container, and of its parts.
-pub fn encode(clip: &PlayerClip) -> (Vec<u8>, PartSizes) {
+/// Bytes of a container.
+pub fn encode(clip: &PlayerClip) -> Vec<u8> {
+    encode_parts(clip).0
+}
+
+/// Bytes of a container, and how many each of its parts takes.
+pub(crate) fn encode_parts(clip: &PlayerClip) -> (Vec<u8>, PartSizes) {
     let mut to = Writer::default();
     let mut sizes = PartSizes::default();
     let mut at = 0;

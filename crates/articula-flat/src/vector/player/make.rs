@@ -3,7 +3,7 @@
 //! Source: `spec/vector.md` 8.3.
 
 use super::clip::{PlayerClip, PlayerEpoch};
-use super::container::{PartSizes, encode};
+use super::container::{PartSizes, encode, encode_parts};
 use super::fit::{Errors, Numbers, fit};
 use super::page::{Output, page, script};
 use super::topology::Topology;
@@ -86,7 +86,7 @@ pub(crate) fn player(
             motion: motion.clone(),
             ..made.clone()
         };
-        encode(&tried).0.len()
+        encode(&tried).len()
     })?;
     let errors = numbers.errors(&made.motion);
     Ok(finish(&made, &errors, options.output))
@@ -111,7 +111,7 @@ pub(super) fn allowed(options: &PlayerOptions) -> Result<Errors, PlanarError> {
 
 /// Text and figures of a clip that is complete.
 pub(super) fn finish(made: &PlayerClip, errors: &Errors, output: Output) -> PlayerFile {
-    let (container, parts) = encode(made);
+    let (container, parts) = encode_parts(made);
     PlayerFile {
         text: page(made, &container, output),
         container,

@@ -21,7 +21,7 @@ mod tests;
 mod topology;
 
 pub use clip::{Moment, PlayerClip};
-pub use container::{MAGIC, PartSizes, VERSION, encode};
+pub use container::encode;
 pub use decode::decode;
 pub use error::PlayerError;
 pub use live::LiveSource;

@@ -45,7 +45,8 @@ fn two_frames_by_hand() {
     );
     assert_eq!((b.low[0], b.low[45]), (120, -2500));
     assert_eq!(clip.range(48), Some((-4000, -2500)));
-    assert_eq!(clip.duration_secs(), 3.0 / 25.0);
+    let ends = [clip.frames.first(), clip.frames.last()].map(|f| f.unwrap().number);
+    assert_eq!((ends[1] - ends[0], clip.rate_hz), (3, 25.0));
 }
 
 #[test]

@@ -8,7 +8,6 @@ use articula_core::source::{Character, Clip as SourceClip, Property};
 use articula_core::{Camera, Viewport};
 use articula_flat::Bounds;
 use articula_flat::Projection;
-use articula_flat::planar::stage;
 use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn};
 use glam::Vec3;
 use std::path::Path;
@@ -176,7 +175,7 @@ impl Case {
         let looks: Vec<f64> = parts.moments_secs.iter().copied().step_by(3).collect();
         (parts.options.camera, parts.options.turn) = self.camera(&framed, &looks)?;
         if parts.triangles.len() > self.triangles {
-            let seen = stage::seen(&framed.subject(), &looks, &parts.options)?;
+            let seen = framed.subject().seen(&looks, &parts.options)?;
             parts.triangles = decimate(asset, &seen, Some(clip), self.triangles, &[])?;
         }
         Ok(Framed::from_parts(figure, shot, parts))
@@ -186,7 +185,7 @@ impl Case {
     fn camera(&self, framed: &Framed<'_>, looks: &[f64]) -> Result<(Camera, Turn)> {
         let subject = framed.subject();
         let still = Turn::default();
-        let bounds = stage::bounds(&subject, looks, &still).context("nothing to frame")?;
+        let bounds = subject.bounds(looks, &still).context("nothing to frame")?;
         let turn = Turn {
             axis: (bounds.middle().x, bounds.middle().z),
             ..framed.options.turn
@@ -195,11 +194,11 @@ impl Case {
             clip: None,
             ..subject
         };
-        let rest = stage::bounds(&at_rest, &[0.0], &still).context("nothing to frame")?;
+        let rest = at_rest.bounds(&[0.0], &still).context("nothing to frame")?;
         let camera = match self.framing {
             Framing::Tight(yaw) => {
                 let angles = (yaw.to_radians(), 0.0);
-                let camera = stage::camera(&subject, looks, &turn, angles, viewport());
+                let camera = subject.camera(looks, &turn, angles, viewport());
                 camera.context("nothing to frame")?
             }
             Framing::Face => before(&rest),

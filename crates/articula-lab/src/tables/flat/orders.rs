@@ -3,8 +3,7 @@
 use anyhow::Result;
 use articula_core::Progress;
 use articula_flat::flatten::{PrepareOptions, Prepared};
-use articula_flat::planar::PlanarClip;
-use articula_flat::planar::{OrderOptions, Painted, Painting};
+use articula_flat::planar::{OrderComparison, PlanarClip};
 
 /// Wrong pixels in percent of the character's, mean over the frames.
 #[derive(Debug, Clone, Copy)]
@@ -40,17 +39,15 @@ impl Orders {
 
     /// All ways of ordering a clip; `cut` is it prepared, what pierces cut.
     pub(super) fn of(clip: &PlanarClip, cut: &Prepared) -> Result<Self> {
-        let painted = Painted::of(clip, &OrderOptions::default())?;
-        let drawn = &painted.drawn;
-        let wrong = |painting: &Painting| painted.overlaps.wrong(painting).percent_mean();
+        let ways = OrderComparison::of(clip)?;
         Ok(Self {
-            thesis: wrong(&Painting::one_depth_sort(clip, drawn, 0)?),
+            thesis: ways.one_depth_sort,
             depth_sort: cut.wrong_percent_depth_sort,
-            single: wrong(&Painting::single(clip, drawn)?),
-            epochs: wrong(&painted.painting),
-            count: painted.painting.epochs.len(),
-            copies: painted.painting.mean_copies(drawn),
-            per_frame: wrong(&Painting::per_frame(clip, drawn)?),
+            single: ways.single,
+            epochs: ways.epochs,
+            count: ways.epoch_count,
+            copies: ways.copies,
+            per_frame: ways.per_frame,
             split: cut.wrong_percent,
             split_triangles: cut.triangles_drawn(),
         })

@@ -11,7 +11,6 @@ use articula_build::decimate;
 use articula_core::Progress;
 use articula_flat::Appearance;
 use articula_flat::Bounds;
-use articula_flat::planar::stage;
 use articula_flat::planar::{Subject, Turn};
 use articula_flat::portrait::PictureFormat;
 use articula_flat::portrait::{
@@ -120,11 +119,17 @@ fn row(source: &PortraitSource<'_>, head: &'static str, views: usize) -> Result<
         let of = files.iter().filter(|(name, _)| name.ends_with(ending));
         of.map(|(_, bytes)| bytes.len()).sum()
     };
-    let off = |yaw: &f32| portrait.error(source, &options, &HeadPose::yaw(*yaw), &[]);
+    let off = |yaw: &f32| {
+        let pose = HeadPose {
+            yaw_degrees: *yaw,
+            ..HeadPose::default()
+        };
+        portrait.error(source, &options, &pose, &[])
+    };
     let rmse_levels: Result<Vec<f64>, _> = YAWS_DEGREES.iter().map(off).collect();
     Ok(Row {
         head,
-        triangles: portrait.triangles(),
+        triangles: portrait.counts().triangles,
         views,
         document: size(".json"),
         pictures: size(".webp"),
@@ -141,5 +146,7 @@ fn at_rest(asset: &Asset, look: &Appearance) -> Result<Bounds> {
         clip: None,
         morph_weights: &asset.mesh.morph_weights,
     };
-    stage::bounds(&subject, &[0.0], &Turn::default()).context("the head has no vertex")
+    subject
+        .bounds(&[0.0], &Turn::default())
+        .context("the head has no vertex")
 }

@@ -4,7 +4,7 @@ use anyhow::{Context, Result};
 use articula_build::Asset;
 use articula_build::{LevelOptions, merged_levels};
 use articula_core::{Clip, Mesh, PosedMesh, Rig, SkinnedMesh, Wrap};
-use articula_flat::{Appearance, Bounds, codec};
+use articula_flat::{Appearance, Bounds};
 use articula_formats::{Limits, gltf};
 use articula_report::{Cell, ContactSheet, Row, Tile, close_up};
 use glam::Vec3;
@@ -84,7 +84,7 @@ pub(super) fn write(data: &Path, name: &str, asset: &Asset, path: &Path) -> Resu
         rows,
         ..ContactSheet::default()
     };
-    let png = codec::png(&sheet.draw()?)?;
+    let png = sheet.draw()?.to_png()?;
     std::fs::write(path, png).with_context(|| path.display().to_string())
 }
 

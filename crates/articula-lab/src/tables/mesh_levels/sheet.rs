@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use articula_build::LevelTriangles;
 use articula_build::SkinPose;
 use articula_core::SkinnedMesh;
-use articula_flat::{Appearance, Bounds, codec};
+use articula_flat::{Appearance, Bounds};
 use articula_report::{Cell, ContactSheet, Row, Tile, close_up};
 use glam::Vec3;
 use std::path::Path;
@@ -80,7 +80,7 @@ pub(super) fn write(
         rows,
         ..ContactSheet::default()
     };
-    let png = codec::png(&sheet.draw()?)?;
+    let png = sheet.draw()?.to_png()?;
     std::fs::write(path, png).with_context(|| path.display().to_string())
 }
 

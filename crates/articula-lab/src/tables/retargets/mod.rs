@@ -9,7 +9,6 @@ use super::Run;
 use anyhow::{Context, Result};
 use articula::Opened;
 use articula_build::retarget::{Origin, RetargetReport};
-use articula_flat::codec;
 use articula_report::ContactSheet;
 use cases::{CASES, Case};
 use measure::Played;
@@ -121,7 +120,7 @@ pub(crate) fn write(run: &Run, pictures: &Pictures) -> Result<()> {
 }
 
 fn draw(rows: &[&Row], path: &Path) -> Result<()> {
-    let png = codec::png(&sheet_of(rows)?.draw()?)?;
+    let png = sheet_of(rows)?.draw()?.to_png()?;
     std::fs::write(path, png).with_context(|| path.display().to_string())?;
     println!("{}", path.display());
     Ok(())

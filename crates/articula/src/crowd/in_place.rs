@@ -4,8 +4,8 @@
 //! at the end of each lap. What stays within [`ROOM_METRES`] of where it begins is left alone: the
 //! sway and the steps of a dance belong to it.
 
-use crate::clip_edit::Subject;
-use crate::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey, split};
+use articula_build::clip_edit::Subject;
+use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey, split};
 use articula_core::crowd::{RootPath, RootStep};
 use articula_core::source::Character;
 use articula_core::{Articulation, Clip, Mismatch};
@@ -62,7 +62,7 @@ fn farthest(way: &[TrajectoryKey]) -> f32 {
 ///
 /// # Errors
 /// A [`Mismatch`] if the way holds numbers that are not finite.
-pub fn root_path(way: &[TrajectoryKey], clip: &Clip) -> Result<RootPath, Mismatch> {
+pub(super) fn root_path(way: &[TrajectoryKey], clip: &Clip) -> Result<RootPath, Mismatch> {
     let rate = clip.rate_hz();
     let places = (0..clip.frames()).map(|frame| place(way, frame as f32 / rate));
     RootPath::new(rate, places.collect())

@@ -7,20 +7,19 @@
     reason = "a test may fail loudly, and so may its helpers"
 )]
 
-#[path = "../../articula-cli/tests/it/judges/mod.rs"]
+#[path = "../../../../articula-cli/tests/it/judges/mod.rs"]
 mod judges;
-#[path = "../../articula-formats/tests/it/real/mod.rs"]
+#[path = "../../../../articula-formats/tests/it/real/mod.rs"]
 mod real;
 
-use articula_flat::compare::{rmse, ssim};
-use articula_flat::planar::GRID;
-use articula_flat::planar::reference;
-use articula_flat::planar::{KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
-use articula_flat::planar::{PlanarClip, PlanarFrame, Surface};
-use articula_flat::planar::{Shading, flat_color};
-use articula_flat::vector::lottie;
-use articula_flat::vector::smil;
-use articula_flat::{Picture, Samples};
+use super::lottie;
+use crate::compare::{rmse, ssim};
+use crate::item_buffer::Samples;
+use crate::picture::Picture;
+use crate::planar::keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
+use crate::planar::shading::{Shading, flat_color};
+use crate::planar::{PlanarClip, PlanarFrame, Surface, reference};
+use crate::vector::smil::smil;
 use glam::{Mat3, Vec2, Vec3};
 use judges::browser::{self, Item, shots};
 

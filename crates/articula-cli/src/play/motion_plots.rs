@@ -2,13 +2,14 @@
 //!
 //! Source: thesis figures 6.14 and 6.15; `spec/motion-lod.md` 12.
 
-use crate::motion_sheet::MotionLine;
-use crate::plot::{BarSeries, Plot, PlotOptions, Scale, Series, Values, bar_plot, line_plot};
 use articula_build::evaluate::{PathFrame, PathRun, Stage, play};
 use articula_core::JointSet;
+use articula_report::{
+    BarSeries, MotionLine, Plot, PlotOptions, Scale, Series, Values, bar_plot, line_plot,
+};
 
 /// Joint updates saved over distance.
-pub fn gain_plot(series: &[Series], heading: &str) -> Plot {
+pub(crate) fn gain_plot(series: &[Series], heading: &str) -> Plot {
     let options = PlotOptions {
         title: format!("Joint updates saved, {heading}"),
         x_label: "distance (m)".into(),
@@ -24,7 +25,7 @@ pub fn gain_plot(series: &[Series], heading: &str) -> Plot {
 }
 
 /// p95 error over distance; `limit_px` is drawn as a line.
-pub fn error_plot(series: &[Series], heading: &str, limit_px: Option<f32>) -> Plot {
+pub(crate) fn error_plot(series: &[Series], heading: &str, limit_px: Option<f32>) -> Plot {
     let options = PlotOptions {
         title: format!("Error in pixels (p95), {heading}"),
         x_label: "distance (m)".into(),
@@ -41,7 +42,7 @@ pub fn error_plot(series: &[Series], heading: &str, limit_px: Option<f32>) -> Pl
 
 /// What tells the sets of joints of a cost plot apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CostBy {
+pub(crate) enum CostBy {
     /// Zone of the body.
     Zone,
     /// Depth in the tree of joints.
@@ -51,7 +52,12 @@ pub enum CostBy {
 }
 
 /// Joints of each set, joints sampled and matrices changed a frame, side by side.
-pub fn cost_plot(by: CostBy, names: &[String], values: [Vec<f64>; 3], heading: &str) -> Plot {
+pub(crate) fn cost_plot(
+    by: CostBy,
+    names: &[String],
+    values: [Vec<f64>; 3],
+    heading: &str,
+) -> Plot {
     let (name, by, x) = match by {
         CostBy::Zone => ("cost-by-zone.svg", "zone", "zone"),
         CostBy::Depth => ("cost-by-depth.svg", "depth", "joints of smaller depth"),
@@ -76,7 +82,7 @@ pub fn cost_plot(by: CostBy, names: &[String], values: [Vec<f64>; 3], heading: &
 }
 
 /// Joints updated at each frame of the clip, for each method at its parameter.
-pub fn updates_plot(stage: &Stage<'_>, lines: &[MotionLine<'_>], heading: &str) -> Plot {
+pub(crate) fn updates_plot(stage: &Stage<'_>, lines: &[MotionLine<'_>], heading: &str) -> Plot {
     let rate = f64::from(stage.clip.rate_hz());
     let line = |line: &MotionLine<'_>| {
         let playback = play(stage, line.method, line.parameter)
@@ -114,7 +120,7 @@ pub fn updates_plot(stage: &Stage<'_>, lines: &[MotionLine<'_>], heading: &str) 
 
 /// Distance, joints updated and error over the time of a path; `bound_px` is what the error of one
 /// joint never exceeds.
-pub fn path_plots(run: &PathRun, bound_px: f32, heading: &str) -> Vec<Plot> {
+pub(crate) fn path_plots(run: &PathRun, bound_px: f32, heading: &str) -> Vec<Plot> {
     let plot = |name, y: &str, target: Option<(f64, String)>, of: &dyn Fn(&PathFrame) -> f64| {
         let options = PlotOptions {
             title: format!("{y}, {heading}"),
