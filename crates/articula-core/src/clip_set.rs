@@ -102,8 +102,12 @@ impl ClipSet {
         clips: &[Clip],
         storage: Storage,
     ) -> Result<Self, Mismatch> {
-        if ladder.len() != rig.len() {
-            let what = format!("{} joints, the rig has {}", ladder.len(), rig.len());
+        if ladder.joints().len() != rig.len() {
+            let what = format!(
+                "{} joints, the rig has {}",
+                ladder.joints().len(),
+                rig.len()
+            );
             return Err(Mismatch::new("ladder", what));
         }
         for (c, clip) in clips.iter().enumerate() {
@@ -146,13 +150,13 @@ impl ClipSet {
         let mut held: Vec<u32> = segments.iter().flat_map(|s| s.held.clone()).collect();
         held.sort_unstable();
         held.dedup();
-        let mut scaled = vec![false; ladder.len()];
+        let mut scaled = vec![false; ladder.joints().len()];
         for (place, parent) in ladder.parents().iter().enumerate() {
             let own = sources[place][2].is_some() || constants[place].scale != Vec3::ONE;
             scaled[place] = own || parent.is_some_and(|p| scaled[usize::from(p)]);
         }
         let moving = std::array::from_fn(|channel| {
-            let places = (0..ladder.len()).filter(|&p| sources[p][channel].is_some());
+            let places = (0..ladder.joints().len()).filter(|&p| sources[p][channel].is_some());
             places.map(|p| p as u16).collect()
         });
         Ok(Self {
@@ -405,7 +409,7 @@ impl<'a> Frames<'a> {
 /// Gives a slot to every channel that some frame moves away from its constant: rotations
 /// first, then translations, then scales.
 fn layout(ladder: &Ladder, constants: &[Transform], clips: &[Frames<'_>]) -> (Vec<Source>, usize) {
-    let mut moves = vec![[false; 3]; ladder.len()];
+    let mut moves = vec![[false; 3]; ladder.joints().len()];
     for (place, moves) in moves.iter_mut().enumerate() {
         let (joint, constant) = (usize::from(ladder.joints()[place]), constants[place]);
         for (clip, frame) in clips.iter().flat_map(|c| (0..c.len()).map(move |f| (c, f))) {
@@ -416,7 +420,7 @@ fn layout(ladder: &Ladder, constants: &[Transform], clips: &[Frames<'_>]) -> (Ve
             moves[2] |= !now.scale.abs_diff_eq(constant.scale, STILL);
         }
     }
-    let mut sources = vec![Source::default(); ladder.len()];
+    let mut sources = vec![Source::default(); ladder.joints().len()];
     let mut next = 0u32;
     for channel in 0..3 {
         for (source, moves) in sources.iter_mut().zip(&moves) {

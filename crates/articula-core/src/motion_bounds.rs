@@ -105,11 +105,6 @@ impl ClipBounds {
         &self.whole
     }
 
-    /// Holds the character in each second of the clip.
-    pub fn seconds(&self) -> &[Bound] {
-        &self.seconds
-    }
-
     /// Holds the character from clip time `now_secs` for `horizon_secs` of play at `speed` (1 is
     /// the clip's own, negative runs backwards). Times that are no number give the whole clip.
     ///

@@ -123,7 +123,7 @@ impl PaletteMap {
     pub fn joints(ladder: &Ladder) -> Self {
         let entry = |place| Entry { place, bind: None };
         Self {
-            entries: (0..ladder.len() as u16).map(entry).collect(),
+            entries: (0..ladder.joints().len() as u16).map(entry).collect(),
             counts: (0..ladder.levels()).map(|l| ladder.kept(l)).collect(),
             rigid: true,
         }
@@ -141,8 +141,11 @@ impl PaletteMap {
         for (i, (place, matrix)) in bindings.iter().enumerate() {
             let at = || format!("bindings[{i}]");
             let last = entries.last().map_or(0, |e: &Entry| e.place);
-            if usize::from(*place) >= ladder.len() || *place < last {
-                let what = format!("place {place} must be below {} and rise", ladder.len());
+            if usize::from(*place) >= ladder.joints().len() || *place < last {
+                let what = format!(
+                    "place {place} must be below {} and rise",
+                    ladder.joints().len()
+                );
                 return Err(Mismatch::new(at(), what));
             }
             if !matrix.is_finite() {

@@ -169,7 +169,7 @@ impl PoseCache {
         rows: CachedRows,
     ) -> Result<Self, Mismatch> {
         let (ladder, levels) = (clips.ladder(), clips.ladder().levels());
-        if map.levels() != levels || map.places().any(|p| p >= ladder.len()) {
+        if map.levels() != levels || map.places().any(|p| p >= ladder.joints().len()) {
             let what = "the palette was made for another ladder";
             return Err(Mismatch::new("map", what));
         }

@@ -74,7 +74,11 @@ pub fn frame_position(clip: &Clip, time_secs: f64, wrap: Wrap) -> FramePosition 
 /// # Panics
 /// If `out` is of another rig than the clip.
 pub fn sample(clip: &Clip, time_secs: f64, wrap: Wrap, active: &JointSet, out: &mut LocalPose) {
-    assert_eq!(out.len(), clip.joints(), "the pose is of another rig");
+    assert_eq!(
+        out.rotations.len(),
+        clip.joints(),
+        "the pose is of another rig"
+    );
     let at = frame_position(clip, time_secs, wrap);
     for track in &clip.rotations {
         if active.contains(usize::from(track.target)) {

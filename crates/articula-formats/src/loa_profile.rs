@@ -105,7 +105,7 @@ pub fn write(profile: &LoaProfile) -> Vec<u8> {
     let selection = &profile.selection;
     let zones = |zone: Zone| {
         let regions = Region::ALL.into_iter().filter(move |r| zone.contains(*r));
-        regions.map(|r| r.name().to_owned()).collect()
+        regions.map(|r| r.to_string()).collect()
     };
     let file = File {
         manual: profile.manual,
@@ -114,7 +114,7 @@ pub fn write(profile: &LoaProfile) -> Vec<u8> {
             Rule::Restrict => RuleName::Restrict,
         },
         depth: selection.depth,
-        complexity: selection.complexity.map(|c| c.name().to_owned()),
+        complexity: selection.complexity.map(|c| c.to_string()),
         zones: selection.zone.map(zones),
         joints: Joints {
             plus: selection.plus.clone(),
@@ -128,8 +128,8 @@ pub fn write(profile: &LoaProfile) -> Vec<u8> {
 }
 
 fn complexity(name: &str) -> Result<Complexity, ReadError> {
-    Complexity::from_name(name).ok_or_else(|| {
-        let known = Complexity::ALL.map(Complexity::name).join(", ");
+    name.parse().map_err(|_| {
+        let known = Complexity::ALL.map(|c| c.to_string()).join(", ");
         ReadError::malformed(
             "complexity",
             format!("\"{name}\" found, one of {known} expected"),
@@ -140,8 +140,8 @@ fn complexity(name: &str) -> Result<Complexity, ReadError> {
 fn zone(names: &[String]) -> Result<Zone, ReadError> {
     let mut all = Zone::EMPTY;
     for (index, name) in names.iter().enumerate() {
-        let zone = Zone::from_name(name).ok_or_else(|| {
-            let known = Region::ALL.map(Region::name).join(", ");
+        let zone = name.parse().map_err(|_| {
+            let known = Region::ALL.map(|r| r.to_string()).join(", ");
             let what =
                 format!("\"{name}\" found; {known}, upper, lower, face-shoulders or all expected");
             ReadError::malformed(format!("zones[{index}]"), what)

@@ -124,8 +124,8 @@ fn check_order(rig: &Rig, order: &[u16], kept: &[u16], mean: &LocalPose) -> Resu
         );
         return Err(Mismatch::new("kept", what));
     }
-    if mean.len() != rig.len() {
-        let what = format!("{} joints, the rig has {}", mean.len(), rig.len());
+    if mean.rotations.len() != rig.len() {
+        let what = format!("{} joints, the rig has {}", mean.rotations.len(), rig.len());
         return Err(Mismatch::new("mean", what));
     }
     Ok(())

@@ -10,9 +10,10 @@
 pub(crate) mod reach;
 
 use crate::character::Asset;
+use crate::motion_error::joint_lever::JointLever;
 use articula_core::{
-    Bound, Clip, ClipBounds, JointLever, LocalPose, Mismatch, MotionBounds, PosedMesh, SkinnedMesh,
-    Sphere, Wrap, sample, sample_morphs,
+    Bound, Clip, ClipBounds, LocalPose, Mismatch, MotionBounds, PosedMesh, SkinnedMesh, Sphere,
+    Wrap, sample, sample_morphs,
 };
 use glam::Vec3;
 use reach::Reach;

@@ -4,7 +4,8 @@
 //! hold in every pose and in every blend of poses.
 
 use crate::character::Asset;
-use articula_core::{Clip, JointLever, Rig, Track, angle_between};
+use crate::motion_error::joint_lever::JointLever;
+use articula_core::{Clip, Rig, Track, angle_between};
 use glam::Vec3;
 
 /// Lengths of one character, over all its clips.

@@ -164,7 +164,7 @@ fn check(
     clips: &ClipSet,
     opts: &CacheOptions,
 ) -> Result<(), Mismatch> {
-    if clips.ladder() != &levels.ladder || levels.ladder.len() != asset.rig.len() {
+    if clips.ladder() != &levels.ladder || levels.ladder.joints().len() != asset.rig.len() {
         return Err(Mismatch::new(
             "clips",
             "they are laid out for another ladder",

@@ -134,7 +134,7 @@ fn bare(asset: Asset) -> Asset {
 
 fn blended(a: &LocalPose, b: &LocalPose, weight: impl Fn(usize) -> f32) -> LocalPose {
     let mut out = a.clone();
-    for j in 0..a.len() {
+    for j in 0..a.rotations.len() {
         let w = weight(j);
         out.rotations[j] = nlerp(a.rotations[j], b.rotations[j], w);
         out.translations[j] = a.translations[j].lerp(b.translations[j], w);

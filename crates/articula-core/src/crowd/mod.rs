@@ -44,7 +44,7 @@ pub use events::ClipEvent;
 pub use frame::{CacheUse, CrowdReport, Detail, Frame, Notice, Sight};
 pub use model::{CrowdModel, CrowdParts};
 pub use plan::{Batch, Draw, DrawGroup, RecordGroup};
-pub use player::{MOST_SPEED, MOST_STEP_SECS, Player, Voice};
+pub use player::{Player, Voice};
 pub use root_path::{RootPath, RootStep};
 pub use socket::socket;
 pub use tick::Crowd;

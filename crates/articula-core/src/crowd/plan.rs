@@ -272,12 +272,12 @@ impl Batch {
     }
 
     /// Level of its poses.
-    pub fn level(&self) -> usize {
+    pub(crate) fn level(&self) -> usize {
         usize::from(self.key) / KINDS
     }
 
     /// Number of its poses, 1 to 8.
-    pub fn poses(&self) -> usize {
+    pub(crate) fn poses(&self) -> usize {
         usize::from(self.jobs)
     }
 }

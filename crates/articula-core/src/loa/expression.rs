@@ -190,14 +190,14 @@ fn argument_of(selector: &str, argument: &str) -> Result<Expression, String> {
             .parse()
             .map(Expression::Depth)
             .map_err(|_| format!("\"{argument}\" is not a depth; a whole number such as 3 is expected")),
-        "loa" => Complexity::from_name(argument).map(Expression::Loa).ok_or_else(|| {
-            let names = Complexity::ALL.map(Complexity::name).join(", ");
+        "loa" => argument.parse().map(Expression::Loa).map_err(|_| {
+            let names = Complexity::ALL.map(|c| c.to_string()).join(", ");
             format!("\"{argument}\" is not a level; one of {names} is expected")
         }),
         "zone" => argument
             .split('|')
             .map(|name| {
-                Zone::from_name(name.trim()).ok_or_else(|| {
+                name.trim().parse::<Zone>().map_err(|_| {
                     format!("\"{}\" is not a zone; face, arms, torso, pelvis, legs, feet, hands, upper, lower, face-shoulders or all is expected", name.trim())
                 })
             })

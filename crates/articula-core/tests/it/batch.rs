@@ -78,7 +78,7 @@ fn rigid(rows: &[[f32; 4]]) -> Affine3A {
 
 /// Bindings for every second place, with a matrix that turns and moves (and scales, if asked).
 fn bindings(ladder: &Ladder, scale: f32) -> Vec<(u16, Affine3A)> {
-    (0..ladder.len() as u16)
+    (0..ladder.joints().len() as u16)
         .step_by(2)
         .map(|place| {
             let turn = Quat::from_rotation_z(f32::from(place) * 0.3);
@@ -147,7 +147,7 @@ proptest! {
             for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
                 for (form, expected) in [(PaletteForm::Matrix, &float), (PaletteForm::HalfMatrix, &half)] {
                     let rows = evaluated(&set, map, (form, backend), level, &shown);
-                    prop_assert_eq!(&rows, expected, "{} differs", backend.name());
+                    prop_assert_eq!(&rows, expected, "{} differs", backend);
                 }
             }
         }
@@ -238,7 +238,7 @@ fn evaluating_allocates_nothing() {
         let counted = allocation_counter::measure(|| {
             evaluator.evaluate(0, &shown, PaletteRows::Float(&mut rows), &mut scratch);
         });
-        assert_eq!(counted.count_total, 0, "{}", backend.name());
+        assert_eq!(counted.count_total, 0, "{backend}");
     }
 }
 

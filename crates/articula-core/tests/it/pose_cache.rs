@@ -163,7 +163,7 @@ proptest! {
                 }
                 for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
                     let other = blended(&cache, level, record, backend);
-                    prop_assert_eq!(bits(&other), bits(&shown), "{}", backend.name());
+                    prop_assert_eq!(bits(&other), bits(&shown), "{}", backend);
                 }
             }
         }
@@ -240,7 +240,7 @@ fn locating_and_blending_allocate_nothing() {
                 };
                 cache.blend(0, &[record], backend, out);
             });
-            assert_eq!(counted.count_total, 0, "{}", backend.name());
+            assert_eq!(counted.count_total, 0, "{backend}");
         }
     }
 }

@@ -174,7 +174,7 @@ impl LevelTally {
         let mean = |count: usize| count as f64 / self.frames.max(1) as f64;
         let model = asset.model();
         let made = asset.level(level);
-        let clips = model.errors().clips.iter();
+        let clips = model.parts().errors.clips.iter();
         let error_metres = clips.map(|c| c.levels_metres[level]).fold(0.0, f32::max);
         let of_level = |c: &&CharacterError| c.level == level;
         let looked = samples.iter().flat_map(|l| &l.characters).filter(of_level);
@@ -200,7 +200,7 @@ impl LevelTally {
             }),
             renderer: DrawCost {
                 draw_groups: mean(sums.groups * parts),
-                palette_bytes: mean(sums.poses) * (made.matrices * model.form().bytes()) as f64,
+                palette_bytes: mean(sums.poses) * (made.matrices * model.parts().form.bytes()) as f64,
                 skinned_vertices: mean(sums.characters) * made.vertices as f64,
                 triangles: mean(sums.characters) * made.triangles as f64,
                 triangles_full: mean(sums.characters) * asset.full().mesh.triangles.len() as f64,

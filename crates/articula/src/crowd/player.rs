@@ -76,7 +76,7 @@ impl CrowdPlayer {
             detail: Detail::Tolerance { px: 1.0 },
             share: false,
             cache: CacheUse::Never,
-            palettes: Palettes::new(model.form(), room(model, characters)?),
+            palettes: Palettes::new(model.parts().form, room(model, characters)?),
             crowd: Crowd::new(model, characters),
             positions: vec![Vec3::ZERO; characters],
             rotations: vec![Quat::IDENTITY; characters],
@@ -132,7 +132,7 @@ impl CrowdPlayer {
     /// # Panics
     /// If there is no such character or clip.
     pub fn play(&mut self, character: usize, clip: usize, secs: f32) {
-        let clips = self.asset.model().clips();
+        let clips = &self.asset.model().parts().clips;
         let state = Voice::new(clips, clip).at_secs(clips, secs);
         self.crowd.play(character, state.into());
     }
@@ -142,7 +142,7 @@ impl CrowdPlayer {
     /// # Panics
     /// If there is no such character or clip.
     pub fn fade_to(&mut self, character: usize, clip: usize, fade_secs: f32) {
-        let state = Voice::new(self.asset.model().clips(), clip);
+        let state = Voice::new(&self.asset.model().parts().clips, clip);
         self.crowd.fade_to(character, state, fade_secs);
     }
 
@@ -329,10 +329,10 @@ impl CrowdPlayer {
     /// What a vertex shader makes of a record.
     fn blended(&self, level: usize, record: BlendRecord) -> Palettes {
         let model = self.asset.model();
-        let matrices = model.palette().len(level);
-        let mut palettes = Palettes::new(model.form(), matrices);
-        if let Some(cache) = model.cache() {
-            cache.blend(level, &[record], model.backend(), palettes.first(matrices));
+        let matrices = model.parts().palette.len(level);
+        let mut palettes = Palettes::new(model.parts().form, matrices);
+        if let Some(cache) = model.parts().cache.as_ref() {
+            cache.blend(level, &[record], model.parts().backend, palettes.first(matrices));
         }
         palettes
     }
@@ -382,7 +382,7 @@ impl<'a> Iterator for Parts<'a> {
         }
         self.first = batches.end;
         let matrices = self.crowd.matrices_of(batches.clone()).len();
-        let rows = matrices * self.model.form().rows();
+        let rows = matrices * self.model.parts().form.rows();
         let (rows, rest) = split(self.rows.take()?, rows);
         self.rows = Some(rest);
         Some(FramePart {
@@ -397,8 +397,8 @@ impl<'a> Iterator for Parts<'a> {
 
 /// Matrices that a frame may need: everyone in full detail.
 fn room(model: &CrowdModel, characters: usize) -> Result<usize> {
-    let matrices = characters.saturating_mul(model.palette().len(0));
-    let bytes = matrices.saturating_mul(model.form().bytes());
+    let matrices = characters.saturating_mul(model.parts().palette.len(0));
+    let bytes = matrices.saturating_mul(model.parts().form.bytes());
     if bytes > MOST_BYTES {
         return Err(Error::unsuited(format!(
             "{characters} characters: {:.1} GB of palettes, the limit is {:.1}; lower the count or choose a smaller form",

@@ -86,7 +86,7 @@ pub struct Skeleton {
     /// Joints up to level of articulation 0, 1, 2, 3, 4 and 5.
     pub levels: Vec<usize>,
     /// Joints by region of the body.
-    pub regions: BTreeMap<&'static str, usize>,
+    pub regions: BTreeMap<String, usize>,
     /// Joint-name profile that fits, or nothing.
     pub profile: String,
     /// Joints of the standard up to level 2 that are not there.
@@ -118,7 +118,7 @@ pub struct Joint {
     /// Level of articulation.
     pub level: u8,
     /// Region of the body.
-    pub region: &'static str,
+    pub region: String,
 }
 
 /// One motion.
@@ -242,7 +242,7 @@ fn skeletons_of(figure: &Figure) -> Vec<Skeleton> {
             .map(|level| count(articulation, joints, |j| j.level <= level))
             .collect(),
         regions: Region::ALL
-            .map(|r| (r.name(), count(articulation, joints, |j| j.region == r)))
+            .map(|r| (r.to_string(), count(articulation, joints, |j| j.region == r)))
             .into_iter()
             .filter(|(_, n)| *n > 0)
             .collect(),
@@ -290,7 +290,7 @@ fn joints_of(rig: &articula_core::Rig) -> Vec<Joint> {
             in_skin: rig.skin_joints().contains(j),
             hanim: articulation[j].hanim.clone(),
             level: articulation[j].level,
-            region: articulation[j].region.name(),
+            region: articulation[j].region.to_string(),
         })
         .collect()
 }

@@ -36,7 +36,7 @@ fn row(asset: &CrowdAsset, count: usize) -> (CrowdPlayer, Camera) {
         crowd.place(i, Vec3::X * (2.0 * i as f32 - count as f32), 0.3);
         crowd.play(i, i % asset.clips().len(), 0.1 * i as f32);
     }
-    let bounds = asset.model().bounds();
+    let bounds = &asset.model().parts().bounds;
     let radius = |c: &articula_core::ClipBounds| c.whole().sphere.radius;
     let reach = bounds.clips.iter().map(radius).fold(1.0, f32::max);
     let eye = Vec3::new(0.0, reach, 4.0 * reach + 4.0 * count as f32);

@@ -170,7 +170,7 @@ impl<'a> Stage<'a> {
             let selected = thread_ns();
             player.evaluate();
             let evaluated = thread_ns();
-            let bytes = player.crowd().matrices() * model.form().bytes();
+            let bytes = player.crowd().matrices() * model.parts().form.bytes();
             most_bytes = most_bytes.max(bytes);
             costs.observe(&report.work, (evaluated - selected) as f64);
             if is_budget && number % WARM_UP == WARM_UP - 1 {
@@ -193,8 +193,8 @@ impl<'a> Stage<'a> {
                 self.look(&now, (scene, play.look_at_one_of), &mut errors);
             }
         }
-        let mut state = Crowd::BYTES_PER_CHARACTER * count + model.clips().bytes();
-        if let (true, Some(cache)) = (play.cache != CacheUse::Never, model.cache()) {
+        let mut state = Crowd::BYTES_PER_CHARACTER * count + model.parts().clips.bytes();
+        if let (true, Some(cache)) = (play.cache != CacheUse::Never, model.parts().cache.as_ref()) {
             state += cache.bytes();
         }
         outcome.resident_mb = 1e-6 * (state + most_bytes) as f64;
@@ -220,7 +220,7 @@ impl<'a> Stage<'a> {
     }
 
     fn voice(&self, play: articula_build::Play, secs: f64) -> Voice {
-        let clips = self.asset.model().clips();
+        let clips = &self.asset.model().parts().clips;
         let duration = clips.duration_secs(play.clip);
         let at = play
             .clip_secs(secs, duration)
