@@ -141,13 +141,11 @@ impl FromStr for Region {
     }
 }
 
-/// A union of regions, one bit for each.
+/// A union of regions, one bit for each; by default none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub struct Zone(u8);
 
 impl Zone {
-    /// No region.
-    pub const EMPTY: Self = Self(0);
     /// Every region.
     pub const ALL: Self = Self(127);
     /// Face, arms, torso and hands.
@@ -161,10 +159,13 @@ impl Zone {
     pub fn contains(self, region: Region) -> bool {
         self.0 & Self::from(region).0 != 0
     }
+}
 
-    /// Both together.
-    #[must_use]
-    pub fn union(self, other: Self) -> Self {
+/// Both together.
+impl std::ops::BitOr for Zone {
+    type Output = Self;
+
+    fn bitor(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 }
@@ -242,7 +243,7 @@ mod tests {
             names
                 .iter()
                 .map(|n| n.parse().unwrap())
-                .fold(Zone::EMPTY, Zone::union)
+                .fold(Zone::default(), |all, zone: Zone| all | zone)
         };
         assert_eq!(of(&["face", "arms", "torso", "hands"]), Zone::UPPER);
         assert_eq!(of(&["pelvis", "legs", "feet"]), Zone::LOWER);

@@ -51,7 +51,6 @@ pub(crate) struct SlotRange {
 /// One clip within the rows.
 #[derive(Debug, Clone, PartialEq)]
 struct Segment {
-    name: String,
     first: u32,
     frames: u32,
     rate_hz: f32,
@@ -118,12 +117,9 @@ impl ClipSet {
             [] => vec![Frames::new(rig, None)],
             clips => clips.iter().map(|c| Frames::new(rig, Some(c))).collect(),
         };
-        let names: Vec<(String, f32)> = match clips {
-            [] => vec![("rest".to_owned(), 1.0)],
-            clips => clips
-                .iter()
-                .map(|c| (c.name.clone(), c.rate_hz()))
-                .collect(),
+        let rates_hz: Vec<f32> = match clips {
+            [] => vec![1.0],
+            clips => clips.iter().map(Clip::rate_hz).collect(),
         };
         let joints = ladder.joints().iter();
         let constants: Vec<Transform> = joints
@@ -141,7 +137,7 @@ impl ClipSet {
             let what = format!("{all} frames of {slots} slots, at most 2^32 in all");
             return Err(Mismatch::new("clips", what));
         }
-        let (rows, segments) = written(&names, &frames, &ladder, &sources, slots);
+        let (rows, segments) = written(&rates_hz, &frames, &ladder, &sources, slots);
         let first_range = sources.iter().filter(|s| s[0].is_some()).count();
         let (rows, ranges) = match storage {
             Storage::Float => (Rows::Float(rows), Vec::new()),
@@ -182,11 +178,6 @@ impl ClipSet {
     /// Number of clips, at least 1.
     pub fn clips(&self) -> usize {
         self.segments.len()
-    }
-
-    /// Name of a clip.
-    pub fn name(&self, clip: usize) -> &str {
-        &self.segments[clip].name
     }
 
     /// Time of the last frame of a clip; 0 for a single pose.
@@ -332,13 +323,13 @@ fn check(clip: &Clip, joints: usize) -> Result<(), Mismatch> {
         let mut values = tracks.iter().flat_map(|t| &t.values);
         values.all(|v| v.is_finite())
     };
-    if !vectors(clip.translations()) {
+    if !vectors(&clip.tracks().translations) {
         return Err(not_finite("translations"));
     }
-    if !vectors(clip.scales()) {
+    if !vectors(&clip.tracks().scales) {
         return Err(not_finite("scales"));
     }
-    let mut rotations = clip.rotations().iter().flat_map(|t| &t.values);
+    let mut rotations = clip.tracks().rotations.iter().flat_map(|t| &t.values);
     // A length that is no number fails too.
     if !rotations.all(|q| (q.length() - 1.0).abs() <= 1e-3) {
         return Err(Mismatch::new(
@@ -371,9 +362,9 @@ impl<'a> Frames<'a> {
         Self {
             rest: rig.rest_pose(),
             clip,
-            rotations: by_joint(clip.map_or(&[], Clip::rotations), n),
-            translations: by_joint(clip.map_or(&[], Clip::translations), n),
-            scales: by_joint(clip.map_or(&[], Clip::scales), n),
+            rotations: by_joint(clip.map_or(&[], |c| &c.tracks().rotations), n),
+            translations: by_joint(clip.map_or(&[], |c| &c.tracks().translations), n),
+            scales: by_joint(clip.map_or(&[], |c| &c.tracks().scales), n),
         }
     }
 
@@ -435,7 +426,7 @@ fn layout(ladder: &Ladder, constants: &[Transform], clips: &[Frames<'_>]) -> (Ve
 
 /// All clips as rows, and what is known of each.
 fn written(
-    names: &[(String, f32)],
+    rates_hz: &[f32],
     frames: &[Frames<'_>],
     ladder: &Ladder,
     sources: &[Source],
@@ -443,7 +434,7 @@ fn written(
 ) -> (Vec<Row>, Vec<Segment>) {
     let mut rows: Vec<Row> = Vec::new();
     let mut segments = Vec::new();
-    for (clip, (name, rate_hz)) in frames.iter().zip(names) {
+    for (clip, rate_hz) in frames.iter().zip(rates_hz) {
         let first = rows.len();
         for frame in 0..clip.len() {
             rows.resize(first + (frame + 1) * slots, [0.0; 4]);
@@ -477,7 +468,6 @@ fn written(
             .collect();
         held.sort_unstable();
         segments.push(Segment {
-            name: name.clone(),
             first: first as u32,
             frames: clip.len() as u32,
             rate_hz: *rate_hz,

@@ -215,7 +215,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_keep_ancestors_and_what_goes_first_stands_last() {
+    fn merged_joints_move_with_the_nearest_kept_ancestor() {
         let rig = rig();
         let sets = [
             JointSet::from_iter([1, 2]),
@@ -227,6 +227,17 @@ mod tests {
         assert_eq!(ladder.joints(), [0, 1, 2, 4, 3]);
         let kept: Vec<usize> = (0..ladder.levels()).map(|l| ladder.kept(l)).collect();
         assert_eq!(kept, [5, 3, 2, 1]);
+        let target = |joint, level| {
+            let mut place = ladder.place(joint);
+            while place >= ladder.kept(level) {
+                place = usize::from(ladder.parents()[place]?);
+            }
+            Some(place)
+        };
+        assert_eq!(target(3, 0), Some(4));
+        assert_eq!(target(3, 1), Some(2));
+        assert_eq!(target(4, 1), Some(1));
+        assert_eq!(target(3, 3), Some(0));
         assert_eq!(ladder.kept_set(2), JointSet::from_iter([0, 1]));
         assert_eq!(ladder.parents()[4], Some(2));
     }

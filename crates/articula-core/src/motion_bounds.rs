@@ -34,19 +34,6 @@ impl Bound {
         }
     }
 
-    /// The same, everything farther out by so much.
-    #[must_use]
-    pub fn grown(self, metres: f32) -> Self {
-        Self {
-            sphere: Sphere {
-                radius: self.sphere.radius + metres,
-                ..self.sphere
-            },
-            least: self.least - metres,
-            greatest: self.greatest + metres,
-        }
-    }
-
     /// Whether both the ball and the box hold a point.
     pub fn contains(&self, point: Vec3) -> bool {
         self.sphere.contains(point)

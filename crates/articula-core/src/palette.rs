@@ -24,9 +24,6 @@ pub enum PaletteForm {
 }
 
 impl PaletteForm {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Matrix, Self::HalfMatrix, Self::Rigid, Self::HalfRigid];
-
     /// Rows of four numbers that an entry takes.
     pub fn rows(self) -> usize {
         match self {
@@ -67,16 +64,11 @@ pub enum PaletteRows<'a> {
 
 impl PaletteRows<'_> {
     /// Number of rows.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Self::Float(rows) => rows.len(),
             Self::Half(rows) => rows.len(),
         }
-    }
-
-    /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// A part of them, to hand on.
@@ -174,7 +166,7 @@ impl PaletteMap {
     }
 
     /// Place of the joint of each entry.
-    pub fn places(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
+    pub(crate) fn places(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
         self.entries.iter().map(|e| usize::from(e.place))
     }
 

@@ -51,7 +51,7 @@ const _: () = assert!(size_of::<BlendRecord>() == 16);
 impl BlendRecord {
     /// The same for a character.
     #[must_use]
-    pub fn of(self, character: u32) -> Self {
+    pub(crate) fn of(self, character: u32) -> Self {
         Self { character, ..self }
     }
 
@@ -102,16 +102,11 @@ impl CachedRows {
     }
 
     /// Number of rows.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Self::Float(rows) => rows.len(),
             Self::Half(rows) => rows.len(),
         }
-    }
-
-    /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 }
 

@@ -138,7 +138,7 @@ fn complexity(name: &str) -> Result<Complexity, ReadError> {
 }
 
 fn zone(names: &[String]) -> Result<Zone, ReadError> {
-    let mut all = Zone::EMPTY;
+    let mut all = Zone::default();
     for (index, name) in names.iter().enumerate() {
         let zone = name.parse().map_err(|_| {
             let known = Region::ALL.map(|r| r.to_string()).join(", ");
@@ -146,7 +146,7 @@ fn zone(names: &[String]) -> Result<Zone, ReadError> {
                 format!("\"{name}\" found; {known}, upper, lower, face-shoulders or all expected");
             ReadError::malformed(format!("zones[{index}]"), what)
         })?;
-        all = all.union(zone);
+        all = all | zone;
     }
     Ok(all)
 }
@@ -166,7 +166,7 @@ mod tests {
             "manual": true, "depth": 3, "complexity": "none", "zones": ["torso", "legs"]
         }"#;
         let profile = read(json, &Limits::default()).unwrap();
-        let torso_and_legs = Zone::from(Region::Torso).union(Region::Legs.into());
+        let torso_and_legs = Zone::from(Region::Torso) | Region::Legs.into();
         let wanted = LoaProfile {
             manual: true,
             selection: Selection {
@@ -187,7 +187,10 @@ mod tests {
         let read = |json: &str| read(json.as_bytes(), &Limits::default()).unwrap();
         assert_eq!(read("{}"), LoaProfile::default());
         assert_eq!(read(r#"{"zones": null}"#).selection.zone, None);
-        assert_eq!(read(r#"{"zones": []}"#).selection.zone, Some(Zone::EMPTY));
+        assert_eq!(
+            read(r#"{"zones": []}"#).selection.zone,
+            Some(Zone::default())
+        );
         let zones = read(r#"{"zones": ["Face-Shoulders"]}"#).selection.zone;
         assert_eq!(zones, Some(Zone::FACE_SHOULDERS));
     }

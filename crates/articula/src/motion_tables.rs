@@ -6,8 +6,8 @@
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use articula_build::Asset;
-use articula_build::{JointLever, levers};
 use articula_build::pose_keys;
+use articula_build::{JointLever, levers};
 use articula_build::{key_table, table_hashes};
 use articula_core::{KeyMode, KeyTable, Mismatch, PoseKeys};
 use articula_formats::Limits;

@@ -27,7 +27,7 @@ pub fn table_hashes(rig: &Rig, clip: &Clip, mesh: &Mesh) -> TableHashes {
 pub fn key_table(asset: &Asset, clip: &Clip, levers: &[JointLever], mode: KeyMode) -> KeyTable {
     let moving = moving_joints(asset, clip);
     let mut keys = vec![vec![Vec::new(); LADDER_LEVELS]; asset.rig.len()];
-    for track in clip.rotations() {
+    for track in &clip.tracks().rotations {
         let joint = usize::from(track.target);
         if !moving.contains(joint) {
             continue;
@@ -94,11 +94,16 @@ fn clip_hash(clip: &Clip) -> u64 {
     let mut h = Fnv::new();
     h.floats(&[clip.rate_hz()]);
     h.number(clip.frames() as u64);
-    for track in clip.rotations() {
+    for track in &clip.tracks().rotations {
         h.number(u64::from(track.target));
         track.values.iter().for_each(|q| h.floats(&q.to_array()));
     }
-    for track in clip.translations().iter().chain(clip.scales()) {
+    for track in clip
+        .tracks()
+        .translations
+        .iter()
+        .chain(&clip.tracks().scales)
+    {
         h.number(u64::from(track.target));
         track.values.iter().for_each(|v| h.floats(&v.to_array()));
     }

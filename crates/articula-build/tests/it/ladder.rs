@@ -330,13 +330,13 @@ fn sockets_and_named_levels_are_kept() {
     }
     let named: Vec<Expression> = ["depth(3)", "depth(1)"]
         .iter()
-        .map(|e| Expression::parse(e).unwrap())
+        .map(|e| e.parse::<Expression>().unwrap())
         .collect();
     let ladder = named_ladder(&asset, &mean_pose(&asset), &named).unwrap();
     let kept: Vec<usize> = (0..ladder.levels()).map(|l| ladder.kept(l)).collect();
     assert_eq!(kept[0], 20);
     assert_eq!(kept[2], 1);
-    let wrong = [Expression::parse("joint(nobody)").unwrap()];
+    let wrong = ["joint(nobody)".parse::<Expression>().unwrap()];
     let at = named_ladder(&asset, &mean_pose(&asset), &wrong)
         .unwrap_err()
         .at;

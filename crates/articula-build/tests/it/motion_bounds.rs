@@ -56,7 +56,8 @@ fn asset(rows: &[Row], extra: &Extra) -> Asset {
     let wave = |i: usize| (0.9 * i as f32).sin();
     let tracks = Tracks {
         rotations: turning
-            .rotations()
+            .tracks()
+            .rotations
             .iter()
             .map(|t| Track {
                 step: extra.step && t.target % 3 == 1,

@@ -229,7 +229,12 @@ fn looked_at(
         memory: Memory {
             clips_bytes: asset.model().parts().clips.bytes(),
             output_bytes: reports.iter().map(|r| r.1).max().unwrap_or(0),
-            cache_bytes: asset.model().parts().cache.as_ref().map_or(0, |c| c.bytes()),
+            cache_bytes: asset
+                .model()
+                .parts()
+                .cache
+                .as_ref()
+                .map_or(0, |c| c.bytes()),
             state_bytes: Crowd::BYTES_PER_CHARACTER * scene.members.len(),
             state_bytes_per_character: Crowd::BYTES_PER_CHARACTER,
         },

@@ -185,7 +185,7 @@ impl Player {
         &self.from
     }
 
-    /// The clip that it goes to while it fades.
+    /// The clip that it goes to while it fades: while two count, now or as soon as time goes on.
     pub fn next(&self) -> Option<&Voice> {
         self.is_fading().then_some(&self.to)
     }
@@ -197,7 +197,7 @@ impl Player {
 
     /// Whether two clips count, now or as soon as time goes on.
     #[inline]
-    pub fn is_fading(&self) -> bool {
+    pub(crate) fn is_fading(&self) -> bool {
         self.fade != 0.0 || self.fade_per_sec != 0.0
     }
 

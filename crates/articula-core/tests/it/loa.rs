@@ -50,7 +50,7 @@ fn standard() -> Rig {
 }
 
 fn joints(text: &str) -> JointSet {
-    Expression::parse(text)
+    text.parse::<Expression>()
         .unwrap()
         .joints(&standard())
         .unwrap()
@@ -126,7 +126,7 @@ fn the_sample_of_annex_e() {
         rule: Rule::Sum,
         depth: Some(3),
         complexity: Some(Complexity::None),
-        zone: Some(Zone::from(Region::Torso).union(Region::Legs.into())),
+        zone: Some(Zone::from(Region::Torso) | Region::Legs.into()),
         ..Selection::default()
     };
     let expected = joints("depth(3) + loa(None) + zone(torso|legs)");

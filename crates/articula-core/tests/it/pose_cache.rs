@@ -232,7 +232,8 @@ fn locating_and_blending_allocate_nothing() {
         let mut halves = vec![[0; 4]; len];
         for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
             let counted = allocation_counter::measure(|| {
-                let record = cache.locate(0, 0, 0.05).unwrap().of(3);
+                let mut record = cache.locate(0, 0, 0.05).unwrap();
+                record.character = 3;
                 let out = if half {
                     PaletteRows::Half(&mut halves)
                 } else {

@@ -347,7 +347,11 @@ fn model(
             seed: options.seed,
             ..CacheOptions::default()
         };
-        Some(cached_poses(asset, levels, &clips, &opts).context("cache")?.cache)
+        Some(
+            cached_poses(asset, levels, &clips, &opts)
+                .context("cache")?
+                .cache,
+        )
     } else {
         None
     };

@@ -200,7 +200,8 @@ impl LevelTally {
             }),
             renderer: DrawCost {
                 draw_groups: mean(sums.groups * parts),
-                palette_bytes: mean(sums.poses) * (made.matrices * model.parts().form.bytes()) as f64,
+                palette_bytes: mean(sums.poses)
+                    * (made.matrices * model.parts().form.bytes()) as f64,
                 skinned_vertices: mean(sums.characters) * made.vertices as f64,
                 triangles: mean(sums.characters) * made.triangles as f64,
                 triangles_full: mean(sums.characters) * asset.full().mesh.triangles.len() as f64,

@@ -332,7 +332,12 @@ impl CrowdPlayer {
         let matrices = model.parts().palette.len(level);
         let mut palettes = Palettes::new(model.parts().form, matrices);
         if let Some(cache) = model.parts().cache.as_ref() {
-            cache.blend(level, &[record], model.parts().backend, palettes.first(matrices));
+            cache.blend(
+                level,
+                &[record],
+                model.parts().backend,
+                palettes.first(matrices),
+            );
         }
         palettes
     }
@@ -351,8 +356,10 @@ pub struct FramePart<'a> {
 impl FramePart<'_> {
     /// Writes its palettes; does not allocate.
     pub fn evaluate(&mut self) {
-        let count = self.rows.len();
-        let rows = self.rows.part(0..count);
+        let rows = match &mut self.rows {
+            PaletteRows::Float(rows) => PaletteRows::Float(rows),
+            PaletteRows::Half(rows) => PaletteRows::Half(rows),
+        };
         self.crowd
             .evaluate(self.model, self.batches.clone(), rows, self.scratch);
     }

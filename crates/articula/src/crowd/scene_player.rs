@@ -169,7 +169,13 @@ impl<'a> ScenePlayer<'a> {
     /// Sends cross-fades that have arrived the other way.
     fn turn_fades(&mut self) {
         for turning in &mut self.fades {
-            if !self.player.crowd().player(turning.character).is_fading() {
+            if self
+                .player
+                .crowd()
+                .player(turning.character)
+                .next()
+                .is_none()
+            {
                 turning.goes = !turning.goes;
                 let next = turning.next(&self.player.asset().model().parts().clips, self.secs);
                 let fade_secs = turning.fade.fade_secs;

@@ -242,7 +242,12 @@ fn skeletons_of(figure: &Figure) -> Vec<Skeleton> {
             .map(|level| count(articulation, joints, |j| j.level <= level))
             .collect(),
         regions: Region::ALL
-            .map(|r| (r.to_string(), count(articulation, joints, |j| j.region == r)))
+            .map(|r| {
+                (
+                    r.to_string(),
+                    count(articulation, joints, |j| j.region == r),
+                )
+            })
             .into_iter()
             .filter(|(_, n)| *n > 0)
             .collect(),
@@ -298,9 +303,9 @@ fn joints_of(rig: &articula_core::Rig) -> Vec<Joint> {
 fn clip_of(source: &source::Clip, figure: &Figure, index: usize, bounds: Option<Extent>) -> Clip {
     let built = &figure.asset.clips[index];
     let mut moving = BTreeSet::new();
-    moving.extend(moving_targets(built.rotations()));
-    moving.extend(moving_targets(built.translations()));
-    moving.extend(moving_targets(built.scales()));
+    moving.extend(moving_targets(&built.tracks().rotations));
+    moving.extend(moving_targets(&built.tracks().translations));
+    moving.extend(moving_targets(&built.tracks().scales));
     let joint_channels = || {
         let channels = source.channels.iter();
         channels.filter(|c| c.property.is_of_joint())
@@ -314,7 +319,7 @@ fn clip_of(source: &source::Clip, figure: &Figure, index: usize, bounds: Option<
         frames: (source.duration_secs * fps).round() as usize + 1,
         joints_animated: moving.len(),
         joints_keyed: keyed.len(),
-        morphs_animated: moving_targets(built.morphs()).count(),
+        morphs_animated: moving_targets(&built.tracks().morphs).count(),
         expressions_keyed: source
             .channels
             .iter()

@@ -275,7 +275,9 @@ impl CrowdArgs {
             "full" => JointLods::Whole,
             "auto" => JointLods::Merged,
             text => {
-                let parsed = Expression::parse(text).map_err(|e| fault::usage(e.to_string()));
+                let parsed = text
+                    .parse::<Expression>()
+                    .map_err(|e| fault::usage(e.to_string()));
                 JointLods::Named(parsed.with_context(|| format!("--level \"{text}\""))?)
             }
         };

@@ -234,7 +234,7 @@ impl<'a> Stage<'a> {
     fn follow_fades(&self, scene: &Scene, crowd: &mut Crowd) {
         for (i, member) in scene.members.iter().enumerate() {
             if let Some(fade) = member.cross_fade
-                && !crowd.player(i).is_fading()
+                && crowd.player(i).next().is_none()
             {
                 let there = crowd.player(i).voice().clip() == fade.other.clip;
                 let next = if there { member.play } else { fade.other };
