@@ -68,17 +68,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             &frame,
             &mut |_notice| { /* footsteps, level changes */ },
         );
-        let rows = crowd.matrices() * model.parts().form.rows();
-        let all = 0..crowd.batches().len(); // or ranges of them, one for each thread
+        let rows = crowd.drawn().matrices * model.parts().form.rows();
+        let all = 0..crowd.drawn().batches; // or ranges of them, one for each thread
         crowd.evaluate(
             &model,
             all,
             PaletteRows::Float(&mut palettes[..rows]),
             &mut scratch,
         );
-        for group in crowd.groups() {
-            // One instanced draw: the mesh of group.level, instances crowd.draws()[group.draws].
-            let _instances = &crowd.draws()[group.draws.clone()];
+        for group in &crowd.drawn().groups {
+            // One instanced draw: the mesh of group.level, instances crowd.drawn().draws[group.draws].
+            let _instances = &crowd.drawn().draws[group.draws.clone()];
         }
         if step % 60 == 0 {
             let joints = report.work.fk_joints as f32 / report.visible.max(1) as f32;

@@ -123,12 +123,6 @@ impl Ladder {
         usize::from(self.kept[level])
     }
 
-    /// The joints that a level keeps.
-    pub fn kept_set(&self, level: usize) -> JointSet {
-        let kept = &self.joints[..self.kept(level)];
-        kept.iter().map(|&j| usize::from(j)).collect()
-    }
-
     /// Joint of the rig at each place: all of its joints.
     pub fn joints(&self) -> &[u16] {
         &self.joints
@@ -238,7 +232,7 @@ mod tests {
         assert_eq!(target(3, 1), Some(2));
         assert_eq!(target(4, 1), Some(1));
         assert_eq!(target(3, 3), Some(0));
-        assert_eq!(ladder.kept_set(2), JointSet::from_iter([0, 1]));
+        assert_eq!(ladder.joints()[..ladder.kept(2)], [0, 1]);
         assert_eq!(ladder.parents()[4], Some(2));
     }
 

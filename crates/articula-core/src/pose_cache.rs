@@ -306,15 +306,10 @@ impl PoseCache {
 
     /// Bytes of palettes, keys and tables.
     pub fn bytes(&self) -> usize {
-        self.palette_bytes()
+        self.rows.len() / 3 * self.form().bytes()
             + size_of_val(self.keys.as_slice())
             + size_of_val(self.buckets.as_slice())
             + size_of_val(self.segments.as_slice())
-    }
-
-    /// Bytes of the palettes alone: what is uploaded for a GPU that blends.
-    pub fn palette_bytes(&self) -> usize {
-        self.rows.len() / 3 * self.form().bytes()
     }
 
     /// Metres of skin that blending adds to the level's own error; `None` says that poses of
@@ -591,7 +586,7 @@ mod tests {
         // Matrix 3 begins with row 9, matrix 4 with row 12: a quarter of the way.
         assert_eq!(out[1], [10.75, 0.0, -1.0, 0.5]);
         assert_eq!(cache.error_metres(0, 0), Some(0.25));
-        assert_eq!(cache.palette_bytes(), 5 * 48);
+        assert_eq!(cache.rows().len(), 5 * 3);
         assert_eq!(
             (cache.clips(), cache.levels(), cache.matrices(0)),
             (2, 1, 1)

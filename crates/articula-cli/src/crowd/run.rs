@@ -201,8 +201,8 @@ fn looked_at(
         hash.add(player);
         tally.add(player);
         let crowd = player.crowd();
-        let palettes = crowd.matrices() * asset.model().parts().form.bytes();
-        let bytes = palettes + size_of_val(crowd.records());
+        let palettes = crowd.drawn().matrices * asset.model().parts().form.bytes();
+        let bytes = palettes + size_of_val(crowd.drawn().records.as_slice());
         reports.push((report, bytes));
         // The first frame, then evenly on.
         if counted * looks / settings.frames >= looked.len() && looked.len() < looks {

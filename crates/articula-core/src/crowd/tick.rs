@@ -3,7 +3,7 @@
 use super::frame::{CacheUse, CrowdReport, Detail, Frame, Notice, Sight};
 use super::level::{Choice, attention, cached_within};
 use super::model::CrowdModel;
-use super::plan::{Batch, Draw, DrawGroup, Kind, Plan, Poser, RecordGroup};
+use super::plan::{Batch, Drawn, Kind, Plan, Poser};
 use super::player::{Player, Voice};
 use super::purse::{Purse, work};
 use super::root_path::RootStep;
@@ -492,34 +492,9 @@ impl Crowd {
         socket(&model.parts().clips, &shown, joint)
     }
 
-    /// The batches of this frame.
-    pub fn batches(&self) -> &[Batch] {
-        self.plan.batches()
-    }
-
-    /// Who is shown, by level.
-    pub fn groups(&self) -> &[DrawGroup] {
-        self.plan.groups()
-    }
-
-    /// Who is shown, in the order of the groups.
-    pub fn draws(&self) -> &[Draw] {
-        self.plan.draws()
-    }
-
-    /// Who the GPU blends, by level; beside the draws.
-    pub fn record_groups(&self) -> &[RecordGroup] {
-        self.plan.record_groups()
-    }
-
-    /// Who the GPU blends, in the order of the groups: two palettes of the model's cache each.
-    pub fn records(&self) -> &[BlendRecord] {
-        self.plan.records()
-    }
-
-    /// Matrices that are written in this frame by all batches.
-    pub fn matrices(&self) -> usize {
-        self.plan.matrices()
+    /// What was found in this frame: who is shown, and where the palettes are.
+    pub fn drawn(&self) -> &Drawn {
+        self.plan.drawn()
     }
 
     /// Matrices that a range of batches writes: they follow each other from
@@ -528,15 +503,15 @@ impl Crowd {
     /// # Panics
     /// If the range ends beyond the batches.
     pub fn matrices_of(&self, batches: Range<usize>) -> Range<usize> {
-        assert!(batches.end <= self.batches().len(), "no such batches");
+        assert!(batches.end <= self.drawn().batches, "no such batches");
         self.plan.first_matrix(batches.start)..self.plan.first_matrix(batches.end)
     }
 
     /// Batches from `first` on that write about a share of `parts` of all matrices: the ranges
     /// that threads take, one after the other. Empty when none are left.
     pub fn share_of_batches(&self, first: usize, parts: usize) -> Range<usize> {
-        let count = self.batches().len();
-        let aim = self.plan.first_matrix(first) + self.matrices().div_ceil(parts.max(1));
+        let count = self.drawn().batches;
+        let aim = self.plan.first_matrix(first) + self.drawn().matrices.div_ceil(parts.max(1));
         let mut end = (first + 1).min(count);
         while end < count && self.plan.first_matrix(end) < aim {
             end += 1;

@@ -226,7 +226,9 @@ mod tests {
             parsed,
             Minus(Box::new(sum), Box::new(Joint("l_hip".into())))
         );
-        let nested = "depth(2) & (zone(torso | legs) - joint(a b.c|d))".parse::<Expression>().unwrap();
+        let nested = "depth(2) & (zone(torso | legs) - joint(a b.c|d))"
+            .parse::<Expression>()
+            .unwrap();
         assert!(matches!(nested, Expression::And(_, _)));
     }
 

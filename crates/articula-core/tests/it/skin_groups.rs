@@ -159,7 +159,7 @@ proptest! {
         prop_assert_eq!(all, mesh.len(), "at first nothing is up to date");
 
         let found = grouped.moved(&rows_of(&before), &rows_of(&now));
-        prop_assert!(moved.is_subset(&found), "two random matrices differ");
+        prop_assert!(moved.difference(&found).is_empty(), "two random matrices differ");
         grouped.mark_joints(&moved, &mut stale);
         grouped.morph(&mesh, &then, &mut shape, &mut stale);
         // What stays marked so was not written.

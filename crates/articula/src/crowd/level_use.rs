@@ -128,8 +128,8 @@ impl LevelTally {
     pub fn add(&mut self, player: &CrowdPlayer) {
         self.frames += 1;
         let crowd = player.crowd();
-        for group in crowd.groups() {
-            let draws = &crowd.draws()[group.draws.clone()];
+        for group in &crowd.drawn().groups {
+            let draws = &crowd.drawn().draws[group.draws.clone()];
             let sums = &mut self.levels[group.level];
             self.palettes.clear();
             self.palettes.extend(draws.iter().map(|d| d.first_matrix));
@@ -144,12 +144,12 @@ impl LevelTally {
                 sums.see(player, group.level, draw.character as usize);
             }
         }
-        for group in crowd.record_groups() {
+        for group in &crowd.drawn().record_groups {
             let sums = &mut self.levels[group.level];
             sums.groups += 1;
             sums.records += group.records.len();
             sums.characters += group.records.len();
-            for record in &crowd.records()[group.records.clone()] {
+            for record in &crowd.drawn().records[group.records.clone()] {
                 sums.see(player, group.level, record.character as usize);
             }
         }

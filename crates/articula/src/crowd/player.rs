@@ -230,7 +230,7 @@ impl CrowdPlayer {
         }
         Parts {
             model,
-            rows: Some(self.palettes.first(self.crowd.matrices())),
+            rows: Some(self.palettes.first(self.crowd.drawn().matrices)),
             crowd: &self.crowd,
             scratches: self.scratches[..count].iter_mut(),
             first: 0,
@@ -240,17 +240,17 @@ impl CrowdPlayer {
 
     /// Who is drawn, by level.
     pub fn groups(&self) -> impl Iterator<Item = CrowdGroup<'_>> {
-        self.crowd.groups().iter().map(|group| CrowdGroup {
+        self.crowd.drawn().groups.iter().map(|group| CrowdGroup {
             level: group.level,
             mesh: self.asset.mesh(group.level),
-            draws: &self.crowd.draws()[group.draws.clone()],
+            draws: &self.crowd.drawn().draws[group.draws.clone()],
             matrices: group.matrices,
         })
     }
 
     /// The palettes of this frame, one after the other.
     pub fn palettes(&self) -> PaletteSlice<'_> {
-        self.palettes.written(self.crowd.matrices())
+        self.palettes.written(self.crowd.drawn().matrices)
     }
 
     /// The place of a character as a matrix.
@@ -282,19 +282,19 @@ impl CrowdPlayer {
     /// From where each character is shown; `None` for those who are not.
     pub fn sources(&self) -> Vec<Option<PoseSource>> {
         let mut sources = vec![None; self.positions.len()];
-        for draw in self.crowd.draws() {
+        for draw in &self.crowd.drawn().draws {
             let first = draw.first_matrix as usize;
             sources[draw.character as usize] = Some(PoseSource::Written(first));
         }
-        for record in self.crowd.records() {
+        for record in &self.crowd.drawn().records {
             sources[record.character as usize] = Some(PoseSource::Record(*record));
         }
         sources
     }
 
     fn source(&self, character: usize) -> Option<PoseSource> {
-        let mut draws = self.crowd.draws().iter();
-        let mut records = self.crowd.records().iter();
+        let mut draws = self.crowd.drawn().draws.iter();
+        let mut records = self.crowd.drawn().records.iter();
         let draw = draws.find(|d| d.character as usize == character);
         let written = draw.map(|d| PoseSource::Written(d.first_matrix as usize));
         let mut record = || records.find(|r| r.character as usize == character);
@@ -382,7 +382,7 @@ impl<'a> Iterator for Parts<'a> {
         let scratch = self.scratches.next()?;
         let mut batches = self.crowd.share_of_batches(self.first, self.count);
         if self.scratches.len() == 0 {
-            batches.end = self.crowd.batches().len();
+            batches.end = self.crowd.drawn().batches;
         }
         if batches.is_empty() {
             return None;

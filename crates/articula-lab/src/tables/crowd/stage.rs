@@ -170,7 +170,7 @@ impl<'a> Stage<'a> {
             let selected = thread_ns();
             player.evaluate();
             let evaluated = thread_ns();
-            let bytes = player.crowd().matrices() * model.parts().form.bytes();
+            let bytes = player.crowd().drawn().matrices * model.parts().form.bytes();
             most_bytes = most_bytes.max(bytes);
             costs.observe(&report.work, (evaluated - selected) as f64);
             if is_budget && number % WARM_UP == WARM_UP - 1 {
@@ -182,7 +182,7 @@ impl<'a> Stage<'a> {
             outcome.select_ms.push(1e-6 * (selected - start) as f64);
             let evaluate_ns = evaluated - selected;
             outcome.evaluate_ms.push(1e-6 * evaluate_ns as f64);
-            let records = size_of_val(player.crowd().records());
+            let records = size_of_val(player.crowd().drawn().records.as_slice());
             outcome.add(&report, bytes + records, play.frames);
             if number.is_multiple_of(8) {
                 let now = Shown {
