@@ -118,7 +118,7 @@ pub use key_table::{KeyMode, KeyTable, PoseKeys, TableHashes};
 pub use ladder::Ladder;
 pub use level_error::{ClipErrors, LevelErrors, judged_metres};
 pub use level_table::{LevelRow, LevelTable, SurfaceError};
-pub use math::{Transform, angle_between, nlerp, rotation_vector, same_hemisphere};
+pub use math::{Transform, angle_between, nlerp, same_hemisphere};
 pub use mesh::{Binding, Mesh, Morph, Part};
 pub use mesh_level::{MeshChoice, MeshErrors};
 pub use mismatch::Mismatch;

@@ -3,7 +3,8 @@
 //! Source: `spec/motion-lod.md` 4.1 to 4.3, ours. A joint that shows rotation `b` in place of
 //! `a` moves the skin that hangs on it by at most its lever times the angle between them.
 
-use articula_core::{angle_between, rotation_vector};
+use crate::rotation_vector::rotation_vector;
+use articula_core::angle_between;
 use glam::{Mat3, Quat, Vec3};
 
 /// How the skin hangs on one joint.

@@ -7,7 +7,7 @@
 //!
 //! - [`CrowdModel`]: what all share, made once
 //! - [`Player`], [`Voice`]: what one character plays
-//! - [`ClipEvent`], [`RootPath`], [`Crowd::socket`]: what is never skipped, whatever is shown
+//! - [`ClipEvent`], [`RootPath`], [`socket`]: what is never skipped, whatever is shown
 //!
 //! No hidden policy: what a level may cost is in [`Detail`], and every change of level is told.
 //!
@@ -46,4 +46,5 @@ pub use model::{CrowdModel, CrowdParts};
 pub use plan::{Draw, DrawGroup, Drawn, RecordGroup};
 pub use player::{Player, Voice};
 pub use root_path::{RootPath, RootStep};
+pub use socket::socket;
 pub use tick::Crowd;

@@ -28,7 +28,7 @@ pub struct CrowdParts {
     /// Where the skin is in each clip.
     pub bounds: MotionBounds,
     /// What is told while a clip plays, a list for each clip, in any order. Empty if there is
-    /// nothing to tell, as the three that follow.
+    /// nothing to tell; so are the two lists that follow.
     pub events: Vec<Vec<ClipEvent>>,
     /// The way over the ground that each clip carries its character.
     pub paths: Vec<Option<RootPath>>,

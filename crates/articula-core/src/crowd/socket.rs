@@ -15,7 +15,7 @@ use glam::Affine3A;
 ///
 /// # Panics
 /// If there is no such joint.
-pub(crate) fn socket(clips: &ClipSet, shown: &Shown, joint: usize) -> Affine3A {
+pub fn socket(clips: &ClipSet, shown: &Shown, joint: usize) -> Affine3A {
     let ladder = clips.ladder();
     let mut at = Some(ladder.place(joint));
     let mut model = Affine3A::IDENTITY;

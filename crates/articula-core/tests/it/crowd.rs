@@ -430,16 +430,13 @@ proptest! {
     /// A socket is the full character's joint, whatever is shown.
     #[test]
     fn sockets_are_true(
-        (rig, clips, sets) in figure(Options { scaled: true, steps: true }),
+        (rig, clips, _) in figure(Options { scaled: true, steps: true }),
         secs in 0.0f32..1.0,
         joint in any::<prop::sample::Index>(),
     ) {
-        let model = model(&rig, &clips, &sets);
+        let set = ClipSet::new(&rig, Ladder::whole(&rig).unwrap(), &clips, Storage::Float).unwrap();
         let joint = joint.index(rig.len());
-        let voice = Voice::new(&model.parts().clips, 0).once();
-        let mut crowd = Crowd::new(&model, 1);
-        crowd.play(0, voice.at_secs(&model.parts().clips, secs).into());
-        let found = crowd.socket(&model, 0, joint);
+        let found = articula_core::crowd::socket(&set, &set.cursor(0, secs).into(), joint);
         let mut pose = rig.rest_pose().clone();
         sample(&clips[0], f64::from(secs), Wrap::Clamp, &rig.all(), &mut pose);
         let mut truth = ModelPose::new(rig.len());
