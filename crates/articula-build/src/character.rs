@@ -56,12 +56,22 @@ pub fn character(
 
 /// Numbers that the tracks of a clip hold.
 fn numbers_of(clip: &Clip) -> usize {
-    let vectors = clip.translations().iter().chain(clip.scales());
+    let vectors = clip
+        .tracks()
+        .translations
+        .iter()
+        .chain(&clip.tracks().scales);
     3 * vectors.map(|t| t.values.len()).sum::<usize>()
         + 4 * clip
-            .rotations()
+            .tracks()
+            .rotations
             .iter()
             .map(|t| t.values.len())
             .sum::<usize>()
-        + clip.morphs().iter().map(|t| t.values.len()).sum::<usize>()
+        + clip
+            .tracks()
+            .morphs
+            .iter()
+            .map(|t| t.values.len())
+            .sum::<usize>()
 }

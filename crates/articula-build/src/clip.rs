@@ -364,7 +364,7 @@ mod tests {
         assert_eq!(source_rate_hz(&clip), 30.0);
         let built = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap();
         assert_eq!((built.rate_hz(), built.frames()), (30.0, 41));
-        for (i, q) in built.rotations()[0].values.iter().enumerate() {
+        for (i, q) in built.tracks().rotations[0].values.iter().enumerate() {
             assert!(angle_between(*q, Quat::from_rotation_y(1.3 * i as f32 / 30.0)) < 1e-5);
         }
     }
@@ -393,10 +393,10 @@ mod tests {
         let mut clip = turning(vec![0.0, 1.0], Interpolation::Linear);
         clip.channels[0].values = [Quat::IDENTITY.to_array(); 2].concat();
         let at_rest = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap();
-        assert!(at_rest.rotations().is_empty());
+        assert!(at_rest.tracks().rotations.is_empty());
         clip.channels[0].values = [Quat::from_rotation_x(0.5).to_array(); 2].concat();
         let held = resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).unwrap();
-        assert_eq!(held.rotations()[0].values.len(), 1);
+        assert_eq!(held.tracks().rotations[0].values.len(), 1);
     }
 
     #[test]

@@ -56,6 +56,7 @@ mod points;
 mod pose_cache;
 mod poses;
 mod reduce;
+mod rotation_vector;
 mod scene;
 mod simplify;
 mod split_mix;
@@ -75,8 +76,8 @@ pub use ladder::{
 pub use mesh_levels::{MeasuredOn, MeshLevelOptions, MeshLevels, mesh_levels};
 pub use motion_bounds::motion_bounds;
 pub use motion_error::{
-    ChainShare, contact_intervals, joint_bounds, key_table, levers, moving_joints, pose_keys,
-    table_hashes,
+    ChainShare, JointLever, contact_intervals, joint_bounds, key_table, levers, moving_joints,
+    pose_keys, table_hashes,
 };
 pub use occluders::occluders;
 pub use points::draw_vertices;

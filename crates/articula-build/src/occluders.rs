@@ -86,7 +86,10 @@ fn jumps(clip: &Clip) -> bool {
     fn any<T>(tracks: &[Track<T>]) -> bool {
         tracks.iter().any(|t| t.step && t.values.len() > 1)
     }
-    any(clip.rotations()) || any(clip.translations()) || any(clip.scales()) || any(clip.morphs())
+    any(&clip.tracks().rotations)
+        || any(&clip.tracks().translations)
+        || any(&clip.tracks().scales)
+        || any(&clip.tracks().morphs)
 }
 
 /// A line inside the body and how far the skin is from it.

@@ -25,6 +25,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         backend: Backend::best(),
         errors: levels.errors,
         bounds: motion_bounds(&asset, 0.0)?,
+        events: Vec::new(),
+        paths: Vec::new(),
+        attention: Vec::new(),
+        cache: None,
     })?;
 
     // A thousand characters on a square, each with a clip and a phase of its own.
@@ -34,11 +38,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .collect();
     let rotations = vec![Quat::IDENTITY; 1000];
     for i in 0..1000 {
-        let voice = Voice::new(model.clips(), i % asset.clips.len());
-        crowd.play(i, voice.at_secs(model.clips(), i as f32 * 0.37).into());
+        let voice = Voice::new(&model.parts().clips, i % asset.clips.len());
+        crowd.play(
+            i,
+            voice.at_secs(&model.parts().clips, i as f32 * 0.37).into(),
+        );
     }
 
-    let mut palettes = vec![[0.0; 4]; 1000 * model.palette().len(0) * model.form().rows()];
+    let mut palettes =
+        vec![[0.0; 4]; 1000 * model.parts().palette.len(0) * model.parts().form.rows()];
     let mut scratch = model.evaluator().scratch();
     for step in 0..120 {
         let eye = Vec3::new(12.0, 1.7, 2.0 - step as f32 * 0.05);
@@ -60,17 +68,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             &frame,
             &mut |_notice| { /* footsteps, level changes */ },
         );
-        let rows = crowd.matrices() * model.form().rows();
-        let all = 0..crowd.batches().len(); // or ranges of them, one for each thread
+        let rows = crowd.drawn().matrices * model.parts().form.rows();
+        let all = 0..crowd.drawn().batches; // or ranges of them, one for each thread
         crowd.evaluate(
             &model,
             all,
             PaletteRows::Float(&mut palettes[..rows]),
             &mut scratch,
         );
-        for group in crowd.groups() {
-            // One instanced draw: the mesh of group.level, instances crowd.draws()[group.draws].
-            let _instances = &crowd.draws()[group.draws.clone()];
+        for group in &crowd.drawn().groups {
+            // One instanced draw: the mesh of group.level, instances crowd.drawn().draws[group.draws].
+            let _instances = &crowd.drawn().draws[group.draws.clone()];
         }
         if step % 60 == 0 {
             let joints = report.work.fk_joints as f32 / report.visible.max(1) as f32;

@@ -3,6 +3,10 @@
 //! Source: thesis 3.1.3 and 5.1; the lists per level and region are data (`spec/hanim.md`
 //! part 3 and 5, kept in the profile files that `articula-formats` parses), never code.
 
+use crate::Mismatch;
+use std::fmt;
+use std::str::FromStr;
+
 /// Highest data level, at which every joint is included.
 pub const MAX_LEVEL: u8 = 5;
 
@@ -44,8 +48,7 @@ impl Complexity {
         (self as u8).checked_sub(1)
     }
 
-    /// Name as the expression language spells it.
-    pub fn name(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::None => "None",
             Self::VeryLow => "VeryLow",
@@ -56,11 +59,23 @@ impl Complexity {
             Self::VeryHigh => "VeryHigh",
         }
     }
+}
 
-    /// The level of this name; case, spaces, `-` and `_` do not count.
-    pub fn from_name(name: &str) -> Option<Self> {
+/// As the expression language spells it.
+impl fmt::Display for Complexity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Case, spaces, `-` and `_` do not count.
+impl FromStr for Complexity {
+    type Err = Mismatch;
+
+    fn from_str(name: &str) -> Result<Self, Mismatch> {
         let wanted = folded(name);
-        Self::ALL.into_iter().find(|c| folded(c.name()) == wanted)
+        let found = Self::ALL.into_iter().find(|c| folded(c.name()) == wanted);
+        found.ok_or_else(|| unknown("complexity", name))
     }
 }
 
@@ -95,8 +110,7 @@ impl Region {
         Self::Hands,
     ];
 
-    /// Name as the expression language spells it.
-    pub fn name(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::Face => "face",
             Self::Arms => "arms",
@@ -107,21 +121,31 @@ impl Region {
             Self::Hands => "hands",
         }
     }
+}
 
-    /// The elementary region of this name, in any case.
-    pub fn from_name(name: &str) -> Option<Self> {
-        let wanted = folded(name);
-        Self::ALL.into_iter().find(|r| r.name() == wanted)
+/// As the expression language spells it.
+impl fmt::Display for Region {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
     }
 }
 
-/// A union of regions, one bit for each.
+/// In any case.
+impl FromStr for Region {
+    type Err = Mismatch;
+
+    fn from_str(name: &str) -> Result<Self, Mismatch> {
+        let wanted = folded(name);
+        let found = Self::ALL.into_iter().find(|r| r.name() == wanted);
+        found.ok_or_else(|| unknown("region", name))
+    }
+}
+
+/// A union of regions, one bit for each; by default none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
 pub struct Zone(u8);
 
 impl Zone {
-    /// No region.
-    pub const EMPTY: Self = Self(0);
     /// Every region.
     pub const ALL: Self = Self(127);
     /// Face, arms, torso and hands.
@@ -135,22 +159,32 @@ impl Zone {
     pub fn contains(self, region: Region) -> bool {
         self.0 & Self::from(region).0 != 0
     }
+}
 
-    /// Both together.
-    #[must_use]
-    pub fn union(self, other: Self) -> Self {
+/// Both together.
+impl std::ops::BitOr for Zone {
+    type Output = Self;
+
+    fn bitor(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
+}
 
-    /// A region or a composite (`upper`, `lower`, `face-shoulders`, `all`) by name; case,
-    /// spaces, `-` and `_` do not count.
-    pub fn from_name(name: &str) -> Option<Self> {
+/// A region or a composite (`upper`, `lower`, `face-shoulders`, `all`) by name; case, spaces, `-`
+/// and `_` do not count.
+impl FromStr for Zone {
+    type Err = Mismatch;
+
+    fn from_str(name: &str) -> Result<Self, Mismatch> {
         match folded(name).as_str() {
-            "all" => Some(Self::ALL),
-            "upper" | "upperbody" => Some(Self::UPPER),
-            "lower" | "lowerbody" => Some(Self::LOWER),
-            "faceshoulders" => Some(Self::FACE_SHOULDERS),
-            other => Region::from_name(other).map(Self::from),
+            "all" => Ok(Self::ALL),
+            "upper" | "upperbody" => Ok(Self::UPPER),
+            "lower" | "lowerbody" => Ok(Self::LOWER),
+            "faceshoulders" => Ok(Self::FACE_SHOULDERS),
+            other => match other.parse::<Region>() {
+                Ok(region) => Ok(region.into()),
+                Err(_) => Err(unknown("zone", name)),
+            },
         }
     }
 }
@@ -188,6 +222,10 @@ impl Articulation {
     }
 }
 
+fn unknown(at: &str, name: &str) -> Mismatch {
+    Mismatch::new(at, format!("there is no \"{name}\""))
+}
+
 fn folded(name: &str) -> String {
     name.chars()
         .filter(|c| !matches!(c, ' ' | '-' | '_'))
@@ -204,23 +242,20 @@ mod tests {
         let of = |names: &[&str]| {
             names
                 .iter()
-                .map(|n| Zone::from_name(n).unwrap())
-                .fold(Zone::EMPTY, Zone::union)
+                .map(|n| n.parse().unwrap())
+                .fold(Zone::default(), |all, zone: Zone| all | zone)
         };
         assert_eq!(of(&["face", "arms", "torso", "hands"]), Zone::UPPER);
         assert_eq!(of(&["pelvis", "legs", "feet"]), Zone::LOWER);
         assert_eq!(of(&["face", "arms", "torso"]), Zone::FACE_SHOULDERS);
         assert_eq!(of(&["upper", "lower"]), Zone::ALL);
-        assert!(Zone::from_name("tail").is_none());
+        assert!("tail".parse::<Zone>().is_err());
     }
 
     #[test]
     fn names_are_read_in_any_spelling() {
-        assert_eq!(Complexity::from_name("very_low"), Some(Complexity::VeryLow));
-        assert_eq!(
-            Complexity::from_name("Very High"),
-            Some(Complexity::VeryHigh)
-        );
+        assert_eq!("very_low".parse(), Ok(Complexity::VeryLow));
+        assert_eq!("Very High".parse(), Ok(Complexity::VeryHigh));
         assert_eq!(Complexity::None.level(), None);
         assert_eq!(Complexity::VeryHigh.level(), Some(MAX_LEVEL));
     }

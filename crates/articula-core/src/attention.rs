@@ -2,7 +2,7 @@
 //! error is tolerated.
 //!
 //! Source: `spec/motion-lod.md` 4.3 (`m`, the multiplier of the tolerance) and 4.6 (contacts).
-//! Made before the frame; what it gives goes into [`crate::motion_error::tolerance_metres`].
+//! Made before the frame; what it gives goes into the tolerance of a joint or a level.
 
 use crate::Mismatch;
 use crate::sample::Wrap;
@@ -113,10 +113,17 @@ pub(crate) fn multiplier(factor: f32, importance: f32) -> f32 {
     or_one(m).clamp(LEAST_MULTIPLIER, GREATEST_MULTIPLIER)
 }
 
+/// Tolerance in metres at a joint: `epsilon_px * attention / pixels_per_metre`.
+///
+/// `attention` lowers it where care is due (contacts, faces looked at) and raises it where
+/// little is seen; 1 is neutral.
+pub(crate) fn tolerance_metres(epsilon_px: f32, attention: f32, pixels_per_metre: f32) -> f32 {
+    epsilon_px * attention / pixels_per_metre.max(1e-6)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::motion_error::tolerance_metres;
     use proptest::prelude::*;
 
     fn interval(start_secs: f32, end_secs: f32, factor: f32) -> Interval {
@@ -212,5 +219,12 @@ mod tests {
             let found = attention.at(f64::from(secs), Wrap::Clamp);
             prop_assert_eq!(found, plain.unwrap_or(1.0));
         }
+    }
+
+    #[test]
+    fn tolerance_by_hand() {
+        // One pixel at 100 px/m is a centimetre; half the attention halves it.
+        assert!((tolerance_metres(1.0, 1.0, 100.0) - 0.01).abs() < 1e-9);
+        assert!((tolerance_metres(1.0, 0.5, 100.0) - 0.005).abs() < 1e-9);
     }
 }

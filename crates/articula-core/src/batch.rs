@@ -82,7 +82,7 @@ impl<'a> BatchEvaluator<'a> {
         form: PaletteForm,
         backend: Backend,
     ) -> Result<Self, Mismatch> {
-        let (levels, beyond) = (clips.ladder().levels(), clips.ladder().len());
+        let (levels, beyond) = (clips.ladder().levels(), clips.ladder().joints().len());
         if map.levels() != levels || map.places().any(|p| p >= beyond) {
             let what = "the palette was made for another ladder";
             return Err(Mismatch::new("map", what));
@@ -120,7 +120,7 @@ impl<'a> BatchEvaluator<'a> {
         let tail = LANES * self.map.len(0) * self.form.rows();
         let half = self.form.is_half();
         Scratch {
-            joints: vec![Joint::ZERO; self.clips.ladder().len()],
+            joints: vec![Joint::ZERO; self.clips.ladder().joints().len()],
             floats: vec![[0.0; 4]; if half { 0 } else { tail }],
             halves: vec![[0; 4]; if half { tail } else { 0 }],
         }

@@ -14,7 +14,11 @@ use crate::pose::LocalPose;
 /// # Panics
 /// If a pose or the set is of another rig.
 pub fn blend(pose: &mut LocalPose, other: &LocalPose, weight: f32, active: &JointSet) {
-    assert_eq!(pose.len(), other.len(), "the poses are of two rigs");
+    assert_eq!(
+        pose.rotations.len(),
+        other.rotations.len(),
+        "the poses are of two rigs"
+    );
     for j in active.iter() {
         pose.rotations[j] = nlerp(pose.rotations[j], other.rotations[j], weight);
         pose.translations[j] = pose.translations[j].lerp(other.translations[j], weight);

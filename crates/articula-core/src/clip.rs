@@ -29,10 +29,7 @@ pub struct Clip {
     joints: usize,
     /// Frames for each key of the source, at least 1.
     frames_per_key: usize,
-    pub(crate) translations: Vec<Track<Vec3>>,
-    pub(crate) rotations: Vec<Track<Quat>>,
-    pub(crate) scales: Vec<Track<Vec3>>,
-    pub(crate) morphs: Vec<Track<f32>>,
+    pub(crate) tracks: Tracks,
 }
 
 /// The tracks of a [`Clip`], as its builder gives them.
@@ -78,10 +75,7 @@ impl Clip {
             frames,
             joints,
             frames_per_key: 1,
-            translations: tracks.translations,
-            rotations: tracks.rotations,
-            scales: tracks.scales,
-            morphs: tracks.morphs,
+            tracks,
         })
     }
 
@@ -106,10 +100,12 @@ impl Clip {
             frames: (self.frames - 1) / every + 1,
             joints: self.joints,
             frames_per_key: 1,
-            translations: thinned(&self.translations, every),
-            rotations: thinned(&self.rotations, every),
-            scales: thinned(&self.scales, every),
-            morphs: thinned(&self.morphs, every),
+            tracks: Tracks {
+                translations: thinned(&self.tracks.translations, every),
+                rotations: thinned(&self.tracks.rotations, every),
+                scales: thinned(&self.tracks.scales, every),
+                morphs: thinned(&self.tracks.morphs, every),
+            },
         }
     }
 
@@ -133,24 +129,10 @@ impl Clip {
         (self.frames - 1) as f32 / self.rate_hz
     }
 
-    /// Rotation tracks, one for each joint whose rotation differs from rest.
-    pub fn rotations(&self) -> &[Track<Quat>] {
-        &self.rotations
-    }
-
-    /// Translation tracks, one for each joint whose translation differs from rest.
-    pub fn translations(&self) -> &[Track<Vec3>] {
-        &self.translations
-    }
-
-    /// Scale tracks, one for each joint whose scale differs from rest.
-    pub fn scales(&self) -> &[Track<Vec3>] {
-        &self.scales
-    }
-
-    /// Morph weight tracks, one for each morph slot that is driven.
-    pub fn morphs(&self) -> &[Track<f32>] {
-        &self.morphs
+    /// Its tracks: one for each joint whose rotation, translation or scale differs from rest, and
+    /// one for each morph slot that is driven.
+    pub fn tracks(&self) -> &Tracks {
+        &self.tracks
     }
 }
 
@@ -230,7 +212,7 @@ mod tests {
             .with_frames_per_key(3);
         let thin = clip.at_key_rate();
         assert_eq!((thin.rate_hz(), thin.frames()), (20.0, 3));
-        assert_eq!(thin.morphs()[0].values, [0.0, 3.0, 6.0]);
+        assert_eq!(thin.tracks().morphs[0].values, [0.0, 3.0, 6.0]);
         assert_eq!(thin.at_key_rate(), thin);
     }
 }

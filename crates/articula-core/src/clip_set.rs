@@ -51,7 +51,6 @@ pub(crate) struct SlotRange {
 /// One clip within the rows.
 #[derive(Debug, Clone, PartialEq)]
 struct Segment {
-    name: String,
     first: u32,
     frames: u32,
     rate_hz: f32,
@@ -102,8 +101,12 @@ impl ClipSet {
         clips: &[Clip],
         storage: Storage,
     ) -> Result<Self, Mismatch> {
-        if ladder.len() != rig.len() {
-            let what = format!("{} joints, the rig has {}", ladder.len(), rig.len());
+        if ladder.joints().len() != rig.len() {
+            let what = format!(
+                "{} joints, the rig has {}",
+                ladder.joints().len(),
+                rig.len()
+            );
             return Err(Mismatch::new("ladder", what));
         }
         for (c, clip) in clips.iter().enumerate() {
@@ -114,12 +117,9 @@ impl ClipSet {
             [] => vec![Frames::new(rig, None)],
             clips => clips.iter().map(|c| Frames::new(rig, Some(c))).collect(),
         };
-        let names: Vec<(String, f32)> = match clips {
-            [] => vec![("rest".to_owned(), 1.0)],
-            clips => clips
-                .iter()
-                .map(|c| (c.name.clone(), c.rate_hz()))
-                .collect(),
+        let rates_hz: Vec<f32> = match clips {
+            [] => vec![1.0],
+            clips => clips.iter().map(Clip::rate_hz).collect(),
         };
         let joints = ladder.joints().iter();
         let constants: Vec<Transform> = joints
@@ -137,7 +137,7 @@ impl ClipSet {
             let what = format!("{all} frames of {slots} slots, at most 2^32 in all");
             return Err(Mismatch::new("clips", what));
         }
-        let (rows, segments) = written(&names, &frames, &ladder, &sources, slots);
+        let (rows, segments) = written(&rates_hz, &frames, &ladder, &sources, slots);
         let first_range = sources.iter().filter(|s| s[0].is_some()).count();
         let (rows, ranges) = match storage {
             Storage::Float => (Rows::Float(rows), Vec::new()),
@@ -146,13 +146,13 @@ impl ClipSet {
         let mut held: Vec<u32> = segments.iter().flat_map(|s| s.held.clone()).collect();
         held.sort_unstable();
         held.dedup();
-        let mut scaled = vec![false; ladder.len()];
+        let mut scaled = vec![false; ladder.joints().len()];
         for (place, parent) in ladder.parents().iter().enumerate() {
             let own = sources[place][2].is_some() || constants[place].scale != Vec3::ONE;
             scaled[place] = own || parent.is_some_and(|p| scaled[usize::from(p)]);
         }
         let moving = std::array::from_fn(|channel| {
-            let places = (0..ladder.len()).filter(|&p| sources[p][channel].is_some());
+            let places = (0..ladder.joints().len()).filter(|&p| sources[p][channel].is_some());
             places.map(|p| p as u16).collect()
         });
         Ok(Self {
@@ -178,11 +178,6 @@ impl ClipSet {
     /// Number of clips, at least 1.
     pub fn clips(&self) -> usize {
         self.segments.len()
-    }
-
-    /// Name of a clip.
-    pub fn name(&self, clip: usize) -> &str {
-        &self.segments[clip].name
     }
 
     /// Time of the last frame of a clip; 0 for a single pose.
@@ -328,13 +323,13 @@ fn check(clip: &Clip, joints: usize) -> Result<(), Mismatch> {
         let mut values = tracks.iter().flat_map(|t| &t.values);
         values.all(|v| v.is_finite())
     };
-    if !vectors(clip.translations()) {
+    if !vectors(&clip.tracks().translations) {
         return Err(not_finite("translations"));
     }
-    if !vectors(clip.scales()) {
+    if !vectors(&clip.tracks().scales) {
         return Err(not_finite("scales"));
     }
-    let mut rotations = clip.rotations().iter().flat_map(|t| &t.values);
+    let mut rotations = clip.tracks().rotations.iter().flat_map(|t| &t.values);
     // A length that is no number fails too.
     if !rotations.all(|q| (q.length() - 1.0).abs() <= 1e-3) {
         return Err(Mismatch::new(
@@ -367,9 +362,9 @@ impl<'a> Frames<'a> {
         Self {
             rest: rig.rest_pose(),
             clip,
-            rotations: by_joint(clip.map_or(&[], Clip::rotations), n),
-            translations: by_joint(clip.map_or(&[], Clip::translations), n),
-            scales: by_joint(clip.map_or(&[], Clip::scales), n),
+            rotations: by_joint(clip.map_or(&[], |c| &c.tracks().rotations), n),
+            translations: by_joint(clip.map_or(&[], |c| &c.tracks().translations), n),
+            scales: by_joint(clip.map_or(&[], |c| &c.tracks().scales), n),
         }
     }
 
@@ -405,7 +400,7 @@ impl<'a> Frames<'a> {
 /// Gives a slot to every channel that some frame moves away from its constant: rotations
 /// first, then translations, then scales.
 fn layout(ladder: &Ladder, constants: &[Transform], clips: &[Frames<'_>]) -> (Vec<Source>, usize) {
-    let mut moves = vec![[false; 3]; ladder.len()];
+    let mut moves = vec![[false; 3]; ladder.joints().len()];
     for (place, moves) in moves.iter_mut().enumerate() {
         let (joint, constant) = (usize::from(ladder.joints()[place]), constants[place]);
         for (clip, frame) in clips.iter().flat_map(|c| (0..c.len()).map(move |f| (c, f))) {
@@ -416,7 +411,7 @@ fn layout(ladder: &Ladder, constants: &[Transform], clips: &[Frames<'_>]) -> (Ve
             moves[2] |= !now.scale.abs_diff_eq(constant.scale, STILL);
         }
     }
-    let mut sources = vec![Source::default(); ladder.len()];
+    let mut sources = vec![Source::default(); ladder.joints().len()];
     let mut next = 0u32;
     for channel in 0..3 {
         for (source, moves) in sources.iter_mut().zip(&moves) {
@@ -431,7 +426,7 @@ fn layout(ladder: &Ladder, constants: &[Transform], clips: &[Frames<'_>]) -> (Ve
 
 /// All clips as rows, and what is known of each.
 fn written(
-    names: &[(String, f32)],
+    rates_hz: &[f32],
     frames: &[Frames<'_>],
     ladder: &Ladder,
     sources: &[Source],
@@ -439,7 +434,7 @@ fn written(
 ) -> (Vec<Row>, Vec<Segment>) {
     let mut rows: Vec<Row> = Vec::new();
     let mut segments = Vec::new();
-    for (clip, (name, rate_hz)) in frames.iter().zip(names) {
+    for (clip, rate_hz) in frames.iter().zip(rates_hz) {
         let first = rows.len();
         for frame in 0..clip.len() {
             rows.resize(first + (frame + 1) * slots, [0.0; 4]);
@@ -473,7 +468,6 @@ fn written(
             .collect();
         held.sort_unstable();
         segments.push(Segment {
-            name: name.clone(),
             first: first as u32,
             frames: clip.len() as u32,
             rate_hz: *rate_hz,

@@ -9,10 +9,10 @@
 //! a transition that would show more than the bound is cut short. Whatever policy the options
 //! name, a joint holds what it shows: fading to rest would leave the bound unseen.
 
+use crate::attention::tolerance_metres;
 use crate::joint_set::JointSet;
 use crate::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
 use crate::math::angle_between;
-use crate::motion_error::tolerance_metres;
 use crate::pose::LocalPose;
 
 /// What is tolerated and how steadily.
@@ -97,7 +97,11 @@ impl Drift {
     /// # Panics
     /// If there is not one entry of `bounds` for each joint of the pose.
     pub fn new(rest: &LocalPose, bounds: Vec<JointBounds>, opts: DriftOptions) -> Self {
-        assert_eq!(bounds.len(), rest.len(), "one entry for each joint");
+        assert_eq!(
+            bounds.len(),
+            rest.rotations.len(),
+            "one entry for each joint"
+        );
         let start = Judged {
             wake_secs: f64::NEG_INFINITY,
             tolerance_metres: f32::INFINITY,

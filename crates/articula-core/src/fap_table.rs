@@ -6,6 +6,8 @@
 //!
 //! Doubtful: the ranges of FAP 47 (tongue_roll), where sources differ.
 
+use std::fmt;
+
 /// In what a value of a FAP is counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Unit {
@@ -23,17 +25,17 @@ pub enum Unit {
     Angle,
 }
 
-impl Unit {
-    /// Abbreviation of the standard.
-    pub fn name(self) -> &'static str {
-        match self {
+/// The abbreviation of the standard.
+impl fmt::Display for Unit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
             Self::IrisDiameter => "IRISD",
             Self::EyeSeparation => "ES",
             Self::EyeNose => "ENS",
             Self::MouthNose => "MNS",
             Self::MouthWidth => "MW",
             Self::Angle => "AU",
-        }
+        })
     }
 }
 

@@ -24,7 +24,11 @@ pub fn local_to_model_from(
     world_from_model: Affine3A,
     out: &mut ModelPose,
 ) {
-    assert_eq!(local.len(), rig.len(), "the local pose is of another rig");
+    assert_eq!(
+        local.rotations.len(),
+        rig.len(),
+        "the local pose is of another rig"
+    );
     assert_eq!(
         out.matrices.len(),
         rig.len(),

@@ -98,7 +98,7 @@ pub struct JointStates {
 impl JointStates {
     /// All joints active, showing the rest pose. Allocates; everything later does not.
     pub fn new(rest: &LocalPose, opts: TransitionOptions) -> Self {
-        let slots = (0..rest.len())
+        let slots = (0..rest.rotations.len())
             .map(|j| Slot {
                 state: JointState::Active,
                 since: 0.0,
@@ -209,7 +209,11 @@ impl JointStates {
     /// # Panics
     /// If the pose is of another rig.
     pub fn step(&mut self, now_secs: f64, clip: &LocalPose) -> &LocalPose {
-        assert_eq!(clip.len(), self.slots.len(), "the pose is of another rig");
+        assert_eq!(
+            clip.rotations.len(),
+            self.slots.len(),
+            "the pose is of another rig"
+        );
         for (j, slot) in self.slots.iter_mut().enumerate() {
             let age = (now_secs - slot.since) as f32;
             let done = self.opts.secs <= 0.0 || age >= self.opts.secs;

@@ -45,11 +45,6 @@ pub struct KeyTable {
 }
 
 impl KeyTable {
-    /// Finest tolerance of the usual ladder, that of level 0.
-    pub const LADDER_BASE_METRES: f32 = 0.0005;
-    /// Number of levels of the usual ladder: 0.5 mm to 256 mm.
-    pub const LADDER_LEVELS: usize = 10;
-
     /// Number of levels.
     pub fn levels(&self) -> usize {
         self.keys.iter().map(Vec::len).max().unwrap_or(0)

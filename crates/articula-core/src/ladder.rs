@@ -45,8 +45,8 @@ impl Ladder {
         mean: &LocalPose,
     ) -> Result<Self, Mismatch> {
         let places = places_of(rig, &joints)?;
-        if mean.len() != rig.len() {
-            let what = format!("{} joints, the rig has {}", mean.len(), rig.len());
+        if mean.rotations.len() != rig.len() {
+            let what = format!("{} joints, the rig has {}", mean.rotations.len(), rig.len());
             return Err(Mismatch::new("mean", what));
         }
         if let Some(j) = (0..rig.len()).find(|&j| !mean.get(j).is_finite()) {
@@ -113,16 +113,6 @@ impl Ladder {
         Self::new(rig, joints, kept, mean)
     }
 
-    /// Number of joints of the rig.
-    pub fn len(&self) -> usize {
-        self.joints.len()
-    }
-
-    /// Never true: a rig has at least one joint.
-    pub fn is_empty(&self) -> bool {
-        self.joints.is_empty()
-    }
-
     /// Number of levels, at least 1.
     pub fn levels(&self) -> usize {
         self.kept.len()
@@ -133,13 +123,7 @@ impl Ladder {
         usize::from(self.kept[level])
     }
 
-    /// The joints that a level keeps.
-    pub fn kept_set(&self, level: usize) -> JointSet {
-        let kept = &self.joints[..self.kept(level)];
-        kept.iter().map(|&j| usize::from(j)).collect()
-    }
-
-    /// Joint of the rig at each place.
+    /// Joint of the rig at each place: all of its joints.
     pub fn joints(&self) -> &[u16] {
         &self.joints
     }
@@ -157,16 +141,6 @@ impl Ladder {
     /// Local transform in the mean pose, by place.
     pub fn mean(&self) -> &[Transform] {
         &self.mean
-    }
-
-    /// Place of the joint that a joint moves with at a level: its own if it is kept, else the
-    /// nearest kept ancestor's. `None` for a root that is merged: it stands still.
-    pub fn target(&self, joint: usize, level: usize) -> Option<usize> {
-        let mut place = self.place(joint);
-        while place >= self.kept(level) {
-            place = usize::from(self.parents[place]?);
-        }
-        Some(place)
     }
 }
 
@@ -247,11 +221,18 @@ mod tests {
         assert_eq!(ladder.joints(), [0, 1, 2, 4, 3]);
         let kept: Vec<usize> = (0..ladder.levels()).map(|l| ladder.kept(l)).collect();
         assert_eq!(kept, [5, 3, 2, 1]);
-        assert_eq!(ladder.target(3, 0), Some(4));
-        assert_eq!(ladder.target(3, 1), Some(2));
-        assert_eq!(ladder.target(4, 1), Some(1));
-        assert_eq!(ladder.target(3, 3), Some(0));
-        assert_eq!(ladder.kept_set(2), JointSet::from_iter([0, 1]));
+        let target = |joint, level| {
+            let mut place = ladder.place(joint);
+            while place >= ladder.kept(level) {
+                place = usize::from(ladder.parents()[place]?);
+            }
+            Some(place)
+        };
+        assert_eq!(target(3, 0), Some(4));
+        assert_eq!(target(3, 1), Some(2));
+        assert_eq!(target(4, 1), Some(1));
+        assert_eq!(target(3, 3), Some(0));
+        assert_eq!(ladder.joints()[..ladder.kept(2)], [0, 1]);
         assert_eq!(ladder.parents()[4], Some(2));
     }
 

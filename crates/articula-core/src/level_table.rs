@@ -19,16 +19,6 @@ pub struct SurfaceError {
     pub mean_metres: f32,
 }
 
-impl SurfaceError {
-    /// That of a level about which nothing is known.
-    pub const UNKNOWN: Self = Self {
-        max_metres: f32::INFINITY,
-        p99_metres: f32::INFINITY,
-        p95_metres: f32::INFINITY,
-        mean_metres: f32::INFINITY,
-    };
-}
-
 /// One level over all meshes of a character.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelRow {

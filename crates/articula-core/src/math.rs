@@ -81,17 +81,6 @@ pub fn angle_between(a: Quat, b: Quat) -> f32 {
     2.0 * sine.atan2(relative.w.abs())
 }
 
-/// Rotation vector (axis times angle, radians) that leads from `a` to `b` on the short way.
-pub fn rotation_vector(a: Quat, b: Quat) -> Vec3 {
-    let relative = same_hemisphere(Quat::IDENTITY, a.conjugate() * b);
-    let v = Vec3::new(relative.x, relative.y, relative.z);
-    let sine = v.length();
-    if sine < 1e-9 {
-        return 2.0 * v;
-    }
-    v * (2.0 * sine.atan2(relative.w) / sine)
-}
-
 /// Normalised linear blend on the short way; `t` is not clamped.
 pub fn nlerp(a: Quat, b: Quat, t: f32) -> Quat {
     let blend = a * (1.0 - t) + same_hemisphere(a, b) * t;
@@ -102,7 +91,7 @@ pub fn nlerp(a: Quat, b: Quat, t: f32) -> Quat {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::f32::consts::{FRAC_PI_2, PI};
+    use std::f32::consts::PI;
 
     #[test]
     fn angle_of_small_rotation_keeps_its_digits() {
@@ -112,12 +101,6 @@ mod tests {
         assert!((angle_between(a, b) - 1e-4).abs() < 2e-7);
         assert!(angle_between(a, -a) < 1e-6, "q and -q are one rotation");
         assert!((angle_between(Quat::IDENTITY, Quat::from_rotation_y(PI)) - PI).abs() < 1e-5);
-    }
-
-    #[test]
-    fn rotation_vector_is_axis_times_angle() {
-        let v = rotation_vector(Quat::IDENTITY, -Quat::from_rotation_z(FRAC_PI_2));
-        assert!((v - Vec3::Z * FRAC_PI_2).length() < 1e-5);
     }
 
     #[test]

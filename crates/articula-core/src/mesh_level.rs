@@ -60,7 +60,7 @@ impl MeshErrors {
     ///
     /// # Errors
     /// As [`MeshErrors::new`], or if the lists are not of one length.
-    pub fn of_statistics(p95_metres: &[f32], max_metres: &[f32]) -> Result<Self, Mismatch> {
+    pub(crate) fn of_statistics(p95_metres: &[f32], max_metres: &[f32]) -> Result<Self, Mismatch> {
         if p95_metres.len() != max_metres.len() {
             let what = format!("{} levels, not {}", max_metres.len(), p95_metres.len());
             return Err(Mismatch::new("max_metres", what));

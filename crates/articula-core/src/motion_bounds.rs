@@ -34,19 +34,6 @@ impl Bound {
         }
     }
 
-    /// The same, everything farther out by so much.
-    #[must_use]
-    pub fn grown(self, metres: f32) -> Self {
-        Self {
-            sphere: Sphere {
-                radius: self.sphere.radius + metres,
-                ..self.sphere
-            },
-            least: self.least - metres,
-            greatest: self.greatest + metres,
-        }
-    }
-
     /// Whether both the ball and the box hold a point.
     pub fn contains(&self, point: Vec3) -> bool {
         self.sphere.contains(point)
@@ -103,11 +90,6 @@ impl ClipBounds {
     /// Holds the character at every time of the clip.
     pub fn whole(&self) -> &Bound {
         &self.whole
-    }
-
-    /// Holds the character in each second of the clip.
-    pub fn seconds(&self) -> &[Bound] {
-        &self.seconds
     }
 
     /// Holds the character from clip time `now_secs` for `horizon_secs` of play at `speed` (1 is

@@ -24,9 +24,6 @@ pub enum PaletteForm {
 }
 
 impl PaletteForm {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Matrix, Self::HalfMatrix, Self::Rigid, Self::HalfRigid];
-
     /// Rows of four numbers that an entry takes.
     pub fn rows(self) -> usize {
         match self {
@@ -67,16 +64,11 @@ pub enum PaletteRows<'a> {
 
 impl PaletteRows<'_> {
     /// Number of rows.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Self::Float(rows) => rows.len(),
             Self::Half(rows) => rows.len(),
         }
-    }
-
-    /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// A part of them, to hand on.
@@ -123,7 +115,7 @@ impl PaletteMap {
     pub fn joints(ladder: &Ladder) -> Self {
         let entry = |place| Entry { place, bind: None };
         Self {
-            entries: (0..ladder.len() as u16).map(entry).collect(),
+            entries: (0..ladder.joints().len() as u16).map(entry).collect(),
             counts: (0..ladder.levels()).map(|l| ladder.kept(l)).collect(),
             rigid: true,
         }
@@ -141,8 +133,11 @@ impl PaletteMap {
         for (i, (place, matrix)) in bindings.iter().enumerate() {
             let at = || format!("bindings[{i}]");
             let last = entries.last().map_or(0, |e: &Entry| e.place);
-            if usize::from(*place) >= ladder.len() || *place < last {
-                let what = format!("place {place} must be below {} and rise", ladder.len());
+            if usize::from(*place) >= ladder.joints().len() || *place < last {
+                let what = format!(
+                    "place {place} must be below {} and rise",
+                    ladder.joints().len()
+                );
                 return Err(Mismatch::new(at(), what));
             }
             if !matrix.is_finite() {
@@ -171,7 +166,7 @@ impl PaletteMap {
     }
 
     /// Place of the joint of each entry.
-    pub fn places(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
+    pub(crate) fn places(&self) -> impl ExactSizeIterator<Item = usize> + '_ {
         self.entries.iter().map(|e| usize::from(e.place))
     }
 

@@ -15,16 +15,6 @@ pub struct LocalPose {
 }
 
 impl LocalPose {
-    /// Number of joints.
-    pub fn len(&self) -> usize {
-        self.rotations.len()
-    }
-
-    /// Whether there is no joint.
-    pub fn is_empty(&self) -> bool {
-        self.rotations.is_empty()
-    }
-
     /// The transform of one joint.
     pub fn get(&self, joint: usize) -> Transform {
         Transform {

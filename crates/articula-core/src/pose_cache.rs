@@ -51,7 +51,7 @@ const _: () = assert!(size_of::<BlendRecord>() == 16);
 impl BlendRecord {
     /// The same for a character.
     #[must_use]
-    pub fn of(self, character: u32) -> Self {
+    pub(crate) fn of(self, character: u32) -> Self {
         Self { character, ..self }
     }
 
@@ -102,16 +102,11 @@ impl CachedRows {
     }
 
     /// Number of rows.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Self::Float(rows) => rows.len(),
             Self::Half(rows) => rows.len(),
         }
-    }
-
-    /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 }
 
@@ -169,7 +164,7 @@ impl PoseCache {
         rows: CachedRows,
     ) -> Result<Self, Mismatch> {
         let (ladder, levels) = (clips.ladder(), clips.ladder().levels());
-        if map.levels() != levels || map.places().any(|p| p >= ladder.len()) {
+        if map.levels() != levels || map.places().any(|p| p >= ladder.joints().len()) {
             let what = "the palette was made for another ladder";
             return Err(Mismatch::new("map", what));
         }
@@ -311,15 +306,10 @@ impl PoseCache {
 
     /// Bytes of palettes, keys and tables.
     pub fn bytes(&self) -> usize {
-        self.palette_bytes()
+        self.rows.len() / 3 * self.form().bytes()
             + size_of_val(self.keys.as_slice())
             + size_of_val(self.buckets.as_slice())
             + size_of_val(self.segments.as_slice())
-    }
-
-    /// Bytes of the palettes alone: what is uploaded for a GPU that blends.
-    pub fn palette_bytes(&self) -> usize {
-        self.rows.len() / 3 * self.form().bytes()
     }
 
     /// Metres of skin that blending adds to the level's own error; `None` says that poses of
@@ -596,7 +586,7 @@ mod tests {
         // Matrix 3 begins with row 9, matrix 4 with row 12: a quarter of the way.
         assert_eq!(out[1], [10.75, 0.0, -1.0, 0.5]);
         assert_eq!(cache.error_metres(0, 0), Some(0.25));
-        assert_eq!(cache.palette_bytes(), 5 * 48);
+        assert_eq!(cache.rows().len(), 5 * 3);
         assert_eq!(
             (cache.clips(), cache.levels(), cache.matrices(0)),
             (2, 1, 1)

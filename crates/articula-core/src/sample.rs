@@ -74,20 +74,24 @@ pub fn frame_position(clip: &Clip, time_secs: f64, wrap: Wrap) -> FramePosition 
 /// # Panics
 /// If `out` is of another rig than the clip.
 pub fn sample(clip: &Clip, time_secs: f64, wrap: Wrap, active: &JointSet, out: &mut LocalPose) {
-    assert_eq!(out.len(), clip.joints(), "the pose is of another rig");
+    assert_eq!(
+        out.rotations.len(),
+        clip.joints(),
+        "the pose is of another rig"
+    );
     let at = frame_position(clip, time_secs, wrap);
-    for track in &clip.rotations {
+    for track in &clip.tracks.rotations {
         if active.contains(usize::from(track.target)) {
             out.rotations[usize::from(track.target)] = read(track, at, nlerp);
         }
     }
     let lerp = |a: Vec3, b: Vec3, t: f32| a + (b - a) * t;
-    for track in &clip.translations {
+    for track in &clip.tracks.translations {
         if active.contains(usize::from(track.target)) {
             out.translations[usize::from(track.target)] = read(track, at, lerp);
         }
     }
-    for track in &clip.scales {
+    for track in &clip.tracks.scales {
         if active.contains(usize::from(track.target)) {
             out.scales[usize::from(track.target)] = read(track, at, lerp);
         }
@@ -98,7 +102,7 @@ pub fn sample(clip: &Clip, time_secs: f64, wrap: Wrap, active: &JointSet, out: &
 /// `out`, are not touched. Does not allocate.
 pub fn sample_morphs(clip: &Clip, time_secs: f64, wrap: Wrap, out: &mut [f32]) {
     let at = frame_position(clip, time_secs, wrap);
-    for track in &clip.morphs {
+    for track in &clip.tracks.morphs {
         if let Some(weight) = out.get_mut(usize::from(track.target)) {
             *weight = read(track, at, |a, b, t| a + (b - a) * t);
         }
@@ -160,8 +164,8 @@ mod tests {
 
     #[test]
     fn ends_clamp_or_wrap() {
-        let first = quarter_turn().rotations[0].values[0];
-        let last = quarter_turn().rotations[0].values[10];
+        let first = quarter_turn().tracks.rotations[0].values[0];
+        let last = quarter_turn().tracks.rotations[0].values[10];
         assert_eq!(pose_at(-5.0, Wrap::Clamp).rotations[0], first);
         assert_eq!(pose_at(99.0, Wrap::Clamp).rotations[0], last);
         assert_eq!(pose_at(1.0, Wrap::Clamp).rotations[0], last);

@@ -184,11 +184,6 @@ impl GroupedSkin {
         self.lane_of.len()
     }
 
-    /// Whether there is no vertex.
-    pub fn is_empty(&self) -> bool {
-        self.lane_of.is_empty()
-    }
-
     /// Number of vertices with each number of influences, from none to the most that any has.
     pub fn group_sizes(&self) -> Vec<usize> {
         let most = self.blocks.last().map_or(0, |b| b.influences);

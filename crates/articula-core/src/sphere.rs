@@ -52,7 +52,7 @@ impl Sphere {
     }
 
     /// Whether a point lies inside or on it.
-    pub fn contains(&self, point: Vec3) -> bool {
+    pub(crate) fn contains(&self, point: Vec3) -> bool {
         point.distance(self.centre) <= self.radius
     }
 }

@@ -65,15 +65,10 @@ impl Camera {
         }
     }
 
-    /// The point in camera space: x right, y up, and depth (positive ahead) in z.
+    /// The point in camera space: x right, y up, and depth in z, positive ahead; metres.
     pub fn view(&self, point: Vec3) -> Vec3 {
         let p = self.orientation.conjugate() * (point - self.eye);
         Vec3::new(p.x, p.y, -p.z)
-    }
-
-    /// Depth of a point along the viewing direction, metres; negative behind the camera.
-    pub fn depth(&self, point: Vec3) -> f32 {
-        self.view(point).z
     }
 
     /// Pixel position (origin at the top left, y down) and depth of a point. Points nearer

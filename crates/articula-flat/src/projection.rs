@@ -83,7 +83,7 @@ impl Screen {
     /// Pixels that one metre spans at the depth of a point.
     pub fn pixels_per_metre_at(&self, point: Vec3) -> f32 {
         match self.projection {
-            Projection::Perspective => self.scale / self.camera.depth(point).max(1e-3),
+            Projection::Perspective => self.scale / self.camera.view(point).z.max(1e-3),
             Projection::Parallel { .. } => self.scale,
         }
     }
@@ -163,7 +163,7 @@ mod tests {
             let screen = Screen::new(&camera(), projection);
             let point = Vec3::new(-0.5, 0.7, 0.2);
             let ray = screen.ray(screen.place(point).unwrap());
-            let again = ray.origin + ray.direction * camera().depth(point);
+            let again = ray.origin + ray.direction * camera().view(point).z;
             assert!((again - point).length() < 1e-5);
         }
     }

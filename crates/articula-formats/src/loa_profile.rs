@@ -105,7 +105,7 @@ pub fn write(profile: &LoaProfile) -> Vec<u8> {
     let selection = &profile.selection;
     let zones = |zone: Zone| {
         let regions = Region::ALL.into_iter().filter(move |r| zone.contains(*r));
-        regions.map(|r| r.name().to_owned()).collect()
+        regions.map(|r| r.to_string()).collect()
     };
     let file = File {
         manual: profile.manual,
@@ -114,7 +114,7 @@ pub fn write(profile: &LoaProfile) -> Vec<u8> {
             Rule::Restrict => RuleName::Restrict,
         },
         depth: selection.depth,
-        complexity: selection.complexity.map(|c| c.name().to_owned()),
+        complexity: selection.complexity.map(|c| c.to_string()),
         zones: selection.zone.map(zones),
         joints: Joints {
             plus: selection.plus.clone(),
@@ -128,8 +128,8 @@ pub fn write(profile: &LoaProfile) -> Vec<u8> {
 }
 
 fn complexity(name: &str) -> Result<Complexity, ReadError> {
-    Complexity::from_name(name).ok_or_else(|| {
-        let known = Complexity::ALL.map(Complexity::name).join(", ");
+    name.parse().map_err(|_| {
+        let known = Complexity::ALL.map(|c| c.to_string()).join(", ");
         ReadError::malformed(
             "complexity",
             format!("\"{name}\" found, one of {known} expected"),
@@ -138,15 +138,15 @@ fn complexity(name: &str) -> Result<Complexity, ReadError> {
 }
 
 fn zone(names: &[String]) -> Result<Zone, ReadError> {
-    let mut all = Zone::EMPTY;
+    let mut all = Zone::default();
     for (index, name) in names.iter().enumerate() {
-        let zone = Zone::from_name(name).ok_or_else(|| {
-            let known = Region::ALL.map(Region::name).join(", ");
+        let zone = name.parse().map_err(|_| {
+            let known = Region::ALL.map(|r| r.to_string()).join(", ");
             let what =
                 format!("\"{name}\" found; {known}, upper, lower, face-shoulders or all expected");
             ReadError::malformed(format!("zones[{index}]"), what)
         })?;
-        all = all.union(zone);
+        all = all | zone;
     }
     Ok(all)
 }
@@ -166,7 +166,7 @@ mod tests {
             "manual": true, "depth": 3, "complexity": "none", "zones": ["torso", "legs"]
         }"#;
         let profile = read(json, &Limits::default()).unwrap();
-        let torso_and_legs = Zone::from(Region::Torso).union(Region::Legs.into());
+        let torso_and_legs = Zone::from(Region::Torso) | Region::Legs.into();
         let wanted = LoaProfile {
             manual: true,
             selection: Selection {
@@ -187,7 +187,10 @@ mod tests {
         let read = |json: &str| read(json.as_bytes(), &Limits::default()).unwrap();
         assert_eq!(read("{}"), LoaProfile::default());
         assert_eq!(read(r#"{"zones": null}"#).selection.zone, None);
-        assert_eq!(read(r#"{"zones": []}"#).selection.zone, Some(Zone::EMPTY));
+        assert_eq!(
+            read(r#"{"zones": []}"#).selection.zone,
+            Some(Zone::default())
+        );
         let zones = read(r#"{"zones": ["Face-Shoulders"]}"#).selection.zone;
         assert_eq!(zones, Some(Zone::FACE_SHOULDERS));
     }

@@ -172,7 +172,7 @@ fn placed(rig: &Rig, pose: &ModelPose, screen: &Screen, options: &SkeletonOption
             parent,
             at,
             radius: radius.min((0.3 * bone).max(1.2)),
-            depth: screen.camera().depth(position),
+            depth: screen.camera().view(position).z,
         });
     }
     joints.sort_by(|a, b| b.depth.total_cmp(&a.depth).then(a.joint.cmp(&b.joint)));

@@ -6,10 +6,10 @@
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use articula_build::Asset;
-use articula_build::levers;
 use articula_build::pose_keys;
+use articula_build::{JointLever, levers};
 use articula_build::{key_table, table_hashes};
-use articula_core::{JointLever, KeyMode, KeyTable, Mismatch, PoseKeys};
+use articula_core::{KeyMode, KeyTable, Mismatch, PoseKeys};
 use articula_formats::Limits;
 use articula_formats::{read_pose_keys, read_segs, write_pose_keys, write_segs};
 use serde::Serialize;

@@ -103,7 +103,7 @@ pub fn play_camera_path(
             .map(|j| {
                 camera
                     .viewport
-                    .pixels_per_metre(camera.depth(model.position(j)).abs())
+                    .pixels_per_metre(camera.view(model.position(j)).z.abs())
             })
             .collect();
         let views = JointViews {

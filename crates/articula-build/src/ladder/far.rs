@@ -124,8 +124,8 @@ fn check_order(rig: &Rig, order: &[u16], kept: &[u16], mean: &LocalPose) -> Resu
         );
         return Err(Mismatch::new("kept", what));
     }
-    if mean.len() != rig.len() {
-        let what = format!("{} joints, the rig has {}", mean.len(), rig.len());
+    if mean.rotations.len() != rig.len() {
+        let what = format!("{} joints, the rig has {}", mean.rotations.len(), rig.len());
         return Err(Mismatch::new("mean", what));
     }
     Ok(())
@@ -252,7 +252,12 @@ fn clip_of(
     poses: &[LocalPose],
 ) -> Result<Clip, Mismatch> {
     let mut tracks = Tracks {
-        morphs: clip.morphs().iter().map(|t| more_frames(t, each)).collect(),
+        morphs: clip
+            .tracks()
+            .morphs
+            .iter()
+            .map(|t| more_frames(t, each))
+            .collect(),
         ..Tracks::default()
     };
     for (place, chain) in chains.iter().enumerate() {
@@ -264,10 +269,10 @@ fn clip_of(
                 (*a - *b).abs().max_element() <= within
             })
         };
-        let step = steps(&|j| holds(clip.translations(), j));
+        let step = steps(&|j| holds(&clip.tracks().translations, j));
         let translation = vectors(&|p| p.translations[place], STILL, step);
         tracks.translations.extend(translation);
-        let step = steps(&|j| holds(clip.scales(), j));
+        let step = steps(&|j| holds(&clip.tracks().scales, j));
         let scale = vectors(&|p| p.scales[place], STILL_SCALE, step);
         tracks.scales.extend(scale);
         let mut rotations: Vec<Quat> = Vec::with_capacity(poses.len());
@@ -275,7 +280,7 @@ fn clip_of(
             let q = pose.rotations[place];
             rotations.push(rotations.last().map_or(q, |last| same_hemisphere(*last, q)));
         }
-        let step = steps(&|j| holds(clip.rotations(), j));
+        let step = steps(&|j| holds(&clip.tracks().rotations, j));
         tracks.rotations.extend(track(
             target,
             step,
@@ -361,7 +366,7 @@ mod tests {
         assert_eq!(levels.rig.parent(1), Some(0));
         // Two bones of a metre, the second turned with the first: 1 up, then along the turn.
         let clip = &levels.clips[0];
-        let hand = clip.translations()[0].values[2];
+        let hand = clip.tracks().translations[0].values[2];
         let angle = 0.1f32;
         assert!((hand - Vec3::new(-angle.sin(), 1.0 + angle.cos(), 0.0)).length() < 1e-6);
         assert_eq!((clip.frames(), clip.rate_hz()), (5, 30.0));

@@ -27,7 +27,9 @@ const MOST_POSES: usize = 2048;
 /// If a clip is of another rig.
 pub fn mean_pose(asset: &Asset) -> LocalPose {
     let rest = asset.rig.rest_pose();
-    let mut means: Vec<Mean> = (0..rest.len()).map(|j| Mean::new(rest.get(j))).collect();
+    let mut means: Vec<Mean> = (0..rest.rotations.len())
+        .map(|j| Mean::new(rest.get(j)))
+        .collect();
     let counts = share_frames(&asset.clips, MOST_POSES);
     for (clip, count) in asset.clips.iter().zip(counts) {
         let secs = clip.duration_secs();

@@ -249,8 +249,8 @@ pub(crate) fn check_ladder(asset: &Asset, ladder: &Ladder) -> Result<(), Mismatc
     let parent = |j: usize| asset.rig.parent(j).map(|p| ladder.place(p));
     let stored = |j: usize| ladder.parents()[ladder.place(j)].map(usize::from);
     let joints = asset.rig.len();
-    if ladder.len() != joints || (0..joints).any(|j| parent(j) != stored(j)) {
-        let what = format!("{} joints of another rig", ladder.len());
+    if ladder.joints().len() != joints || (0..joints).any(|j| parent(j) != stored(j)) {
+        let what = format!("{} joints of another rig", ladder.joints().len());
         return Err(Mismatch::new("ladder", what));
     }
     Ok(())

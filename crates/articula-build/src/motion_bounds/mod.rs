@@ -10,9 +10,10 @@
 pub(crate) mod reach;
 
 use crate::character::Asset;
+use crate::motion_error::joint_lever::JointLever;
 use articula_core::{
-    Bound, Clip, ClipBounds, JointLever, LocalPose, Mismatch, MotionBounds, PosedMesh, SkinnedMesh,
-    Sphere, Wrap, sample, sample_morphs,
+    Bound, Clip, ClipBounds, LocalPose, Mismatch, MotionBounds, PosedMesh, SkinnedMesh, Sphere,
+    Wrap, sample, sample_morphs,
 };
 use glam::Vec3;
 use reach::Reach;
@@ -81,17 +82,18 @@ fn measure(asset: &Asset, reach: &Reach, clip: &Clip, margin: f32) -> Result<Cli
         }
     }
     let bounds = boxes.iter().zip(radii).map(|(corners, radius)| {
+        let out = margin + body.floor;
         let sphere = Sphere {
             centre: corners.middle(),
-            radius,
+            radius: radius + out,
         };
         let bound = Bound {
             sphere,
-            least: corners.least,
-            greatest: corners.greatest,
+            least: corners.least - out,
+            greatest: corners.greatest + out,
         };
         let is_finite = corners.is_finite && radius.is_finite();
-        is_finite.then(|| bound.grown(margin + body.floor))
+        is_finite.then_some(bound)
     });
     let seconds: Option<Vec<Bound>> = bounds.collect();
     let seconds = seconds.ok_or_else(|| {

@@ -4,7 +4,8 @@
 //! hold in every pose and in every blend of poses.
 
 use crate::character::Asset;
-use articula_core::{Clip, JointLever, Rig, Track, angle_between};
+use crate::motion_error::joint_lever::JointLever;
+use articula_core::{Clip, Rig, Track, angle_between};
 use glam::Vec3;
 
 /// Lengths of one character, over all its clips.
@@ -26,14 +27,14 @@ impl Reach {
         let lengths = greatest(
             rig,
             asset,
-            |clip| clip.translations(),
+            |clip| &clip.tracks().translations,
             |j| rig.rest_pose().translations[j].length(),
             |v| v.length(),
         );
         let own_scales = greatest(
             rig,
             asset,
-            |clip| clip.scales(),
+            |clip| &clip.tracks().scales,
             |j| rig.rest_pose().scales[j].abs().max_element(),
             |v| v.abs().max_element(),
         );
@@ -93,22 +94,22 @@ impl Reach {
             return ways;
         }
         let above = |joint: usize| rig.parent(joint).map_or(1.0, |p| self.scales[p]);
-        for (joint, [a, b]) in moved(clip.rotations(), frame) {
+        for (joint, [a, b]) in moved(&clip.tracks().rotations, frame) {
             // A normalised blend is fastest in its middle: as if it turned by 4 tan(angle / 4).
             let turn = 4.0 * (0.25 * angle_between(a, b)).tan();
             ways[joint] += turn * self.scales[joint] * self.local[joint].unwrap_or(0.0);
         }
-        for (joint, [a, b]) in moved(clip.translations(), frame) {
+        for (joint, [a, b]) in moved(&clip.tracks().translations, frame) {
             ways[joint] += above(joint) * a.distance(b);
         }
-        for (joint, [a, b]) in moved(clip.scales(), frame) {
+        for (joint, [a, b]) in moved(&clip.tracks().scales, frame) {
             let change = (b - a).abs().max_element();
             ways[joint] += above(joint) * change * self.local[joint].unwrap_or(0.0);
         }
         for joint in 0..rig.len() {
             ways[joint] += rig.parent(joint).map_or(0.0, |p| ways[p]);
         }
-        let morphs = moved(clip.morphs(), frame);
+        let morphs = moved(&clip.tracks().morphs, frame);
         let morph = morphs
             .map(|(slot, [a, b])| (b - a).abs() * self.morphs.get(slot).copied().unwrap_or(0.0))
             .sum::<f32>();
@@ -178,7 +179,7 @@ fn own_skin(asset: &Asset) -> Vec<Option<f32>> {
 /// The greatest weight of each morph slot, either sign, at rest and in all clips.
 fn morph_weights(asset: &Asset) -> Vec<f32> {
     let mut weights: Vec<f32> = asset.mesh.morph_weights.iter().map(|w| w.abs()).collect();
-    for track in asset.clips.iter().flat_map(Clip::morphs) {
+    for track in asset.clips.iter().flat_map(|c| &c.tracks().morphs) {
         if let Some(of) = weights.get_mut(usize::from(track.target)) {
             *of = track.values.iter().map(|v| v.abs()).fold(*of, f32::max);
         }
@@ -222,8 +223,8 @@ fn anchor(asset: &Asset, carries: &[Option<f32>]) -> Option<usize> {
     };
     let turns = |joint: usize| {
         asset.clips.iter().any(|clip| {
-            let mut rotations = clip.rotations().iter().map(|t| t.target);
-            let mut scales = clip.scales().iter().map(|t| t.target);
+            let mut rotations = clip.tracks().rotations.iter().map(|t| t.target);
+            let mut scales = clip.tracks().scales.iter().map(|t| t.target);
             let is = |target: u16| usize::from(target) == joint;
             rotations.any(is) || scales.any(is)
         })

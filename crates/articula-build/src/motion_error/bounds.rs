@@ -21,7 +21,8 @@ pub enum ChainShare {
 /// rotation ranges over more than `1e-4` in any quaternion component.
 pub fn moving_joints(asset: &Asset, clip: &Clip) -> JointSet {
     let mut moving: JointSet = clip
-        .rotations()
+        .tracks()
+        .rotations
         .iter()
         .filter(|t| {
             let range = |pick: fn(&glam::Quat) -> f32| {
@@ -42,8 +43,8 @@ pub fn moving_joints(asset: &Asset, clip: &Clip) -> JointSet {
 /// is to be woken.
 ///
 /// `levers_metres` turns the radians of each joint into metres: with the levers at rest
-/// ([`rest_metres`](articula_core::JointLever::rest_metres)) a good estimate, with the reach in any
-/// pose ([`reach_metres`](articula_core::JointLever::reach_metres)) a bound.
+/// ([`rest_metres`](crate::JointLever::rest_metres)) a good estimate, with the reach in any
+/// pose ([`reach_metres`](crate::JointLever::reach_metres)) a bound.
 pub fn joint_bounds(
     asset: &Asset,
     clip: &Clip,
@@ -54,7 +55,11 @@ pub fn joint_bounds(
         ChainShare::Whole => vec![1; asset.rig.len()],
         _ => {
             // Whatever turns adds to the chain's error, the root too.
-            let turning = clip.rotations().iter().filter(|t| t.values.len() > 1);
+            let turning = clip
+                .tracks()
+                .rotations
+                .iter()
+                .filter(|t| t.values.len() > 1);
             let turning = turning.map(|t| usize::from(t.target)).collect();
             chain_counts(&asset.rig, &asset.mesh, &turning)
         }
@@ -72,7 +77,7 @@ pub fn joint_bounds(
             },
         })
         .collect();
-    for track in clip.rotations() {
+    for track in &clip.tracks().rotations {
         // A normalised linear blend turns fastest in the middle of its interval: an interval
         // of angle a passes there at 4 tan(a / 4) a frame, a little more than its mean.
         let fastest = track
@@ -84,7 +89,7 @@ pub fn joint_bounds(
         let joint = &mut bounds[usize::from(track.target)];
         joint.speed_metres_per_sec += joint.lever_metres * fastest * clip.rate_hz();
     }
-    for track in clip.translations() {
+    for track in &clip.tracks().translations {
         let steps = track.values.windows(2).map(|w| w[0].distance(w[1]));
         let fastest = jumps(track.step, steps.fold(0.0, f32::max));
         bounds[usize::from(track.target)].speed_metres_per_sec += fastest * clip.rate_hz();

@@ -3,7 +3,8 @@
 //! Source: `spec/motion-lod.md` 4.1. Differs: besides the lever at rest, a reach is kept that
 //! bounds every pose; the lever at rest underestimates where a chain is bent at rest.
 
-use articula_core::{JointLever, Mesh, PosedMesh, Rig, SecondMoment};
+use super::joint_lever::{JointLever, SecondMoment};
+use articula_core::{Mesh, PosedMesh, Rig};
 use glam::{Quat, Vec3};
 
 /// A vertex belongs to a joint's skin from this summed weight on.

@@ -9,6 +9,7 @@
 pub(crate) mod bounds;
 pub(crate) mod closed_loop;
 pub(crate) mod contacts;
+pub(crate) mod joint_lever;
 pub(crate) mod keys;
 pub(crate) mod levers;
 pub(crate) mod pose_keys;
@@ -17,6 +18,7 @@ pub(crate) mod tables;
 
 pub use bounds::{ChainShare, joint_bounds, moving_joints};
 pub use contacts::contact_intervals;
+pub use joint_lever::JointLever;
 pub use levers::levers;
 pub use pose_keys::pose_keys;
 pub use tables::{key_table, table_hashes};

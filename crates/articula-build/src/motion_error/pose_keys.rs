@@ -9,10 +9,10 @@
 //! so that only one block of poses is held at a time.
 
 use super::runs::long_runs;
-use super::tables::table_hashes;
+use super::tables::{LADDER_BASE_METRES, LADDER_LEVELS, table_hashes};
 use crate::character::Asset;
 use crate::points::Points;
-use articula_core::{Clip, KeyTable, PoseKeys};
+use articula_core::{Clip, PoseKeys};
 use glam::Vec3;
 
 /// Least rate at which straightness is tested.
@@ -32,13 +32,13 @@ pub fn pose_keys(asset: &Asset, clip: &Clip, watched: usize, seed: u64) -> PoseK
     let per_frame = (LEAST_TICK_HZ / clip.rate_hz()).ceil().max(1.0);
     let tick_hz = clip.rate_hz() * per_frame;
     let ticks = (clip.frames() - 1) * per_frame as usize;
-    let mut levels = vec![vec![0u32]; KeyTable::LADDER_LEVELS];
+    let mut levels = vec![vec![0u32]; LADDER_LEVELS];
     for first in (0..ticks).step_by(BLOCK_TICKS) {
         let skins: Vec<Vec<Vec3>> = (first..=ticks.min(first + BLOCK_TICKS))
             .map(|t| points.at(asset, clip, t as f64 / f64::from(tick_hz)))
             .collect();
         for (k, keys) in levels.iter_mut().enumerate() {
-            let ends = straight_runs(&skins, KeyTable::LADDER_BASE_METRES * (1u32 << k) as f32);
+            let ends = straight_runs(&skins, LADDER_BASE_METRES * (1u32 << k) as f32);
             keys.extend(ends.iter().map(|end| (first + end) as u32));
         }
     }
@@ -50,7 +50,7 @@ pub fn pose_keys(asset: &Asset, clip: &Clip, watched: usize, seed: u64) -> PoseK
         hashes: table_hashes(&asset.rig, clip, &asset.mesh),
         tick_hz,
         ticks: ticks as u32,
-        base_metres: KeyTable::LADDER_BASE_METRES,
+        base_metres: LADDER_BASE_METRES,
         levels: levels
             .into_iter()
             .map(|keys| pays(&keys).then_some(keys))

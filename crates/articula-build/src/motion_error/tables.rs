@@ -3,9 +3,15 @@
 //! Source: `spec/motion-lod.md` 4.5 and 9 (`segs`).
 
 use super::bounds::moving_joints;
+use super::joint_lever::JointLever;
 use super::keys::{hold_keys, linear_keys};
 use crate::character::Asset;
-use articula_core::{Clip, JointLever, KeyMode, KeyTable, Mesh, Rig, TableHashes};
+use articula_core::{Clip, KeyMode, KeyTable, Mesh, Rig, TableHashes};
+
+/// Finest tolerance of the usual ladder, that of level 0.
+pub(super) const LADDER_BASE_METRES: f32 = 0.0005;
+/// Number of levels of the usual ladder: 0.5 mm to 256 mm.
+pub(super) const LADDER_LEVELS: usize = 10;
 
 /// Fingerprints of a rig, a clip and a mesh: FNV-1a over their numbers, the same on every
 /// machine. They tell a stale table from a fitting one; they are no protection.
@@ -20,15 +26,15 @@ pub fn table_hashes(rig: &Rig, clip: &Clip, mesh: &Mesh) -> TableHashes {
 /// Keys of all moving joints at every level of the usual ladder, finest first.
 pub fn key_table(asset: &Asset, clip: &Clip, levers: &[JointLever], mode: KeyMode) -> KeyTable {
     let moving = moving_joints(asset, clip);
-    let mut keys = vec![vec![Vec::new(); KeyTable::LADDER_LEVELS]; asset.rig.len()];
-    for track in clip.rotations() {
+    let mut keys = vec![vec![Vec::new(); LADDER_LEVELS]; asset.rig.len()];
+    for track in &clip.tracks().rotations {
         let joint = usize::from(track.target);
         if !moving.contains(joint) {
             continue;
         }
         let mut candidates: Vec<u32> = (0..track.values.len() as u32).collect();
         for (level, slot) in keys[joint].iter_mut().enumerate() {
-            let tolerance = KeyTable::LADDER_BASE_METRES * (1u32 << level) as f32;
+            let tolerance = LADDER_BASE_METRES * (1u32 << level) as f32;
             let radians = tolerance / levers[joint].rest_metres;
             candidates = match mode {
                 KeyMode::Hold => hold_keys(&track.values, radians, &candidates),
@@ -41,7 +47,7 @@ pub fn key_table(asset: &Asset, clip: &Clip, levers: &[JointLever], mode: KeyMod
         hashes: table_hashes(&asset.rig, clip, &asset.mesh),
         rate_hz: clip.rate_hz(),
         frames: clip.frames() as u32,
-        base_metres: KeyTable::LADDER_BASE_METRES,
+        base_metres: LADDER_BASE_METRES,
         mode,
         keys,
     }
@@ -88,11 +94,16 @@ fn clip_hash(clip: &Clip) -> u64 {
     let mut h = Fnv::new();
     h.floats(&[clip.rate_hz()]);
     h.number(clip.frames() as u64);
-    for track in clip.rotations() {
+    for track in &clip.tracks().rotations {
         h.number(u64::from(track.target));
         track.values.iter().for_each(|q| h.floats(&q.to_array()));
     }
-    for track in clip.translations().iter().chain(clip.scales()) {
+    for track in clip
+        .tracks()
+        .translations
+        .iter()
+        .chain(&clip.tracks().scales)
+    {
         h.number(u64::from(track.target));
         track.values.iter().for_each(|v| h.floats(&v.to_array()));
     }

@@ -164,7 +164,7 @@ fn check(
     clips: &ClipSet,
     opts: &CacheOptions,
 ) -> Result<(), Mismatch> {
-    if clips.ladder() != &levels.ladder || levels.ladder.len() != asset.rig.len() {
+    if clips.ladder() != &levels.ladder || levels.ladder.joints().len() != asset.rig.len() {
         return Err(Mismatch::new(
             "clips",
             "they are laid out for another ladder",
@@ -286,6 +286,7 @@ fn bake(
         false => CachedRows::Float(Vec::new()),
     };
     let mut scratch = baker.scratch();
+    let mut written = 0;
     for level in (0..levels).rev() {
         for (clip, plan) in plans.iter().map(|of_clip| &of_clip[level]).enumerate() {
             if plan.report.fate != Fate::Cached {
@@ -293,7 +294,7 @@ fn bake(
             }
             keys[clip][level] = Some(CachedKeys {
                 times_secs: plan.times_secs.clone(),
-                first_matrix: (rows.len() / 3) as u32,
+                first_matrix: (written / 3) as u32,
                 error_metres: 0.0,
             });
             for times in plan.times_secs.chunks(LANES) {
@@ -301,8 +302,9 @@ fn bake(
                     .iter()
                     .map(|t| clips.cursor(clip, *t).into())
                     .collect();
-                let from = rows.len();
+                let from = written;
                 let to = from + shown.len() * baker.rows(level);
+                written = to;
                 let out = match &mut rows {
                     CachedRows::Float(rows) => {
                         rows.resize(to, [0.0; 4]);

@@ -61,7 +61,7 @@ impl Candidates {
     /// Each big morph target at weight 1, one group; none if a clip drives morph targets.
     pub(super) fn of_morphs(asset: &Asset, sample: &Sample) -> Self {
         let mut all = Self::default();
-        if asset.clips.iter().any(|c| !c.morphs().is_empty()) {
+        if asset.clips.iter().any(|c| !c.tracks().morphs.is_empty()) {
             return all;
         }
         let mut sizes = vec![0.0f32; asset.mesh.morph_weights.len()];

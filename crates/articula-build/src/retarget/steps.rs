@@ -4,7 +4,7 @@ use super::body::Leg;
 use super::contacts::{self, Contact};
 use super::motion::Motion;
 use super::side::Side;
-use articula_core::rotation_vector;
+use crate::rotation_vector::rotation_vector;
 use glam::{Quat, Vec3};
 
 /// Length of a foot from ankle to toes where no joint tells, in leg lengths.

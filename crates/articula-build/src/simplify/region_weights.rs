@@ -15,8 +15,8 @@ pub fn region_weights(
 ) -> Result<Vec<f32>, Mismatch> {
     let mut of_region = [1.0f32; Region::ALL.len()];
     for (name, factor) in factors {
-        let Some(region) = Region::from_name(name) else {
-            let known = Region::ALL.map(Region::name).join(", ");
+        let Ok(region) = name.parse::<Region>() else {
+            let known = Region::ALL.map(|r| r.to_string()).join(", ");
             let what = format!("\"{name}\" is none of {known}");
             return Err(Mismatch::new("region", what));
         };

@@ -5,9 +5,9 @@ use crate::random_figure::{RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
 use articula_build::motion_bounds;
 use articula_build::{Asset, character};
-use articula_core::visibility::{Bodies, Seen, View, Visibility, see, wake_metres};
+use articula_core::visibility::{Bodies, LEAST_DEPTH_METRES, Seen, View, Visibility, see};
 use articula_core::{Camera, MotionBounds, PosedMesh, Viewport, Wrap, sample};
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Affine3A, Quat, Vec2, Vec3};
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -76,7 +76,8 @@ impl Walker {
         let world = bound.carried(self.position_at(secs), self.rotation_at(secs), self.scale);
         let mut turned = bound;
         turned.centre *= self.scale;
-        let wake = wake_metres(turned, self.speed, self.turning.abs(), horizon);
+        // The way of the root and the arc of the bound's centre about it.
+        let wake = (self.speed + self.turning.abs() * turned.centre.length()) * horizon;
         let mut seen = [Seen::default()];
         see(views, Bodies::new(&[world], &[wake]).unwrap(), &mut seen);
         seen[0]
@@ -112,6 +113,15 @@ fn camera(azimuth: f32, distance: f32, aside: f32) -> Camera {
     Camera::looking_at(eye, target, Viewport::default())
 }
 
+/// Depth of a point, if the picture of a camera shows it.
+fn depth_in_picture(camera: &Camera, point: Vec3) -> Option<f32> {
+    let (px, depth) = camera.project(point);
+    let size = Vec2::new(camera.viewport.width_px, camera.viewport.height_px);
+    let inside = px.cmpge(Vec2::ZERO).all() && px.cmple(size).all();
+    // What is nearer than a millimetre is projected as if it were a millimetre away.
+    (inside && depth > 0.001).then_some(depth)
+}
+
 /// Frames at which someone came into view who was not seen before.
 static ENTERED: AtomicUsize = AtomicUsize::new(0);
 
@@ -123,13 +133,14 @@ fn who_walks_into_view_was_awake_before() {
     proptest!(config, |((rows, walker, (azimuth, distance, aside), rate_hz) in cases)| {
         let asset = asset(&rows);
         let bounds = motion_bounds(&asset, 0.0).unwrap();
-        let views = [View::of(&camera(azimuth, distance, aside))];
+        let camera = camera(azimuth, distance, aside);
+        let views = [View::of(&camera)];
         let mut before: Option<Visibility> = None;
         for frame in 0..(4.0 * rate_hz) as usize {
             let secs = frame as f32 / rate_hz;
             let found = walker.look(&bounds, secs, 1.0 / rate_hz, &views).visibility;
             let skin = walker.skin(&asset, secs);
-            if skin.iter().any(|p| views[0].frustum().contains(*p)) {
+            if skin.iter().any(|p| depth_in_picture(&camera, *p).is_some()) {
                 prop_assert_eq!(found, Visibility::Visible);
                 prop_assert_ne!(before, Some(Visibility::Hidden));
                 if before == Some(Visibility::Near) {
@@ -160,15 +171,15 @@ proptest! {
     ) {
         let asset = asset(&rows);
         let bounds = motion_bounds(&asset, 0.0).unwrap();
-        for view in [camera(azimuths.0, distances.0, 0.0), camera(azimuths.1, distances.1, 0.0)] {
-            let view = View::of(&view);
+        for camera in [camera(azimuths.0, distances.0, 0.0), camera(azimuths.1, distances.1, 0.0)] {
+            let view = View::of(&camera);
             let seen = walker.look(&bounds, secs, 0.1, &[view]);
             prop_assert!(seen.pixels_per_metre.is_finite());
             for p in walker.skin(&asset, secs) {
-                if view.frustum().contains(p) {
+                if let Some(depth) = depth_in_picture(&camera, p) {
                     prop_assert_eq!(seen.visibility, Visibility::Visible);
-                    let depth = view.frustum().depth(p);
-                    prop_assert!(seen.pixels_per_metre >= view.density().at(depth) * 0.9999);
+                    let pixels = camera.viewport.pixels_per_metre(depth.max(LEAST_DEPTH_METRES));
+                    prop_assert!(seen.pixels_per_metre >= pixels * 0.9999);
                 }
             }
         }

@@ -294,7 +294,7 @@ fn straight_lines_between_whole_poses_leave_an_arc_as_paper_says() {
     // The same arm on a root that is thrown about over the ground: the camera goes with it.
     let thrown = |i: usize| Vec3::new((3.0 * i as f32).sin(), 0.0, (7 * i % 5) as f32);
     let tracks = Tracks {
-        rotations: still.rotations().to_vec(),
+        rotations: still.tracks().rotations.to_vec(),
         translations: vec![Track {
             target: 0,
             step: false,

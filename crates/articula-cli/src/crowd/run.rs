@@ -201,8 +201,8 @@ fn looked_at(
         hash.add(player);
         tally.add(player);
         let crowd = player.crowd();
-        let palettes = crowd.matrices() * asset.model().form().bytes();
-        let bytes = palettes + size_of_val(crowd.records());
+        let palettes = crowd.drawn().matrices * asset.model().parts().form.bytes();
+        let bytes = palettes + size_of_val(crowd.drawn().records.as_slice());
         reports.push((report, bytes));
         // The first frame, then evenly on.
         if counted * looks / settings.frames >= looked.len() && looked.len() < looks {
@@ -227,9 +227,14 @@ fn looked_at(
         budget: budget_of(&reports, allowances),
         written_mb: Spread::of(reports.iter().map(|r| r.1 as f64 / 1e6)),
         memory: Memory {
-            clips_bytes: asset.model().clips().bytes(),
+            clips_bytes: asset.model().parts().clips.bytes(),
             output_bytes: reports.iter().map(|r| r.1).max().unwrap_or(0),
-            cache_bytes: asset.model().cache().map_or(0, |c| c.bytes()),
+            cache_bytes: asset
+                .model()
+                .parts()
+                .cache
+                .as_ref()
+                .map_or(0, |c| c.bytes()),
             state_bytes: Crowd::BYTES_PER_CHARACTER * scene.members.len(),
             state_bytes_per_character: Crowd::BYTES_PER_CHARACTER,
         },

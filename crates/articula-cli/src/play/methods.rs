@@ -312,7 +312,8 @@ impl MethodArgs {
 
 /// The joints of an expression; a mistake in it is wrong usage.
 pub(crate) fn joints(text: &str, rig: &Rig) -> anyhow::Result<JointSet> {
-    let expression = Expression::parse(text)
+    let expression = text
+        .parse::<Expression>()
         .map_err(|e| fault::usage(e.to_string()))
         .with_context(|| format!("--loa \"{text}\""))?;
     expression

@@ -87,7 +87,7 @@ fn a_walking_human_blends_within_what_its_cache_states() {
         let (clip, level) = (report.clip, report.level);
         println!(
             "{} level {level}: {:?}, {} keys, {} bytes, {:.2} mm for {:.2} mm",
-            clips.name(clip),
+            asset.clips[clip].name,
             report.fate,
             report.keys,
             report.bytes,

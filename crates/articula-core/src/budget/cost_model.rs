@@ -53,7 +53,7 @@ impl AddAssign for Work {
 
 /// Nanoseconds for one piece of each kind of work.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct UnitCosts {
+pub(crate) struct UnitCosts {
     /// For a character, whatever it does.
     pub character_ns: f64,
     /// For a sampled joint.
@@ -97,7 +97,7 @@ const LEAST_DEVIATION: f64 = 0.5;
 /// So many observations out of line in a row are no accident: the machine has changed.
 const PERSISTENT: u32 = 8;
 
-/// Running means of unit costs, or fixed ones.
+/// Running means of unit costs; one that observes nothing never changes.
 ///
 /// ```
 /// use articula_core::budget::{CostModel, Work};
@@ -120,11 +120,8 @@ pub struct CostModel {
     /// Sums over the observations, normal equations of least squares.
     squares: [[f64; 4]; 4],
     sums: [f64; 4],
-    /// Fixed costs learn nothing.
-    learns: bool,
     observed: u32,
     out_of_line: u32,
-    rejected: u32,
     /// Mean of how far observations are off, as a factor less one.
     spread: f64,
     /// Measured over expected time that one observation in twenty exceeds.
@@ -134,7 +131,7 @@ pub struct CostModel {
 impl CostModel {
     /// A model that begins with some costs and learns. A negative cost counts as 0; one that begins
     /// at 0 stays there.
-    pub fn measured(first: UnitCosts) -> Self {
+    pub(crate) fn measured(first: UnitCosts) -> Self {
         let first = [
             first.character_ns,
             first.sampled_joint_ns,
@@ -147,20 +144,10 @@ impl CostModel {
             first,
             squares: [[0.0; 4]; 4],
             sums: [0.0; 4],
-            learns: true,
             observed: 0,
             out_of_line: 0,
-            rejected: 0,
             spread: FIRST_SPREAD,
             late: 1.0,
-        }
-    }
-
-    /// A model that never changes, for tests and replays.
-    pub fn fixed(costs: UnitCosts) -> Self {
-        Self {
-            learns: false,
-            ..Self::measured(costs)
         }
     }
 
@@ -169,8 +156,8 @@ impl CostModel {
         dot(&self.costs, &work.parts())
     }
 
-    /// The unit costs as they are now.
-    pub fn unit_costs(&self) -> UnitCosts {
+    #[cfg(test)]
+    fn unit_costs(&self) -> UnitCosts {
         let [character_ns, sampled_joint_ns, fk_joint_ns, matrix_ns] = self.costs;
         UnitCosts {
             character_ns,
@@ -186,18 +173,13 @@ impl CostModel {
         budget_ns / self.late.max(1.0)
     }
 
-    /// Observations that were not believed so far.
-    pub fn rejected(&self) -> u32 {
-        self.rejected
-    }
-
     /// Learns from one stretch of work and the nanoseconds it took, by the caller's clock. A time
     /// far out of line, such as that of a frame that was interrupted, is not believed; eight in a
     /// row are. Returns whether it was believed.
     pub fn observe(&mut self, work: &Work, measured_ns: f64) -> bool {
         let expected = self.cost_ns(work);
         let sound = measured_ns > 0.0 && measured_ns.is_finite() && expected > 0.0;
-        if !(self.learns && sound) {
+        if !sound {
             return false;
         }
         // A step up for each late one and a nineteenth of it down for each other keeps the 95th
@@ -215,7 +197,6 @@ impl CostModel {
         if off > (DEVIATIONS * self.spread).max(LEAST_DEVIATION) {
             self.out_of_line += 1;
             if self.out_of_line < PERSISTENT {
-                self.rejected = self.rejected.saturating_add(1);
                 return false;
             }
             // Begin anew from here, everything slower or faster alike.
@@ -322,9 +303,9 @@ mod tests {
         });
         let late = late.count();
         assert!((10..=100).contains(&late), "{late} of 1000");
-        // Fixed costs are taken at their word.
-        let fixed = CostModel::fixed(model.unit_costs());
-        assert_eq!(fixed.spendable_ns(1e6), 1e6);
+        // Costs that nothing was observed of are taken at their word.
+        let first = CostModel::measured(model.unit_costs());
+        assert_eq!(first.spendable_ns(1e6), 1e6);
     }
 
     const TRUE: UnitCosts = UnitCosts {
@@ -352,7 +333,7 @@ mod tests {
     }
 
     fn within(model: &CostModel, share: f64) {
-        let truth = CostModel::fixed(TRUE);
+        let truth = CostModel::measured(TRUE);
         let mut state = 77;
         for _ in 0..100 {
             let work = frame(&mut state);
@@ -412,7 +393,7 @@ mod tests {
 
     #[test]
     fn converges_through_noise_and_interrupted_frames() {
-        let truth = CostModel::fixed(TRUE);
+        let truth = CostModel::measured(TRUE);
         let mut model = CostModel::default();
         let mut state = 1;
         let (mut odd, mut believed) = (0, 0);
@@ -433,20 +414,20 @@ mod tests {
 
     #[test]
     fn follows_a_machine_that_becomes_slower() {
-        let truth = CostModel::fixed(TRUE);
+        let truth = CostModel::measured(TRUE);
         let mut model = CostModel::measured(TRUE);
-        let mut state = 5;
+        let (mut state, mut doubted) = (5, 0);
         for slower in [1.0, 4.0, 0.25] {
             for _ in 0..400 {
                 let work = frame(&mut state);
-                model.observe(&work, slower * truth.cost_ns(&work));
+                doubted += u32::from(!model.observe(&work, slower * truth.cost_ns(&work)));
             }
             let work = frame(&mut state);
             let off = model.cost_ns(&work) / (slower * truth.cost_ns(&work)) - 1.0;
             assert!(off.abs() < 0.02, "{slower}: {off}");
             // Seven frames were not believed at each change.
         }
-        assert_eq!(model.rejected(), 14);
+        assert_eq!(doubted, 14);
     }
 
     #[test]
@@ -460,9 +441,6 @@ mod tests {
         }
         assert!(!model.observe(&Work::default(), 100.0));
         assert_eq!(model, before);
-        let mut fixed = CostModel::fixed(TRUE);
-        assert!(!fixed.observe(&work, 100.0));
-        assert_eq!(fixed, CostModel::fixed(TRUE));
-        assert_eq!(fixed.unit_costs(), TRUE);
+        assert_eq!(CostModel::measured(TRUE).unit_costs(), TRUE);
     }
 }

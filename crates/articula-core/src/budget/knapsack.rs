@@ -85,18 +85,13 @@ impl Budget {
     /// together.
     ///
     /// # Errors
-    /// As `Menu::new`.
+    /// If there is none or more than 255, or a cost or an error is negative or not a number.
     pub fn add_menu(&mut self, offers: &[Offer]) -> Result<MenuId, Mismatch> {
         let id = MenuId(self.menus.len() as u32);
         self.menus.push(Menu::new(offers)?);
         let most = self.per_option.len().max(offers.len());
         self.per_option.resize(most, 0);
         Ok(id)
-    }
-
-    /// The options behind an id.
-    pub fn menu(&self, id: MenuId) -> &Menu {
-        &self.menus[id.0 as usize]
     }
 
     /// Says how a visible character stands in this frame. It is judged anew only if it was hidden,
@@ -136,8 +131,8 @@ impl Budget {
         self.rebuild();
     }
 
-    /// Gives every option a new cost, by its menu and index; see `Menu::reprice`. Everyone is
-    /// placed anew. O(characters + options), does not allocate.
+    /// Gives every option a new cost, by its menu and index. A cost that is no number makes the
+    /// option too dear to be taken, a negative one free. Everyone is placed anew. O(characters + options), does not allocate.
     pub fn reprice(&mut self, mut cost: impl FnMut(MenuId, usize) -> f32) {
         for (id, menu) in self.menus.iter_mut().enumerate() {
             menu.reprice(|option| cost(MenuId(id as u32), option));

@@ -32,20 +32,13 @@ pub struct MenuId(pub(super) u32);
 
 /// An option that is worth its cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Point {
+pub(crate) struct Point {
     /// Index among the offers.
     pub option: u8,
     /// Error, metres of skin.
     pub error_metres: f32,
     /// Cost in fixed point.
     pub(super) cost: u32,
-}
-
-impl Point {
-    /// Cost in the units of the budget.
-    pub fn cost(&self) -> f64 {
-        from_fixed(u64::from(self.cost))
-    }
 }
 
 /// What going from one point to the next brings.
@@ -60,7 +53,7 @@ pub(super) struct Step {
 /// Offers and their lower convex hull: cost rises, error falls, and each step brings at most as
 /// much for its cost as the one before.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Menu {
+pub(crate) struct Menu {
     offers: Vec<Offer>,
     points: Vec<Point>,
     steps: Vec<Step>,
@@ -91,13 +84,8 @@ impl Menu {
     }
 
     /// The options that are worth their cost, the cheapest first; at least one.
-    pub fn points(&self) -> &[Point] {
+    pub(crate) fn points(&self) -> &[Point] {
         &self.points
-    }
-
-    /// All offers, in the order they were given.
-    pub fn offers(&self) -> &[Offer] {
-        &self.offers
     }
 
     /// Gives every offer a new cost by its index and finds the hull anew. A cost that is no
@@ -207,7 +195,7 @@ mod tests {
             .map(|s| s.gain_per_cost * 64.0)
             .collect();
         assert_eq!(gains, [4.0, 2.0]);
-        assert_eq!(found.points()[2].cost(), 5.0);
+        assert_eq!(from_fixed(u64::from(found.points()[2].cost)), 5.0);
         // Points on the line stay: they make smaller upgrades.
         let line = menu(&[(0.0, 3.0), (1.0, 2.0), (2.0, 1.0)]).unwrap();
         assert_eq!(kept(&line), [0, 1, 2]);

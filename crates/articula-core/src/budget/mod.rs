@@ -4,7 +4,7 @@
 //! level: before it, what each character may cost and how wrong it would look; after it, the
 //! option that each character is shown with, and which characters changed theirs.
 //!
-//! - [`Menu`]: the options of a kind of character that are worth their cost
+//! - [`Offer`]: one way to show a kind of character; [`Budget::add_menu`] keeps those worth their cost
 //! - [`Budget`]: the choice for everyone, repaired from frame to frame
 //! - [`CostModel`]: what an option costs, from times that the caller measured
 //!
@@ -36,8 +36,8 @@ mod menu;
 mod report;
 mod seat;
 
-pub use cost_model::{CostModel, UnitCosts, Work};
+pub use cost_model::{CostModel, Work};
 pub use knapsack::Budget;
-pub use menu::{Menu, MenuId, Offer, Point};
+pub use menu::{MenuId, Offer};
 pub use report::{Change, FrameReport};
 pub use seat::{Policy, Request};

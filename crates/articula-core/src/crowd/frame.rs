@@ -9,7 +9,7 @@ use glam::{Quat, Vec3};
 #[derive(Debug, Clone, Copy)]
 pub struct Frame<'a> {
     /// Time since the frame before; negative or no number counts as 0, more than
-    /// [`MOST_STEP_SECS`] as that.
+    /// 60 s as that.
     pub dt_secs: f32,
     /// Where each root is in the world, metres.
     pub positions: &'a [Vec3],
@@ -39,7 +39,7 @@ pub enum CacheUse {
     Never,
     /// [`Crowd::evaluate`](super::Crowd::evaluate), among the other palettes.
     Cpu,
-    /// The caller's vertex shader, by [`Crowd::records`](super::Crowd::records): 16 bytes a
+    /// The caller's vertex shader, by [`Drawn::records`](super::Drawn::records): 16 bytes a
     /// character, no palette.
     Gpu,
 }

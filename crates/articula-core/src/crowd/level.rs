@@ -26,7 +26,7 @@ pub(crate) fn cached_within(
     coarsest: usize,
     tolerance_metres: f32,
 ) -> Option<(usize, f32)> {
-    let cache = model.cache()?;
+    let cache = model.parts().cache.as_ref()?;
     let own = model.errors_of(clip);
     (0..=coarsest).rev().find_map(|level| {
         let error = own[level] + cache.error_metres(clip, level)?;

@@ -14,7 +14,7 @@
 //! # For an engine
 //!
 //! *In* go places, views, importance and time ([`Frame`]); *out* come draws grouped by level
-//! ([`Crowd::groups`], [`Crowd::draws`]), palettes, events and root steps.
+//! ([`Crowd::drawn`]), palettes, events and root steps.
 //!
 //! - **A plain renderer on wgpu** keeps one vertex buffer for each level's mesh and one storage
 //!   buffer for all palettes. Each group is one instanced draw: the instance's data is its place
@@ -43,8 +43,8 @@ mod tick;
 pub use events::ClipEvent;
 pub use frame::{CacheUse, CrowdReport, Detail, Frame, Notice, Sight};
 pub use model::{CrowdModel, CrowdParts};
-pub use plan::{Batch, Draw, DrawGroup, RecordGroup};
-pub use player::{MOST_SPEED, MOST_STEP_SECS, Player, Voice};
+pub use plan::{Draw, DrawGroup, Drawn, RecordGroup};
+pub use player::{Player, Voice};
 pub use root_path::{RootPath, RootStep};
 pub use socket::socket;
 pub use tick::Crowd;

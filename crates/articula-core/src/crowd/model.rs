@@ -27,49 +27,44 @@ pub struct CrowdParts {
     pub errors: LevelErrors,
     /// Where the skin is in each clip.
     pub bounds: MotionBounds,
+    /// What is told while a clip plays, a list for each clip, in any order. Empty if there is
+    /// nothing to tell; so are the two lists that follow.
+    pub events: Vec<Vec<ClipEvent>>,
+    /// The way over the ground that each clip carries its character.
+    pub paths: Vec<Option<RootPath>>,
+    /// Stretches of each clip that a viewer looks at more closely, or less.
+    pub attention: Vec<Option<Attention>>,
+    /// Cached palettes of these clips, levels and matrices.
+    pub cache: Option<PoseCache>,
 }
 
 /// What all characters of a crowd share. Read-only; one may serve many crowds and threads.
 #[derive(Debug, Clone)]
 pub struct CrowdModel {
-    clips: ClipSet,
-    palette: PaletteMap,
-    form: PaletteForm,
-    backend: Backend,
-    errors: LevelErrors,
-    bounds: MotionBounds,
-    cache: Option<PoseCache>,
+    /// With an entry for each clip in each list.
+    parts: CrowdParts,
     durations: Vec<f32>,
     /// Errors of all clips in one array, `levels` for each clip.
     level_errors: Vec<f32>,
-    events: Vec<Vec<ClipEvent>>,
-    paths: Vec<Option<RootPath>>,
     /// Whether no clip has events or a path.
     plain: bool,
-    attention: Vec<Option<Attention>>,
 }
 
 impl CrowdModel {
     /// Checks that the parts belong together.
     ///
     /// # Errors
-    /// A [`Mismatch`] that names the part that was made for something else.
-    pub fn new(parts: CrowdParts) -> Result<Self, Mismatch> {
-        let CrowdParts {
-            clips,
-            palette,
-            form,
-            backend,
-            errors,
-            bounds,
-        } = parts;
-        BatchEvaluator::new(&clips, &palette, form, backend)?;
+    /// A [`Mismatch`] that names the part that was made for something else, or the event that lies
+    /// outside its clip.
+    pub fn new(mut parts: CrowdParts) -> Result<Self, Mismatch> {
+        let (clips, errors) = (&parts.clips, &parts.errors);
+        BatchEvaluator::new(clips, &parts.palette, parts.form, parts.backend)?;
         let count = clips.clips();
         errors
             .check(count, clips.ladder().levels())
             .map_err(|e| Mismatch::new(format!("errors.{}", e.at), e.what))?;
-        if bounds.clips.len() != count {
-            let what = format!("{} entries for {count} clips", bounds.clips.len());
+        if parts.bounds.clips.len() != count {
+            let what = format!("{} entries for {count} clips", parts.bounds.clips.len());
             return Err(Mismatch::new("bounds.clips", what));
         }
         if count > usize::from(u16::MAX) {
@@ -78,119 +73,42 @@ impl CrowdModel {
                 format!("{count} clips, at most 65535"),
             ));
         }
+        filled("events", &mut parts.events, count)?;
+        filled("paths", &mut parts.paths, count)?;
+        filled("attention", &mut parts.attention, count)?;
+        let durations: Vec<f32> = (0..count).map(|c| parts.clips.duration_secs(c)).collect();
+        for (c, events) in parts.events.iter_mut().enumerate() {
+            *events = sorted(events, durations[c])
+                .map_err(|e| Mismatch::new(format!("events[{c}]{}", e.at), e.what))?;
+        }
+        if let Some(cache) = &parts.cache {
+            check_cache(&parts, cache)?;
+        }
+        let errors = parts.errors.clips.iter();
+        let no_event = parts.events.iter().all(Vec::is_empty);
         Ok(Self {
-            level_errors: errors.clips.iter().flat_map(ClipErrors::judged).collect(),
-            durations: (0..count).map(|c| clips.duration_secs(c)).collect(),
-            events: vec![Vec::new(); count],
-            paths: vec![None; count],
-            plain: true,
-            attention: vec![None; count],
-            clips,
-            palette,
-            form,
-            backend,
-            errors,
-            bounds,
-            cache: None,
+            level_errors: errors.flat_map(ClipErrors::judged).collect(),
+            plain: no_event && parts.paths.iter().all(Option::is_none),
+            durations,
+            parts,
         })
     }
 
-    /// The same with events on a clip, in any order.
-    ///
-    /// # Errors
-    /// A [`Mismatch`] if there is no such clip, or an event lies outside it.
-    pub fn with_events(mut self, clip: usize, events: &[ClipEvent]) -> Result<Self, Mismatch> {
-        let at = self.clip("events", clip)?;
-        self.events[at] = sorted(events, self.durations[at])
-            .map_err(|e| Mismatch::new(format!("events[{clip}]{}", e.at), e.what))?;
-        self.plain &= self.events[at].is_empty();
-        Ok(self)
-    }
-
-    /// The same with the way over the ground that a clip carries its character.
-    ///
-    /// # Errors
-    /// A [`Mismatch`] if there is no such clip.
-    pub fn with_root_path(mut self, clip: usize, path: RootPath) -> Result<Self, Mismatch> {
-        let at = self.clip("paths", clip)?;
-        self.paths[at] = Some(path);
-        self.plain = false;
-        Ok(self)
-    }
-
-    /// The same with stretches of a clip that a viewer looks at more closely, or less.
-    ///
-    /// # Errors
-    /// A [`Mismatch`] if there is no such clip.
-    pub fn with_attention(mut self, clip: usize, attention: Attention) -> Result<Self, Mismatch> {
-        let at = self.clip("attention", clip)?;
-        self.attention[at] = Some(attention);
-        Ok(self)
-    }
-
-    /// The same with cached palettes of this model.
-    ///
-    /// # Errors
-    /// A [`Mismatch`] if the cache is of other clips, levels, palettes or of another form.
-    pub fn with_cache(mut self, cache: PoseCache) -> Result<Self, Mismatch> {
-        let levels = self.levels();
-        let of = |count, cached, what: &str| {
-            (count != cached).then(|| format!("{cached} {what}, the model has {count}"))
-        };
-        let wrong = of(self.clips.clips(), cache.clips(), "clips")
-            .or_else(|| of(levels, cache.levels(), "levels"))
-            .or_else(|| {
-                (0..levels).find_map(|l| of(self.palette.len(l), cache.matrices(l), "matrices"))
-            })
-            .or_else(|| (cache.form() != self.form).then(|| "another form".to_owned()));
-        if let Some(what) = wrong {
-            return Err(Mismatch::new("cache", what));
-        }
-        self.cache = Some(cache);
-        Ok(self)
-    }
-
-    fn clip(&self, which: &str, clip: usize) -> Result<usize, Mismatch> {
-        if clip < self.clips.clips() {
-            return Ok(clip);
-        }
-        let what = format!("there are {} clips", self.clips.clips());
-        Err(Mismatch::new(format!("{which}[{clip}]"), what))
-    }
-
-    /// All clips in ladder order.
-    pub fn clips(&self) -> &ClipSet {
-        &self.clips
-    }
-
-    /// Which matrices evaluation writes.
-    pub fn palette(&self) -> &PaletteMap {
-        &self.palette
-    }
-
-    /// How they are written.
-    pub fn form(&self) -> PaletteForm {
-        self.form
-    }
-
-    /// What each level costs in each clip.
-    pub fn errors(&self) -> &LevelErrors {
-        &self.errors
-    }
-
-    /// Where the skin is in each clip.
-    pub fn bounds(&self) -> &MotionBounds {
-        &self.bounds
+    /// What it was made of: an entry for each clip in each list, events in the order of their times.
+    #[inline]
+    pub fn parts(&self) -> &CrowdParts {
+        &self.parts
     }
 
     /// Number of levels.
-    pub fn levels(&self) -> usize {
-        self.clips.ladder().levels()
+    pub(crate) fn levels(&self) -> usize {
+        self.parts.clips.ladder().levels()
     }
 
     /// The evaluator of its batches.
     pub fn evaluator(&self) -> BatchEvaluator<'_> {
-        BatchEvaluator::checked(&self.clips, &self.palette, self.form, self.backend)
+        let parts = &self.parts;
+        BatchEvaluator::checked(&parts.clips, &parts.palette, parts.form, parts.backend)
     }
 
     /// Error of a level in metres, as levels are chosen by it, while one clip plays, or while two
@@ -217,39 +135,63 @@ impl CrowdModel {
         self.plain
     }
 
-    /// Cached palettes, if there are any.
-    pub fn cache(&self) -> Option<&PoseCache> {
-        self.cache.as_ref()
-    }
-
-    /// The instruction set.
-    pub fn backend(&self) -> Backend {
-        self.backend
-    }
-
     pub(crate) fn durations(&self) -> &[f32] {
         &self.durations
     }
 
     pub(crate) fn events(&self, clip: usize) -> &[ClipEvent] {
-        &self.events[clip]
+        &self.parts.events[clip]
     }
 
     pub(crate) fn path(&self, clip: usize) -> Option<&RootPath> {
-        self.paths[clip].as_ref()
+        self.parts.paths[clip].as_ref()
     }
 
     /// Whether any clip carries its character.
     pub(crate) fn has_paths(&self) -> bool {
-        self.paths.iter().any(Option::is_some)
+        self.parts.paths.iter().any(Option::is_some)
     }
 
     /// Whether any clip has stretches that are looked at more closely, or less.
     pub(crate) fn has_attention(&self) -> bool {
-        self.attention.iter().any(Option::is_some)
+        self.parts.attention.iter().any(Option::is_some)
     }
 
     pub(crate) fn attention(&self, clip: usize) -> Option<&Attention> {
-        self.attention[clip].as_ref()
+        self.parts.attention[clip].as_ref()
+    }
+}
+
+/// Gives each clip an entry, nothing where there is none at all.
+fn filled<T: Clone + Default>(
+    at: &str,
+    entries: &mut Vec<T>,
+    clips: usize,
+) -> Result<(), Mismatch> {
+    if entries.is_empty() {
+        entries.resize(clips, T::default());
+    }
+    if entries.len() != clips {
+        let what = format!("{} entries for {clips} clips", entries.len());
+        return Err(Mismatch::new(at, what));
+    }
+    Ok(())
+}
+
+/// Whether cached palettes are of these clips, levels and matrices.
+fn check_cache(parts: &CrowdParts, cache: &PoseCache) -> Result<(), Mismatch> {
+    let levels = parts.clips.ladder().levels();
+    let of = |count, cached, what: &str| {
+        (count != cached).then(|| format!("{cached} {what}, the model has {count}"))
+    };
+    let wrong = of(parts.clips.clips(), cache.clips(), "clips")
+        .or_else(|| of(levels, cache.levels(), "levels"))
+        .or_else(|| {
+            (0..levels).find_map(|l| of(parts.palette.len(l), cache.matrices(l), "matrices"))
+        })
+        .or_else(|| (cache.form() != parts.form).then(|| "another form".to_owned()));
+    match wrong {
+        Some(what) => Err(Mismatch::new("cache", what)),
+        None => Ok(()),
     }
 }

@@ -52,9 +52,26 @@ pub struct RecordGroup {
     pub matrices: usize,
 }
 
+/// Who is shown in a frame, and where the palettes are.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Drawn {
+    /// Who is shown, by level.
+    pub groups: Vec<DrawGroup>,
+    /// Who is shown, in the order of the groups.
+    pub draws: Vec<Draw>,
+    /// Who the GPU blends, by level; beside the draws.
+    pub record_groups: Vec<RecordGroup>,
+    /// Who the GPU blends, in the order of the groups: two palettes of the model's cache each.
+    pub records: Vec<BlendRecord>,
+    /// Batches that are to be evaluated, of up to eight poses each.
+    pub batches: usize,
+    /// Matrices that all batches together write.
+    pub matrices: usize,
+}
+
 /// Up to eight poses that are evaluated together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Batch {
+pub(crate) struct Batch {
     first_job: u32,
     first_matrix: u32,
     jobs: u8,
@@ -82,14 +99,10 @@ pub(crate) struct Plan {
     /// Who follows which job of its level, `characters` entries for each level.
     followers: Vec<(u32, u32)>,
     following: Vec<u32>,
-    /// Records as they come, with their levels, and sorted by them.
+    /// Records as they come, with their levels.
     recorded: Vec<(u8, BlendRecord)>,
-    records: Vec<BlendRecord>,
-    record_groups: Vec<RecordGroup>,
     batches: Vec<Batch>,
-    draws: Vec<Draw>,
-    groups: Vec<DrawGroup>,
-    matrices: usize,
+    drawn: Drawn,
 }
 
 impl Plan {
@@ -101,12 +114,15 @@ impl Plan {
             followers: vec![(0, 0); characters * levels],
             following: vec![0; levels],
             recorded: Vec::with_capacity(characters),
-            records: Vec::with_capacity(characters),
-            record_groups: Vec::with_capacity(levels),
             batches: Vec::with_capacity(characters / LANES + levels * KINDS),
-            draws: Vec::with_capacity(characters),
-            groups: Vec::with_capacity(levels),
-            matrices: 0,
+            drawn: Drawn {
+                groups: Vec::with_capacity(levels),
+                draws: Vec::with_capacity(characters),
+                record_groups: Vec::with_capacity(levels),
+                records: Vec::with_capacity(characters),
+                batches: 0,
+                matrices: 0,
+            },
         }
     }
 
@@ -147,19 +163,19 @@ impl Plan {
     /// Cuts the jobs into batches of one level and kind, and says who shows what.
     pub(crate) fn finish(&mut self, palette: &PaletteMap) {
         self.batches.clear();
-        self.draws.clear();
-        self.groups.clear();
+        self.drawn.draws.clear();
+        self.drawn.groups.clear();
         let mut first_matrix = 0;
         for level in 0..self.following.len() {
             let matrices = palette.len(level);
-            let first_draw = self.draws.len();
+            let first_draw = self.drawn.draws.len();
             let of_one_clip = first_matrix;
             for key in level * KINDS..(level + 1) * KINDS {
                 let posers = &self.posers[key * self.characters..][..self.jobs[key] as usize];
                 cut(&mut self.batches, posers.len(), key, first_matrix, matrices);
                 for poser in posers {
                     if poser & LEADER == 0 {
-                        self.draws.push(Draw {
+                        self.drawn.draws.push(Draw {
                             character: *poser,
                             first_matrix: first_matrix as u32,
                         });
@@ -169,20 +185,21 @@ impl Plan {
             }
             let count = self.following[level] as usize;
             for (character, job) in &self.followers[level * self.characters..][..count] {
-                self.draws.push(Draw {
+                self.drawn.draws.push(Draw {
                     character: *character,
                     first_matrix: (of_one_clip + *job as usize * matrices) as u32,
                 });
             }
-            if self.draws.len() > first_draw {
-                self.groups.push(DrawGroup {
+            if self.drawn.draws.len() > first_draw {
+                self.drawn.groups.push(DrawGroup {
                     level,
-                    draws: first_draw..self.draws.len(),
+                    draws: first_draw..self.drawn.draws.len(),
                     matrices,
                 });
             }
         }
-        self.matrices = first_matrix;
+        self.drawn.batches = self.batches.len();
+        self.drawn.matrices = first_matrix;
         self.sort_records(palette);
     }
 
@@ -191,12 +208,12 @@ impl Plan {
         for (level, _) in &self.recorded {
             next[usize::from(*level)] += 1;
         }
-        self.record_groups.clear();
+        self.drawn.record_groups.clear();
         let mut first = 0;
         for (level, next) in next.iter_mut().enumerate().take(self.following.len()) {
             let count = std::mem::replace(next, first);
             if count > 0 {
-                self.record_groups.push(RecordGroup {
+                self.drawn.record_groups.push(RecordGroup {
                     level,
                     records: first..first + count,
                     matrices: palette.len(level),
@@ -204,10 +221,10 @@ impl Plan {
             }
             first += count;
         }
-        self.records.resize(first, BlendRecord::default());
+        self.drawn.records.resize(first, BlendRecord::default());
         for (level, record) in &self.recorded {
             let at = &mut next[usize::from(*level)];
-            self.records[*at] = *record;
+            self.drawn.records[*at] = *record;
             *at += 1;
         }
     }
@@ -216,30 +233,14 @@ impl Plan {
         &self.batches
     }
 
-    pub(crate) fn draws(&self) -> &[Draw] {
-        &self.draws
-    }
-
-    pub(crate) fn groups(&self) -> &[DrawGroup] {
-        &self.groups
-    }
-
-    pub(crate) fn records(&self) -> &[BlendRecord] {
-        &self.records
-    }
-
-    pub(crate) fn record_groups(&self) -> &[RecordGroup] {
-        &self.record_groups
-    }
-
-    pub(crate) fn matrices(&self) -> usize {
-        self.matrices
+    pub(crate) fn drawn(&self) -> &Drawn {
+        &self.drawn
     }
 
     /// First matrix of a batch, or the number of all after the last.
     pub(crate) fn first_matrix(&self, batch: usize) -> usize {
         let at = self.batches.get(batch);
-        at.map_or(self.matrices, |b| b.first_matrix as usize)
+        at.map_or(self.drawn.matrices, |b| b.first_matrix as usize)
     }
 
     /// Who the jobs of a batch evaluate.
@@ -272,12 +273,12 @@ impl Batch {
     }
 
     /// Level of its poses.
-    pub fn level(&self) -> usize {
+    pub(crate) fn level(&self) -> usize {
         usize::from(self.key) / KINDS
     }
 
     /// Number of its poses, 1 to 8.
-    pub fn poses(&self) -> usize {
+    pub(crate) fn poses(&self) -> usize {
         usize::from(self.jobs)
     }
 }

@@ -6,10 +6,10 @@ use crate::clip_set::ClipSet;
 use crate::sample::Wrap;
 
 /// Fastest speed of play; faster ones count as this, slower ones than its negative likewise.
-pub const MOST_SPEED: f32 = 1000.0;
+pub(crate) const MOST_SPEED: f32 = 1000.0;
 
 /// Longest step of time; longer ones count as this, so that events of a pause do not pile up.
-pub const MOST_STEP_SECS: f32 = 60.0;
+pub(crate) const MOST_STEP_SECS: f32 = 60.0;
 
 /// One clip at a time and a speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,7 +39,7 @@ impl Voice {
         }
     }
 
-    /// The same at another speed, within ±[`MOST_SPEED`]; one that is no number counts as 0.
+    /// The same at another speed, within ±1000; one that is no number counts as 0.
     #[must_use]
     pub fn at_speed(self, speed: f32) -> Self {
         let speed = if speed.is_nan() { 0.0 } else { speed };
@@ -185,7 +185,7 @@ impl Player {
         &self.from
     }
 
-    /// The clip that it goes to while it fades.
+    /// The clip that it goes to while it fades: while two count, now or as soon as time goes on.
     pub fn next(&self) -> Option<&Voice> {
         self.is_fading().then_some(&self.to)
     }
@@ -197,7 +197,7 @@ impl Player {
 
     /// Whether two clips count, now or as soon as time goes on.
     #[inline]
-    pub fn is_fading(&self) -> bool {
+    pub(crate) fn is_fading(&self) -> bool {
         self.fade != 0.0 || self.fade_per_sec != 0.0
     }
 

@@ -25,7 +25,7 @@ impl Purse {
         costs: &CostModel,
     ) -> Result<Self, Mismatch> {
         let mut budget = Budget::new(characters, policy);
-        let count = model.clips().clips();
+        let count = model.parts().clips.clips();
         let menus = (0..count)
             .map(|clip| budget.add_menu(&offers(model, costs, clip..clip + 1)))
             .collect::<Result<_, _>>()?;
@@ -100,11 +100,11 @@ fn cost(model: &CrowdModel, costs: &CostModel, level: usize) -> f32 {
 
 /// What evaluating so many poses at a level is.
 pub(crate) fn work(model: &CrowdModel, level: usize, poses: u64) -> Work {
-    let kept = model.clips().ladder().kept(level);
+    let kept = model.parts().clips.ladder().kept(level);
     Work {
         characters: poses,
-        sampled_joints: poses * model.clips().rotations(kept).len() as u64,
+        sampled_joints: poses * model.parts().clips.rotations(kept).len() as u64,
         fk_joints: poses * kept as u64,
-        matrices: poses * model.palette().len(level) as u64,
+        matrices: poses * model.parts().palette.len(level) as u64,
     }
 }

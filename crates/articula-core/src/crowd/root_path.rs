@@ -18,7 +18,7 @@ pub struct RootStep {
 impl RootStep {
     /// First this step, then the other from where it leads.
     #[must_use]
-    pub fn then(self, next: Self) -> Self {
+    pub(crate) fn then(self, next: Self) -> Self {
         Self {
             offset: self.offset + turned(next.offset, self.yaw_radians),
             yaw_radians: self.yaw_radians + next.yaw_radians,
@@ -27,7 +27,7 @@ impl RootStep {
 
     /// The step back.
     #[must_use]
-    pub fn inverse(self) -> Self {
+    pub(crate) fn inverse(self) -> Self {
         Self {
             offset: turned(-self.offset, -self.yaw_radians),
             yaw_radians: -self.yaw_radians,

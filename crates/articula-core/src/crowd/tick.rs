@@ -3,7 +3,7 @@
 use super::frame::{CacheUse, CrowdReport, Detail, Frame, Notice, Sight};
 use super::level::{Choice, attention, cached_within};
 use super::model::CrowdModel;
-use super::plan::{Batch, Draw, DrawGroup, Kind, Plan, Poser, RecordGroup};
+use super::plan::{Batch, Drawn, Kind, Plan, Poser};
 use super::player::{Player, Voice};
 use super::purse::{Purse, work};
 use super::root_path::RootStep;
@@ -80,7 +80,7 @@ pub struct Crowd {
 impl Crowd {
     /// So many characters, all playing the first clip from its beginning.
     pub fn new(model: &CrowdModel, characters: usize) -> Self {
-        let player = Player::from(Voice::new(model.clips(), 0));
+        let player = Player::from(Voice::new(&model.parts().clips, 0));
         let levels = model.levels();
         Self {
             players: vec![player; characters],
@@ -95,7 +95,7 @@ impl Crowd {
             seen: vec![Seen::default(); characters],
             ones: vec![1.0; characters],
             zeros: vec![0.0; characters],
-            sharing: Sharing::new(model.clips().clips(), levels, characters),
+            sharing: Sharing::new(model.parts().clips.clips(), levels, characters),
             leader_jobs: Vec::with_capacity(characters),
             plan: Plan::new(characters, levels),
             purse: None,
@@ -110,13 +110,8 @@ impl Crowd {
         + size_of::<f32>();
 
     /// Number of characters.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.players.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.players.is_empty()
     }
 
     /// What a character plays.
@@ -178,7 +173,7 @@ impl Crowd {
         self.advance(model, dt_secs, tell);
         self.look(frame);
         let mut report = self.choose(model, frame, tell);
-        self.plan.finish(model.palette());
+        self.plan.finish(&model.parts().palette);
         for batch in self.plan.batches() {
             if !batch.is_cached() {
                 report.work += work(model, batch.level(), batch.poses() as u64);
@@ -386,9 +381,10 @@ impl Crowd {
             let bound_px = choice.error_metres * choice.pixels_per_metre;
             report.bound_px = report.bound_px.max(bound_px);
             report.cached += 1;
-            let located = model
-                .cache()
-                .and_then(|cache| cache.locate(player.from.clip(), choice.level, player.from.secs));
+            let located =
+                model.parts().cache.as_ref().and_then(|cache| {
+                    cache.locate(player.from.clip(), choice.level, player.from.secs)
+                });
             match located {
                 Some(record) if frame.cache == CacheUse::Gpu => {
                     self.plan.record(choice.level, record.of(character as u32));
@@ -402,7 +398,7 @@ impl Crowd {
         }
         if shares(frame, player) && choice.slack_metres > 0.0 {
             let clip = player.from.clip();
-            let errors = &model.errors().clips[clip];
+            let errors = &model.parts().errors.clips[clip];
             let follower = Follower {
                 clip,
                 level: choice.level,
@@ -492,38 +488,13 @@ impl Crowd {
     /// # Panics
     /// If there is no such character or joint.
     pub fn socket(&self, model: &CrowdModel, character: usize, joint: usize) -> Affine3A {
-        let shown = self.players[character].shown(model.clips());
-        socket(model.clips(), &shown, joint)
+        let shown = self.players[character].shown(&model.parts().clips);
+        socket(&model.parts().clips, &shown, joint)
     }
 
-    /// The batches of this frame.
-    pub fn batches(&self) -> &[Batch] {
-        self.plan.batches()
-    }
-
-    /// Who is shown, by level.
-    pub fn groups(&self) -> &[DrawGroup] {
-        self.plan.groups()
-    }
-
-    /// Who is shown, in the order of the groups.
-    pub fn draws(&self) -> &[Draw] {
-        self.plan.draws()
-    }
-
-    /// Who the GPU blends, by level; beside the draws.
-    pub fn record_groups(&self) -> &[RecordGroup] {
-        self.plan.record_groups()
-    }
-
-    /// Who the GPU blends, in the order of the groups: two palettes of the model's cache each.
-    pub fn records(&self) -> &[BlendRecord] {
-        self.plan.records()
-    }
-
-    /// Matrices that are written in this frame by all batches.
-    pub fn matrices(&self) -> usize {
-        self.plan.matrices()
+    /// What was found in this frame: who is shown, and where the palettes are.
+    pub fn drawn(&self) -> &Drawn {
+        self.plan.drawn()
     }
 
     /// Matrices that a range of batches writes: they follow each other from
@@ -532,15 +503,15 @@ impl Crowd {
     /// # Panics
     /// If the range ends beyond the batches.
     pub fn matrices_of(&self, batches: Range<usize>) -> Range<usize> {
-        assert!(batches.end <= self.batches().len(), "no such batches");
+        assert!(batches.end <= self.drawn().batches, "no such batches");
         self.plan.first_matrix(batches.start)..self.plan.first_matrix(batches.end)
     }
 
     /// Batches from `first` on that write about a share of `parts` of all matrices: the ranges
     /// that threads take, one after the other. Empty when none are left.
     pub fn share_of_batches(&self, first: usize, parts: usize) -> Range<usize> {
-        let count = self.batches().len();
-        let aim = self.plan.first_matrix(first) + self.matrices().div_ceil(parts.max(1));
+        let count = self.drawn().batches;
+        let aim = self.plan.first_matrix(first) + self.drawn().matrices.div_ceil(parts.max(1));
         let mut end = (first + 1).min(count);
         while end < count && self.plan.first_matrix(end) < aim {
             end += 1;
@@ -564,7 +535,7 @@ impl Crowd {
         scratch: &mut Scratch,
     ) {
         let evaluator = model.evaluator();
-        let rows = model.form().rows();
+        let rows = model.parts().form.rows();
         let first = self.matrices_of(batches.clone());
         assert_eq!(out.len(), first.len() * rows, "room for each palette");
         let first = first.start;
@@ -576,7 +547,7 @@ impl Crowd {
                 self.blend(model, &batch, out.part(part));
                 continue;
             }
-            let mut shown = [Shown::from(model.clips().cursor(0, 0.0)); LANES];
+            let mut shown = [Shown::from(model.parts().clips.cursor(0, 0.0)); LANES];
             for (shown, poser) in shown.iter_mut().zip(self.plan.posers(&batch)) {
                 *shown = self.posed(model, poser);
             }
@@ -587,7 +558,7 @@ impl Crowd {
 
     /// Blends cached palettes.
     fn blend(&self, model: &CrowdModel, batch: &Batch, out: PaletteRows<'_>) {
-        let Some(cache) = model.cache() else {
+        let Some(cache) = model.parts().cache.as_ref() else {
             return;
         };
         let mut records = [BlendRecord::default(); LANES];
@@ -599,16 +570,16 @@ impl Crowd {
             }
         }
         let records = &records[..batch.poses()];
-        cache.blend(batch.level(), records, model.backend(), out);
+        cache.blend(batch.level(), records, model.parts().backend, out);
     }
 
     #[inline]
     fn posed(&self, model: &CrowdModel, poser: Poser) -> Shown {
         match poser {
-            Poser::Character(c) => self.players[c].shown(model.clips()),
+            Poser::Character(c) => self.players[c].shown(&model.parts().clips),
             Poser::Leader(l) => {
                 let Leader { clip, secs } = self.sharing.leaders()[l];
-                model.clips().cursor(usize::from(clip), secs).into()
+                model.parts().clips.cursor(usize::from(clip), secs).into()
             }
         }
     }
@@ -632,7 +603,7 @@ const CACHE_PAYS: usize = 2;
 
 /// Whether a level from the cache is cheaper than the level that would be evaluated.
 fn pays(model: &CrowdModel, frame: &Frame<'_>, evaluated: Choice, cached: usize) -> bool {
-    let matrices = |level| model.palette().len(level);
+    let matrices = |level| model.parts().palette.len(level);
     frame.cache == CacheUse::Gpu || matrices(cached) <= CACHE_PAYS * matrices(evaluated.level)
 }
 
@@ -683,9 +654,9 @@ fn root_step(model: &CrowdModel, before: &Player, after: &Player, laps: [i32; 2]
 fn bound_of(model: &CrowdModel, player: &Player) -> (Sphere, f32) {
     let (from, to) = player.clips();
     if player.is_fading() {
-        return (model.bounds().blended(from, to), BOUND_SECS);
+        return (model.parts().bounds.blended(from, to), BOUND_SECS);
     }
-    let bounds = &model.bounds().clips[from];
+    let bounds = &model.parts().bounds.clips[from];
     let Voice {
         secs, speed, wrap, ..
     } = player.from;

@@ -12,6 +12,7 @@ use super::selection;
 use crate::articulation::{Complexity, Zone};
 use crate::joint_set::JointSet;
 use crate::rig::Rig;
+use std::str::FromStr;
 
 /// Deepest nesting of parentheses that is read.
 const MAX_NESTING: usize = 64;
@@ -55,12 +56,12 @@ impl std::fmt::Display for ExpressionError {
 
 impl std::error::Error for ExpressionError {}
 
-impl Expression {
-    /// Reads an expression. White space between words does not count.
-    ///
-    /// # Errors
-    /// [`ExpressionError`] names the column, what stood there and what may stand there.
-    pub fn parse(text: &str) -> Result<Self, ExpressionError> {
+/// White space between words does not count; an error names the column, what stood there and what
+/// may stand there.
+impl FromStr for Expression {
+    type Err = ExpressionError;
+
+    fn from_str(text: &str) -> Result<Self, ExpressionError> {
         let mut parser = Parser {
             text,
             at: 0,
@@ -72,7 +73,9 @@ impl Expression {
             Some(c) => Err(parser.error(format!("found '{c}', expected '+', '&', '-' or the end"))),
         }
     }
+}
 
+impl Expression {
     /// The joints that it stands for.
     ///
     /// # Errors
@@ -190,18 +193,18 @@ fn argument_of(selector: &str, argument: &str) -> Result<Expression, String> {
             .parse()
             .map(Expression::Depth)
             .map_err(|_| format!("\"{argument}\" is not a depth; a whole number such as 3 is expected")),
-        "loa" => Complexity::from_name(argument).map(Expression::Loa).ok_or_else(|| {
-            let names = Complexity::ALL.map(Complexity::name).join(", ");
+        "loa" => argument.parse().map(Expression::Loa).map_err(|_| {
+            let names = Complexity::ALL.map(|c| c.to_string()).join(", ");
             format!("\"{argument}\" is not a level; one of {names} is expected")
         }),
         "zone" => argument
             .split('|')
             .map(|name| {
-                Zone::from_name(name.trim()).ok_or_else(|| {
+                name.trim().parse::<Zone>().map_err(|_| {
                     format!("\"{}\" is not a zone; face, arms, torso, pelvis, legs, feet, hands, upper, lower, face-shoulders or all is expected", name.trim())
                 })
             })
-            .try_fold(Zone::EMPTY, |all, zone| zone.map(|z| all.union(z)))
+            .try_fold(Zone::default(), |all, zone| zone.map(|z| all | z))
             .map(Expression::Zone),
         _ if argument.is_empty() => Err("a joint name is expected".into()),
         _ => Ok(Expression::Joint(argument.to_owned())),
@@ -215,19 +218,23 @@ mod tests {
 
     #[test]
     fn operators_are_left_associative() {
-        let parsed = Expression::parse("depth(2)+ loa(low) - joint(l_hip)").unwrap();
+        let parsed = "depth(2)+ loa(low) - joint(l_hip)"
+            .parse::<Expression>()
+            .unwrap();
         let sum = Plus(Box::new(Depth(2)), Box::new(Loa(Complexity::Low)));
         assert_eq!(
             parsed,
             Minus(Box::new(sum), Box::new(Joint("l_hip".into())))
         );
-        let nested = Expression::parse("depth(2) & (zone(torso | legs) - joint(a b.c|d))").unwrap();
+        let nested = "depth(2) & (zone(torso | legs) - joint(a b.c|d))"
+            .parse::<Expression>()
+            .unwrap();
         assert!(matches!(nested, Expression::And(_, _)));
     }
 
     #[test]
     fn errors_name_the_column_and_the_mend() {
-        let of = |text: &str| Expression::parse(text).unwrap_err();
+        let of = |text: &str| text.parse::<Expression>().unwrap_err();
         assert_eq!(of("").column, 1);
         assert_eq!(of("loa(Low) zone(arms)").column, 10);
         assert!(of("loa(Lots)").what.contains("VeryLow"));

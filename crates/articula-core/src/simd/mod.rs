@@ -13,6 +13,10 @@ mod wasm;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
+use crate::Mismatch;
+use std::fmt;
+use std::str::FromStr;
+
 /// Characters in a batch.
 pub const LANES: usize = 8;
 
@@ -68,8 +72,7 @@ impl Backend {
         }
     }
 
-    /// Name for people and arguments.
-    pub fn name(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::Scalar => "scalar",
             Self::Sse2 => "sse2",
@@ -77,10 +80,21 @@ impl Backend {
             Self::Simd128 => "simd128",
         }
     }
+}
 
-    /// The backend of this name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|b| b.name() == name)
+/// As people and arguments spell it.
+impl fmt::Display for Backend {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Backend {
+    type Err = Mismatch;
+
+    fn from_str(name: &str) -> Result<Self, Mismatch> {
+        let found = Self::ALL.into_iter().find(|b| b.name() == name);
+        found.ok_or_else(|| Mismatch::new("backend", format!("there is no \"{name}\"")))
     }
 }
 
@@ -219,7 +233,7 @@ mod tests {
             };
             let plain = run(Backend::Scalar);
             for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
-                prop_assert_eq!(&run(backend), &plain, "{}", backend.name());
+                prop_assert_eq!(&run(backend), &plain, "{}", backend);
             }
             // And the plain one by hand: lane 3, third component.
             let (a, b) = (floats[3][2], floats[11][2]);
@@ -232,7 +246,7 @@ mod tests {
     #[test]
     fn names_lead_back() {
         for backend in Backend::ALL {
-            assert_eq!(Backend::from_name(backend.name()), Some(backend));
+            assert_eq!(backend.to_string().parse(), Ok(backend));
         }
         assert!(Backend::best().is_available());
     }

@@ -67,7 +67,7 @@ pub fn channel(channel: &Channel, time_secs: f32, out: &mut [f32]) {
 /// If `out` is of another skeleton, or a channel names a joint that is not there.
 pub fn pose(clip: &Clip, skeleton: &Skeleton, time_secs: f32, out: &mut LocalPose) {
     assert_eq!(
-        out.len(),
+        out.rotations.len(),
         skeleton.joints.len(),
         "the pose is of another skeleton"
     );

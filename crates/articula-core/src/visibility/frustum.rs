@@ -42,7 +42,7 @@ impl Tangents {
 /// A frustum of values that make no camera (NaN, an empty or a half-turn wide picture) sees
 /// nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Frustum {
+pub(crate) struct Frustum {
     pub(crate) eye: Vec3,
     pub(crate) forward: Vec3,
     /// Inward unit normal and offset: a point `p` is inside where
@@ -64,14 +64,14 @@ impl Frustum {
     };
 
     /// What a perspective camera sees.
-    pub fn of(camera: &Camera) -> Self {
+    pub(crate) fn of(camera: &Camera) -> Self {
         let tangents = Tangents::of(&camera.viewport);
         Self::perspective(camera.eye, camera.orientation, tangents)
     }
 
     /// What is seen from a point through a picture that need not be centred; the orientation is
     /// world from camera, looking along -Z.
-    pub fn perspective(eye: Vec3, orientation: Quat, tangents: Tangents) -> Self {
+    pub(crate) fn perspective(eye: Vec3, orientation: Quat, tangents: Tangents) -> Self {
         let Tangents {
             left,
             right,
@@ -90,7 +90,12 @@ impl Frustum {
     }
 
     /// What a parallel projection sees: a beam of the given half width and half height.
-    pub fn orthographic(eye: Vec3, orientation: Quat, half_width: f32, half_height: f32) -> Self {
+    pub(crate) fn orthographic(
+        eye: Vec3,
+        orientation: Quat,
+        half_width: f32,
+        half_height: f32,
+    ) -> Self {
         let is_picture = half_width > 0.0 && half_height > 0.0;
         let sides = [
             Vec3::X.extend(half_width),
@@ -104,7 +109,7 @@ impl Frustum {
     /// The same, seeing nothing nearer than this depth. A depth below zero lets a parallel
     /// projection see behind its eye.
     #[must_use]
-    pub fn with_near(self, near_metres: f32) -> Self {
+    pub(crate) fn with_near(self, near_metres: f32) -> Self {
         Self {
             near_metres,
             ..self
@@ -113,7 +118,7 @@ impl Frustum {
 
     /// The same, seeing nothing farther than this depth.
     #[must_use]
-    pub fn with_far(self, far_metres: f32) -> Self {
+    pub(crate) fn with_far(self, far_metres: f32) -> Self {
         Self {
             far_metres: far_metres.min(f32::MAX),
             ..self
@@ -121,13 +126,13 @@ impl Frustum {
     }
 
     /// Depth of a point along the viewing direction, metres; negative behind the eye.
-    pub fn depth(&self, point: Vec3) -> f32 {
+    pub(crate) fn depth(&self, point: Vec3) -> f32 {
         self.forward.dot(point - self.eye)
     }
 
     /// Whether a ball may be seen: true for every ball that reaches inside, and for a few beyond
     /// a corner. The plain version of what [`crate::visibility::see`] does to many.
-    pub fn meets(&self, centre: Vec3, radius: f32) -> bool {
+    pub(crate) fn meets(&self, centre: Vec3, radius: f32) -> bool {
         let depth = self.depth(centre);
         let inside = |side: &Vec4| {
             let normal = side.truncate();
@@ -141,7 +146,8 @@ impl Frustum {
     }
 
     /// Whether a point is seen.
-    pub fn contains(&self, point: Vec3) -> bool {
+    #[cfg(test)]
+    pub(crate) fn contains(&self, point: Vec3) -> bool {
         self.meets(point, 0.0)
     }
 

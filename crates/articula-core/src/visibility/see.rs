@@ -10,12 +10,13 @@
 //! Bodies are taken by fours through `glam`'s vectors, in blocks that stay in the nearest cache
 //! however many views there are.
 
-use super::frustum::Frustum;
+use super::frustum::{Frustum, Tangents};
 use super::world_bounds::{LANES, columns, filled};
 use crate::Mismatch;
 use crate::sphere::Sphere;
 use crate::view::Camera;
-use glam::{Vec3, Vec4};
+use glam::{Quat, Vec2, Vec3, Vec4};
+use std::ops::Range;
 
 /// Depth below which nothing is taken to come closer, so that a camera inside a body still gets
 /// finite pixels per metre.
@@ -47,7 +48,7 @@ pub struct Seen {
 
 /// Pixels that one metre spans.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum PixelDensity {
+enum PixelDensity {
     /// So many at a depth of one metre, falling with depth: perspective.
     AtOneMetre(f32),
     /// So many at any depth: parallel projection.
@@ -56,7 +57,7 @@ pub enum PixelDensity {
 
 impl PixelDensity {
     /// Pixels per metre at a depth; depths below [`LEAST_DEPTH_METRES`] count as that.
-    pub fn at(self, depth_metres: f32) -> f32 {
+    fn at(self, depth_metres: f32) -> f32 {
         match self {
             Self::AtOneMetre(pixels) => pixels / depth_metres.max(LEAST_DEPTH_METRES),
             Self::Everywhere(pixels) => pixels,
@@ -77,7 +78,7 @@ pub struct View<'a> {
 impl<'a> View<'a> {
     /// A view by its frustum and its own pixels per metre. Where these are no positive number it
     /// sees nothing.
-    pub fn new(frustum: Frustum, density: PixelDensity) -> Self {
+    fn new(frustum: Frustum, density: PixelDensity) -> Self {
         let (PixelDensity::AtOneMetre(pixels) | PixelDensity::Everywhere(pixels)) = density;
         let is_number = pixels > 0.0 && pixels <= f32::MAX * LEAST_DEPTH_METRES;
         Self {
@@ -93,6 +94,40 @@ impl<'a> View<'a> {
     pub fn of(camera: &Camera) -> Self {
         let density = PixelDensity::AtOneMetre(camera.viewport.pixels_per_metre(1.0));
         Self::new(Frustum::of(camera), density)
+    }
+
+    /// The view of a picture that need not be centred on the viewing direction, such as that of an
+    /// eye of a headset. The orientation is world from camera, looking along -Z; one metre spans so
+    /// many pixels at a depth of one metre. What is no camera sees nothing.
+    pub fn off_axis(
+        eye: Vec3,
+        orientation: Quat,
+        tangents: Tangents,
+        pixels_at_one_metre: f32,
+    ) -> Self {
+        let density = PixelDensity::AtOneMetre(pixels_at_one_metre);
+        Self::new(Frustum::perspective(eye, orientation, tangents), density)
+    }
+
+    /// The view of a parallel projection, such as that of a shadow map: a beam of the given half
+    /// width and half height in metres, in which one metre spans so many pixels at any depth.
+    pub fn parallel(eye: Vec3, orientation: Quat, half_size: Vec2, pixels_per_metre: f32) -> Self {
+        let density = PixelDensity::Everywhere(pixels_per_metre);
+        let beam = Frustum::orthographic(eye, orientation, half_size.x, half_size.y);
+        Self::new(beam, density)
+    }
+
+    /// The same view, seeing only what lies between two depths. Unless told so, a view sees from its
+    /// eye on without end: a body before a renderer's near plane must still move, since its shadow
+    /// or its hand may reach into view. A depth below zero lets a parallel projection see behind
+    /// its eye.
+    #[must_use]
+    pub fn within(self, depths_metres: Range<f32>) -> Self {
+        let Range { start, end } = depths_metres;
+        Self {
+            frustum: self.frustum.with_near(start).with_far(end),
+            ..self
+        }
     }
 
     /// The same view of a camera that may move by so much and turn by so much until it looks
@@ -144,16 +179,6 @@ impl<'a> View<'a> {
         let secs = 2.0 * slack / (linear + (linear * linear + 2.0 * w * v * slack).sqrt());
         if secs.is_nan() { 0.0 } else { secs }
     }
-
-    /// The space that it sees.
-    pub fn frustum(&self) -> &Frustum {
-        &self.frustum
-    }
-
-    /// Its pixels per metre by depth.
-    pub fn density(&self) -> PixelDensity {
-        self.density
-    }
 }
 
 /// Bounds on how fast a camera and a body may come closer to each other.
@@ -177,9 +202,9 @@ impl<'a> Bodies<'a> {
     ///
     /// - `bounds`: in the world, each holding its body from now until it is looked for again.
     ///   They change when a root moves or the clip goes on, which need not be at every frame;
-    ///   [`crate::visibility::carry`] makes many at once.
-    /// - `wake_metres`: how far root motion may carry the bound meanwhile (see [`wake_metres`]);
-    ///   what is no number counts as 0.
+    ///   [`Sphere::carried`] makes one.
+    /// - `wake_metres`: how far root motion may carry the bound meanwhile: the way of the root and
+    ///   the arc of the bound's centre about it. What is no number counts as 0.
     ///
     /// # Errors
     /// A [`Mismatch`] if the lengths differ.
@@ -198,17 +223,6 @@ impl<'a> Bodies<'a> {
     pub(crate) fn len(&self) -> usize {
         self.bounds.len()
     }
-}
-
-/// How far root motion may carry a bound in `horizon_secs`: the way of the root and the arc of
-/// the bound's centre about it. `bound` is in model space, scaled as the body is.
-pub fn wake_metres(
-    bound: Sphere,
-    speed_metres_per_sec: f32,
-    turn_radians_per_sec: f32,
-    horizon_secs: f32,
-) -> f32 {
-    (speed_metres_per_sec + turn_radians_per_sec * bound.centre.length()) * horizon_secs
 }
 
 /// How long it takes at least until a body's pixels per metre may have grown by the factor
@@ -409,7 +423,7 @@ fn at_most(value: f32, most: f32) -> f32 {
 mod tests {
     use super::*;
     use crate::view::Viewport;
-    use glam::Quat;
+    use proptest::prelude::*;
 
     /// Bodies as their owner keeps them.
     #[derive(Debug, Clone, Default)]
@@ -498,8 +512,7 @@ mod tests {
         let mut close = camera();
         close.eye = Vec3::NEG_Z * 5.0;
         let down = Quat::from_rotation_x(-std::f32::consts::FRAC_PI_2);
-        let sun = Frustum::orthographic(Vec3::Y * 100.0, down, 60.0, 60.0);
-        let sun = View::new(sun, PixelDensity::Everywhere(20.0));
+        let sun = View::parallel(Vec3::Y * 100.0, down, Vec2::splat(60.0), 20.0);
         let near = Viewport::default().pixels_per_metre(5.0);
         for views in [[eye, View::of(&close), sun], [sun, View::of(&close), eye]] {
             let seen = crowd.seen(&views);
@@ -518,14 +531,13 @@ mod tests {
     fn both_eyes_of_a_headset_see() {
         // What is far to the left is seen by the left eye alone.
         let eye = |side: f32, left, right| {
-            let tangents = super::super::frustum::Tangents {
+            let tangents = Tangents {
                 left,
                 right,
                 down: 1.0,
                 up: 1.0,
             };
-            let frustum = Frustum::perspective(Vec3::X * side, Quat::IDENTITY, tangents);
-            View::new(frustum, PixelDensity::AtOneMetre(1000.0))
+            View::off_axis(Vec3::X * side, Quat::IDENTITY, tangents, 1000.0)
         };
         let eyes = [eye(-0.03, 1.3, 0.9), eye(0.03, 0.9, 1.3)];
         let crowd = Crowd::of(&[(Vec3::new(-110.0, 0.0, -100.0), 0.0)]);
@@ -616,8 +628,26 @@ mod tests {
         let view = View::of(&camera());
         assert_eq!(odd.visibilities(&[view]), [Visible, Hidden, Near]);
         assert!(odd.seen(&[view])[2].pixels_per_metre.is_finite());
-        let nothing = View::new(*view.frustum(), PixelDensity::AtOneMetre(f32::NAN));
+        let nothing = View::new(view.frustum, PixelDensity::AtOneMetre(f32::NAN));
         assert_eq!(odd.visibilities(&[nothing]), [Hidden; 3]);
+    }
+
+    #[test]
+    fn a_view_may_begin_and_end_at_a_depth() {
+        use Visibility::{Hidden, Visible};
+        let crowd = Crowd::of(&[
+            (Vec3::NEG_Z * 3.0, 0.0),
+            (Vec3::NEG_Z * 9.0, 0.0),
+            (Vec3::Z * 3.0, 0.0),
+        ]);
+        let view = View::of(&camera());
+        let seen = |depths| crowd.visibilities(&[view.within(depths)]);
+        assert_eq!(seen(0.0..7.0), [Visible, Hidden, Hidden]);
+        assert_eq!(seen(5.0..9.0), [Hidden, Visible, Hidden]);
+        let sun = View::parallel(Vec3::ZERO, Quat::IDENTITY, Vec2::ONE, 20.0);
+        assert_eq!(crowd.visibilities(&[sun]), [Visible, Visible, Hidden]);
+        let behind = sun.within(-5.0..7.0);
+        assert_eq!(crowd.visibilities(&[behind]), [Visible, Hidden, Visible]);
     }
 
     #[test]
@@ -647,5 +677,50 @@ mod tests {
             secs_until_grown(&views, bound, hidden, 0.25, Closing::default()),
             0.0
         );
+    }
+
+    fn vector(size: f32) -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-size..size).prop_map(Vec3::from)
+    }
+
+    fn turn() -> impl Strategy<Value = Quat> {
+        vector(3.0).prop_map(Quat::from_scaled_axis)
+    }
+
+    proptest! {
+        /// The pass by fours against one body and one view at a time.
+        #[test]
+        fn agrees_with_the_plain_test(
+            rows in prop::collection::vec((vector(30.0), 0.0f32..3.0, 0.0f32..4.0), 0..150),
+            eyes in prop::collection::vec((vector(30.0), turn()), 1..4),
+        ) {
+            let mut crowd = Crowd::default();
+            for (centre, radius, wake) in &rows {
+                crowd.push(Sphere { centre: *centre, radius: *radius }, *wake);
+            }
+            let viewport = Viewport::default();
+            let cameras: Vec<Camera> = eyes.iter().map(|(eye, orientation)| Camera { eye: *eye, orientation: *orientation, viewport }).collect();
+            let views: Vec<View<'_>> = cameras.iter().map(View::of).collect();
+            for (b, seen) in crowd.seen(&views).iter().enumerate() {
+                let bound = crowd.bounds[b];
+                // Rounding may decide within this much of an edge.
+                let most = 1e-4;
+                let meets = |extra: f32| -> f32 {
+                    views.iter().filter(|v| v.frustum.meets(bound.centre, bound.radius + extra))
+                        .map(|v| v.density.at(v.frustum.depth(bound.centre) - bound.radius - extra.max(0.0)))
+                        .fold(0.0, f32::max)
+                };
+                let between = |low: f32, found: f32, high: f32| low * 0.999 <= found && found <= high * 1.001;
+                match seen.visibility {
+                    Visibility::Visible => prop_assert!(between(meets(-most), seen.pixels_per_metre, meets(most))),
+                    Visibility::Near => {
+                        prop_assert_eq!(meets(-most), 0.0);
+                        let wake = rows[b].2;
+                        prop_assert!(between(meets(wake - most), seen.pixels_per_metre, meets(wake + most)));
+                    }
+                    Visibility::Hidden => prop_assert_eq!(meets(rows[b].2 - most), 0.0),
+                }
+            }
+        }
     }
 }

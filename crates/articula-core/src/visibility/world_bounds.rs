@@ -9,7 +9,7 @@ use glam::{Mat4, Quat, Vec3, Vec4};
 
 /// Where bodies are, and what holds each of them; one entry of each slice for each body.
 #[derive(Debug, Clone, Copy)]
-pub struct Places<'a> {
+pub(crate) struct Places<'a> {
     positions: &'a [Vec3],
     rotations: &'a [Quat],
     scales: &'a [f32],
@@ -26,7 +26,7 @@ impl<'a> Places<'a> {
     ///
     /// # Errors
     /// A [`Mismatch`] if the lengths differ.
-    pub fn new(
+    pub(crate) fn new(
         positions: &'a [Vec3],
         rotations: &'a [Quat],
         scales: &'a [f32],
@@ -57,7 +57,7 @@ impl<'a> Places<'a> {
 ///
 /// # Panics
 /// If `out` has not one entry for each body.
-pub fn carry(places: Places<'_>, out: &mut [Sphere]) {
+pub(crate) fn carry(places: Places<'_>, out: &mut [Sphere]) {
     assert_eq!(out.len(), places.bounds.len(), "one bound for each body");
     let (positions, last_positions) = places.positions.as_chunks();
     let (rotations, last_rotations) = places.rotations.as_chunks();

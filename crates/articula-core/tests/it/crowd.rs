@@ -23,7 +23,7 @@ const PLAIN: Options = Options {
 };
 
 /// A rig with two clips and up to four levels, each said to cost a centimetre more.
-fn model(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdModel {
+fn parts(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdParts {
     let ladder = Ladder::of_sets(rig, sets, rig.rest_pose()).unwrap();
     let levels: Vec<f32> = (0..ladder.levels()).map(|l| l as f32 * 0.01).collect();
     let errors = LevelErrors {
@@ -53,15 +53,22 @@ fn model(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdModel {
         clips: bounds.collect(),
         reach_metres: 1.2,
     };
-    CrowdModel::new(CrowdParts {
+    CrowdParts {
         palette: PaletteMap::joints(&ladder),
         clips: ClipSet::new(rig, ladder, clips, Storage::Float).unwrap(),
         form: PaletteForm::Matrix,
         backend: Backend::best(),
         errors,
         bounds,
-    })
-    .unwrap()
+        events: Vec::new(),
+        paths: Vec::new(),
+        attention: Vec::new(),
+        cache: None,
+    }
+}
+
+fn model(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdModel {
+    CrowdModel::new(parts(rig, clips, sets)).unwrap()
 }
 
 fn fixed_figure() -> (Rig, Vec<Clip>, Vec<JointSet>) {
@@ -113,9 +120,9 @@ fn camera() -> Camera {
 }
 
 fn palettes(crowd: &Crowd, model: &CrowdModel) -> Vec<[f32; 4]> {
-    let mut rows = vec![[0.0; 4]; crowd.matrices() * 3];
+    let mut rows = vec![[0.0; 4]; crowd.drawn().matrices * 3];
     let mut scratch = model.evaluator().scratch();
-    let all = 0..crowd.batches().len();
+    let all = 0..crowd.drawn().batches;
     crowd.evaluate(model, all, PaletteRows::Float(&mut rows), &mut scratch);
     rows
 }
@@ -128,13 +135,13 @@ fn origin(rows: &[[f32; 4]], matrix: usize) -> Vec3 {
 /// Plays a mixed crowd for some frames.
 fn played(model: &CrowdModel, square: &Square, share: bool, frames: usize) -> (Crowd, CrowdReport) {
     let mut crowd = Crowd::new(model, square.positions.len());
-    for i in 0..crowd.len() {
-        let voice = Voice::new(model.clips(), i % 2)
-            .at_secs(model.clips(), i as f32 * 0.037)
+    for i in 0..square.positions.len() {
+        let voice = Voice::new(&model.parts().clips, i % 2)
+            .at_secs(&model.parts().clips, i as f32 * 0.037)
             .at_speed([1.0, 0.5, -1.0, 2.0][i % 4]);
         crowd.play(i, voice.into());
         if i % 5 == 0 {
-            crowd.fade_to(i, Voice::new(model.clips(), (i + 1) % 2), 10.0);
+            crowd.fade_to(i, Voice::new(&model.parts().clips, (i + 1) % 2), 10.0);
         }
     }
     let views = [View::of(&camera())];
@@ -153,21 +160,24 @@ fn draws_name_the_palette_of_their_character() {
     for share in [false, true] {
         let (crowd, report) = played(&model, &square, share, 7);
         let rows = palettes(&crowd, &model);
-        assert_eq!(crowd.draws().len(), report.visible);
+        assert_eq!(crowd.drawn().draws.len(), report.visible);
         assert_eq!(report.own + report.followers, report.visible);
-        assert!(report.visible < crowd.len(), "some stand behind the camera");
+        assert!(
+            report.visible < square.positions.len(),
+            "some stand behind the camera"
+        );
         assert!(share == (report.followers > 0) && report.blended > 0);
-        let mut drawn = vec![false; crowd.len()];
+        let mut drawn = vec![false; square.positions.len()];
         let mut others = 0;
-        for group in crowd.groups() {
-            assert_eq!(group.matrices, model.palette().len(group.level));
-            for draw in &crowd.draws()[group.draws.clone()] {
+        for group in &crowd.drawn().groups {
+            assert_eq!(group.matrices, model.parts().palette.len(group.level));
+            for draw in &crowd.drawn().draws[group.draws.clone()] {
                 let character = draw.character as usize;
                 assert!(!std::mem::replace(&mut drawn[character], true));
                 assert_eq!(crowd.level(character), Some(group.level));
                 let mut off = 0f32;
                 for place in 0..group.matrices {
-                    let joint = usize::from(model.clips().ladder().joints()[place]);
+                    let joint = usize::from(model.parts().clips.ladder().joints()[place]);
                     let truth = crowd.socket(&model, character, joint).translation;
                     let shown = origin(&rows, draw.first_matrix as usize + place);
                     off = off.max(shown.distance(truth.into()));
@@ -193,7 +203,7 @@ fn ranges_of_batches_give_the_same_bytes_in_any_order() {
     for parts in [2, 3, 7, 1000] {
         let mut ranges = Vec::new();
         let mut first = 0;
-        while first < crowd.batches().len() {
+        while first < crowd.drawn().batches {
             let range = crowd.share_of_batches(first, parts);
             first = range.end;
             ranges.push(range);
@@ -214,11 +224,14 @@ fn ranges_of_batches_give_the_same_bytes_in_any_order() {
 fn a_frame_allocates_nothing() {
     let (rig, clips, sets) = fixed_figure();
     let events = [ClipEvent { secs: 0.1, id: 7 }];
-    let model = model(&rig, &clips, &sets).with_events(0, &events).unwrap();
+    let mut parts = parts(&rig, &clips, &sets);
+    parts.events = vec![Vec::new(); clips.len()];
+    parts.events[0] = events.to_vec();
+    let model = CrowdModel::new(parts).unwrap();
     let square = Square::new(120);
     let (mut crowd, _) = played(&model, &square, true, 2);
     let camera = camera();
-    let mut rows = vec![[0.0; 4]; crowd.len() * model.palette().len(0) * 3];
+    let mut rows = vec![[0.0; 4]; square.positions.len() * model.parts().palette.len(0) * 3];
     let mut scratch = model.evaluator().scratch();
     let mut heard = 0;
     let counted = allocation_counter::measure(|| {
@@ -226,8 +239,8 @@ fn a_frame_allocates_nothing() {
             let views = [View::of(&camera)];
             let frame = square.frame(&views, 0.1 * i as f32, i % 2 == 0);
             crowd.tick(&model, &frame, &mut |_| heard += 1);
-            let used = crowd.matrices() * 3;
-            let all = 0..crowd.batches().len();
+            let used = crowd.drawn().matrices * 3;
+            let all = 0..crowd.drawn().batches;
             crowd.evaluate(
                 &model,
                 all,
@@ -262,11 +275,12 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
         yaw_radians: 0.0,
     };
     let path = RootPath::new(1.0 / duration, vec![RootStep::default(), ahead]).unwrap();
-    let model = model(&rig, &clips, &sets)
-        .with_events(0, &marks)
-        .unwrap()
-        .with_root_path(0, path)
-        .unwrap();
+    let mut parts = parts(&rig, &clips, &sets);
+    parts.events = vec![Vec::new(); clips.len()];
+    parts.events[0] = marks.to_vec();
+    parts.paths = vec![None; clips.len()];
+    parts.paths[0] = Some(path);
+    let model = CrowdModel::new(parts).unwrap();
     let mut crowd = Crowd::new(&model, 1);
     let facing = Quat::from_rotation_y(std::f32::consts::FRAC_PI_2);
     let mut position = Vec3::new(-14.0, -1.0, -6.0);
@@ -322,7 +336,7 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
     let mut truth = ModelPose::new(rig.len());
     local_to_model(&rig, &pose, &mut truth);
     for place in 0..rig.len() {
-        let joint = usize::from(model.clips().ladder().joints()[place]);
+        let joint = usize::from(model.parts().clips.ladder().joints()[place]);
         // A clock of f32 that ran for some seconds is right to some microseconds.
         assert!(origin(&rows, place).distance(truth.position(joint)) < 1e-3);
     }
@@ -331,13 +345,17 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
 #[test]
 fn a_fade_ends_at_the_other_clip_and_both_tell_their_events() {
     let (rig, clips, sets) = fixed_figure();
-    let model = model(&rig, &clips, &sets)
-        .with_events(0, &[ClipEvent { secs: 0.0, id: 1 }])
-        .unwrap()
-        .with_events(1, &[ClipEvent { secs: 0.0, id: 2 }])
-        .unwrap();
+    let mut parts = parts(&rig, &clips, &sets);
+    let event = |clip| {
+        vec![ClipEvent {
+            secs: 0.0,
+            id: clip as u32 + 1,
+        }]
+    };
+    parts.events = (0..clips.len()).map(event).collect();
+    let model = CrowdModel::new(parts).unwrap();
     let mut crowd = Crowd::new(&model, 1);
-    crowd.fade_to(0, Voice::new(model.clips(), 1), 0.5);
+    crowd.fade_to(0, Voice::new(&model.parts().clips, 1), 0.5);
     let square = Square::new(1);
     let mut heard = [false; 3];
     for step in 0..40 {
@@ -376,7 +394,7 @@ proptest! {
         let rotations = vec![Quat::IDENTITY; count];
         let scales: Vec<f32> = odd[..count].to_vec();
         for (i, o) in odd.iter().enumerate().take(count) {
-            let voice = Voice::new(model.clips(), i % 2).at_speed(*o).at_secs(model.clips(), *o);
+            let voice = Voice::new(&model.parts().clips, i % 2).at_speed(*o).at_secs(&model.parts().clips, *o);
             crowd.play(i, Player::blend(voice, voice.once(), *o));
             if i % 3 == 0 {
                 crowd.fade_to(i, voice, *o);
@@ -398,13 +416,13 @@ proptest! {
                 cache: CacheUse::Never,
             };
             let report = crowd.tick(&model, &frame, &mut |_| {});
-            prop_assert_eq!(crowd.draws().len(), report.visible);
+            prop_assert_eq!(crowd.drawn().draws.len(), report.visible);
             let rows = palettes(&crowd, &model);
             prop_assert!(rows.iter().flatten().all(|v| v.is_finite()));
-            for draw in crowd.draws() {
+            for draw in &crowd.drawn().draws {
                 let level = crowd.level(draw.character as usize).unwrap();
-                let end = draw.first_matrix as usize + model.palette().len(level);
-                prop_assert!(end <= crowd.matrices());
+                let end = draw.first_matrix as usize + model.parts().palette.len(level);
+                prop_assert!(end <= crowd.drawn().matrices);
             }
         }
     }
@@ -433,15 +451,7 @@ proptest! {
 #[test]
 fn what_does_not_belong_together_is_refused() {
     let (rig, clips, sets) = fixed_figure();
-    let good = model(&rig, &clips, &sets);
-    let parts = || CrowdParts {
-        clips: good.clips().clone(),
-        palette: good.palette().clone(),
-        form: PaletteForm::Matrix,
-        backend: Backend::Scalar,
-        errors: good.errors().clone(),
-        bounds: good.bounds().clone(),
-    };
+    let parts = || parts(&rig, &clips, &sets);
     let at = |parts| CrowdModel::new(parts).unwrap_err().at;
     let mut few = parts();
     few.errors.clips.pop();
@@ -453,15 +463,21 @@ fn what_does_not_belong_together_is_refused() {
     let whole = Ladder::whole(&rig).unwrap();
     other.palette = PaletteMap::joints(&whole);
     assert_eq!(at(other), "map");
-    assert_eq!(
-        good.clone().with_events(9, &[]).unwrap_err().at,
-        "events[9]"
-    );
-    let late = [ClipEvent { secs: 1e9, id: 0 }];
-    assert_eq!(
-        good.with_events(0, &late).unwrap_err().at,
-        "events[0][0].secs"
-    );
+    let mut many = parts();
+    many.events = vec![Vec::new(); 9];
+    assert_eq!(at(many), "events");
+    let mut late = parts();
+    late.events = vec![Vec::new(); clips.len()];
+    late.events[0].push(ClipEvent { secs: 1e9, id: 0 });
+    assert_eq!(at(late), "events[0][0].secs");
+    let mut many = parts();
+    many.paths = vec![None; 9];
+    assert_eq!(at(many), "paths");
+    let cached = with_cache(model(&rig, &clips, &sets));
+    let mut other = parts();
+    other.cache.clone_from(&cached.parts().cache);
+    other.form = PaletteForm::HalfMatrix;
+    assert_eq!(at(other), "cache");
     const { assert!(Crowd::BYTES_PER_CHARACTER <= 64) }
 }
 
@@ -472,14 +488,14 @@ fn with_cache(model: CrowdModel) -> CrowdModel {
     let mut scratch = evaluator.scratch();
     let mut rows = Vec::new();
     let mut keys = Vec::new();
-    for clip in 0..model.clips().clips() {
-        let duration = model.clips().duration_secs(clip);
+    for clip in 0..model.parts().clips.clips() {
+        let duration = model.parts().clips.duration_secs(clip);
         let mut of_clip = vec![None];
-        for level in 1..model.levels() {
+        for level in 1..model.parts().clips.ladder().levels() {
             let first_matrix = (rows.len() / 3) as u32;
             for secs in [0.0, duration] {
                 let mut palette = vec![[0.0; 4]; evaluator.rows(level)];
-                let shown = [model.clips().cursor(clip, secs).into()];
+                let shown = [model.parts().clips.cursor(clip, secs).into()];
                 evaluator.evaluate(
                     level,
                     &shown,
@@ -497,8 +513,10 @@ fn with_cache(model: CrowdModel) -> CrowdModel {
         keys.push(of_clip);
     }
     let rows = CachedRows::Float(rows);
-    let cache = PoseCache::new(model.clips(), model.palette(), &keys, rows).unwrap();
-    model.with_cache(cache).unwrap()
+    let cache = PoseCache::new(&model.parts().clips, &model.parts().palette, &keys, rows).unwrap();
+    let mut parts = model.parts().clone();
+    parts.cache = Some(cache);
+    CrowdModel::new(parts).unwrap()
 }
 
 #[test]
@@ -510,7 +528,8 @@ fn cached_poses_are_blended_by_either_side() {
     let views = [View::of(&camera)];
     let mut crowd = Crowd::new(&model, 200);
     for i in 0..200 {
-        let voice = Voice::new(model.clips(), i % 2).at_secs(model.clips(), 0.01 * i as f32);
+        let voice =
+            Voice::new(&model.parts().clips, i % 2).at_secs(&model.parts().clips, 0.01 * i as f32);
         crowd.play(i, voice.into());
     }
     let mut frame = square.frame(&views, 3.0, false);
@@ -518,21 +537,27 @@ fn cached_poses_are_blended_by_either_side() {
     frame.cache = CacheUse::Cpu;
     let by_cpu = crowd.tick(&model, &frame, &mut |_| {});
     let rows = palettes(&crowd, &model);
-    let draws = crowd.draws().to_vec();
+    let draws = crowd.drawn().draws.to_vec();
     assert!(by_cpu.cached > 20 && by_cpu.own > 2);
-    assert_eq!((draws.len(), crowd.records().len()), (by_cpu.visible, 0));
+    assert_eq!(
+        (draws.len(), crowd.drawn().records.len()),
+        (by_cpu.visible, 0)
+    );
     assert!(by_cpu.bound_px <= 3.0);
 
     frame.cache = CacheUse::Gpu;
     let by_gpu = crowd.tick(&model, &frame, &mut |_| {});
     assert!(by_gpu.cached >= by_cpu.cached);
-    assert_eq!(crowd.draws().len() + crowd.records().len(), by_gpu.visible);
-    let CachedRows::Float(cached) = model.cache().unwrap().rows() else {
+    assert_eq!(
+        crowd.drawn().draws.len() + crowd.drawn().records.len(),
+        by_gpu.visible
+    );
+    let CachedRows::Float(cached) = model.parts().cache.as_ref().unwrap().rows() else {
         panic!("cached in f32");
     };
     let mut compared = 0;
-    for group in crowd.record_groups() {
-        for record in &crowd.records()[group.records.clone()] {
+    for group in &crowd.drawn().record_groups {
+        for record in &crowd.drawn().records[group.records.clone()] {
             let level = crowd.level(record.character as usize);
             assert_eq!(level, Some(group.level));
             let mut of_character = draws.iter().filter(|d| d.character == record.character);

@@ -30,7 +30,7 @@ fn turning(secs: f32, rate: f32, angle: impl Fn(f32) -> f32) -> Clip {
 }
 
 fn speed_bound(clip: &Clip) -> f32 {
-    let keys = &clip.rotations()[0].values;
+    let keys = &clip.tracks().rotations[0].values;
     // Between frames a normalised blend turns fastest in the middle: 4 tan(angle / 4).
     let fastest = keys
         .windows(2)

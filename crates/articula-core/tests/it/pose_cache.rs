@@ -163,7 +163,7 @@ proptest! {
                 }
                 for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
                     let other = blended(&cache, level, record, backend);
-                    prop_assert_eq!(bits(&other), bits(&shown), "{}", backend.name());
+                    prop_assert_eq!(bits(&other), bits(&shown), "{}", backend);
                 }
             }
         }
@@ -232,7 +232,8 @@ fn locating_and_blending_allocate_nothing() {
         let mut halves = vec![[0; 4]; len];
         for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
             let counted = allocation_counter::measure(|| {
-                let record = cache.locate(0, 0, 0.05).unwrap().of(3);
+                let mut record = cache.locate(0, 0, 0.05).unwrap();
+                record.character = 3;
                 let out = if half {
                     PaletteRows::Half(&mut halves)
                 } else {
@@ -240,7 +241,7 @@ fn locating_and_blending_allocate_nothing() {
                 };
                 cache.blend(0, &[record], backend, out);
             });
-            assert_eq!(counted.count_total, 0, "{}", backend.name());
+            assert_eq!(counted.count_total, 0, "{backend}");
         }
     }
 }

@@ -159,7 +159,7 @@ proptest! {
         prop_assert_eq!(all, mesh.len(), "at first nothing is up to date");
 
         let found = grouped.moved(&rows_of(&before), &rows_of(&now));
-        prop_assert!(moved.is_subset(&found), "two random matrices differ");
+        prop_assert!(moved.difference(&found).is_empty(), "two random matrices differ");
         grouped.mark_joints(&moved, &mut stale);
         grouped.morph(&mesh, &then, &mut shape, &mut stale);
         // What stays marked so was not written.
@@ -273,7 +273,7 @@ fn half_way_between_two_joints_and_in_a_mirror() {
 fn no_vertices_and_vertices_that_nothing_holds() {
     let none = Mesh::default();
     let grouped = GroupedSkin::new(&none);
-    assert!(grouped.is_empty());
+    assert!(grouped.group_sizes().iter().all(|size| *size == 0));
     grouped.skin(grouped.rest(), &[], &mut SkinnedMesh::new(&none));
 
     let mut loose = strip(1);

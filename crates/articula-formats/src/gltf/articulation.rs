@@ -143,7 +143,7 @@ fn skin_joints(skin: &Value, of_node: &[Option<&JointArticulation>]) -> Option<V
         Some(json!({
             "hanim": joint.hanim,
             "level": joint.level,
-            "region": joint.region.name(),
+            "region": joint.region.to_string(),
         }))
     };
     nodes.iter().map(joint).collect()
@@ -216,7 +216,9 @@ fn read_joint(place: &Place<'_>) -> Result<JointArticulation, ReadError> {
     let level = place.require("level")?;
     let level = level.index_below(usize::from(MAX_LEVEL) + 1)? as u8;
     let name = place.text("region");
-    let region = Region::from_name(name).ok_or_else(|| place.malformed("no such region"))?;
+    let region = name
+        .parse::<Region>()
+        .map_err(|_| place.malformed("no such region"))?;
     let hanim = place.get("hanim").and_then(|h| h.value().as_str());
     Ok(JointArticulation {
         hanim: hanim.map(str::to_owned),

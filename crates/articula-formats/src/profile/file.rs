@@ -98,8 +98,8 @@ fn targets(file: &File) -> Result<BTreeMap<String, Target>, ReadError> {
     }
     for (region_name, patterns) in &file.helpers {
         let at = format!("helpers.{region_name}");
-        let region = Region::from_name(region_name).ok_or_else(|| {
-            let known = Region::ALL.map(Region::name).join(", ");
+        let region = region_name.parse::<Region>().map_err(|_| {
+            let known = Region::ALL.map(|r| r.to_string()).join(", ");
             ReadError::malformed(&*at, format!("no such region; the regions are {known}"))
         })?;
         for (name, _) in patterns.iter().flat_map(|p| names::spellings(p, "")) {

@@ -40,9 +40,9 @@ impl Structs {
         let joints = (0..rig.len()).map(|j| Joint {
             parent: rig.parent(j),
             rest: rig.rest_pose().get(j),
-            translations: keys(clip.translations(), j, rate_hz),
-            rotations: keys(clip.rotations(), j, rate_hz),
-            scales: keys(clip.scales(), j, rate_hz),
+            translations: keys(&clip.tracks().translations, j, rate_hz),
+            rotations: keys(&clip.tracks().rotations, j, rate_hz),
+            scales: keys(&clip.tracks().scales, j, rate_hz),
         });
         Ok(Self {
             joints: joints.collect(),

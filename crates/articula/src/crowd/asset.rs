@@ -16,7 +16,7 @@ use articula_build::{
     LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
     named_ladder, skin_of,
 };
-use articula_core::crowd::{CrowdModel, CrowdParts};
+use articula_core::crowd::{CrowdModel, CrowdParts, RootPath};
 use articula_core::source::{Character, Property};
 use articula_core::{Clip, ClipSet, Ladder, Mesh, MotionBounds, PaletteMap, Tracks};
 use std::sync::Arc;
@@ -125,15 +125,16 @@ impl CrowdAsset {
             let meshes = all.map(|l| levels.skins.mesh(l, &asset.mesh)).collect();
             (None, levels, meshes)
         };
-        let mut model = model(&asset, &levels, bounds, options)?;
-        work.step(PREPARING, 5, 5)?;
+        let mut paths = vec![None; asset.clips.len()];
         if options.root_motion == RootMotion::Extracted {
-            for (c, (way, clip)) in ways.iter().zip(&asset.clips).enumerate() {
+            for (path, (way, clip)) in paths.iter_mut().zip(ways.iter().zip(&asset.clips)) {
                 if let Some(way) = way {
-                    model = model.with_root_path(c, root_path(way, clip)?)?;
+                    *path = Some(root_path(way, clip)?);
                 }
             }
         }
+        let model = model(&asset, &levels, (bounds, paths), options)?;
+        work.step(PREPARING, 5, 5)?;
         Ok(Self(Arc::new(Shared {
             travels: ways.iter().map(Option::is_some).collect(),
             full: asset,
@@ -178,7 +179,7 @@ impl CrowdAsset {
 
     /// Number of levels; 0 is full detail.
     pub fn levels(&self) -> usize {
-        self.0.model.levels()
+        self.0.model.parts().clips.ladder().levels()
     }
 
     /// The mesh of a level; its bindings are the first matrices of a palette of the skin.
@@ -203,7 +204,7 @@ impl CrowdAsset {
         };
         CrowdLevel {
             joints: self.ladder().kept(level),
-            matrices: shared.model.palette().len(level),
+            matrices: shared.model.parts().palette.len(level),
             vertices,
             triangles,
             influences: shared.skins.levels[level].influences,
@@ -232,7 +233,7 @@ impl CrowdAsset {
 
     /// Joint order and levels.
     pub(super) fn ladder(&self) -> &Ladder {
-        self.0.model.clips().ladder()
+        self.0.model.parts().clips.ladder()
     }
 
     /// Which joints and triangles go together, if there are coarser meshes.
@@ -331,7 +332,7 @@ fn joint_lods(
 fn model(
     asset: &Asset,
     levels: &MergedLevels,
-    bounds: MotionBounds,
+    (bounds, paths): (MotionBounds, Vec<Option<RootPath>>),
     options: &CrowdOptions,
 ) -> Result<CrowdModel> {
     let palette = match options.matrices {
@@ -346,22 +347,26 @@ fn model(
             seed: options.seed,
             ..CacheOptions::default()
         };
-        Some(cached_poses(asset, levels, &clips, &opts).context("cache")?)
+        Some(
+            cached_poses(asset, levels, &clips, &opts)
+                .context("cache")?
+                .cache,
+        )
     } else {
         None
     };
-    let model = CrowdModel::new(CrowdParts {
+    Ok(CrowdModel::new(CrowdParts {
         clips,
         palette,
         form: options.form,
         backend: options.backend,
         errors: levels.errors.clone(),
         bounds,
-    })?;
-    match cache {
-        Some(cached) => Ok(model.with_cache(cached.cache).context("cache")?),
-        None => Ok(model),
-    }
+        events: Vec::new(),
+        paths,
+        attention: Vec::new(),
+        cache,
+    })?)
 }
 
 /// One frame that drives nothing.

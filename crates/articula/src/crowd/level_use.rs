@@ -128,8 +128,8 @@ impl LevelTally {
     pub fn add(&mut self, player: &CrowdPlayer) {
         self.frames += 1;
         let crowd = player.crowd();
-        for group in crowd.groups() {
-            let draws = &crowd.draws()[group.draws.clone()];
+        for group in &crowd.drawn().groups {
+            let draws = &crowd.drawn().draws[group.draws.clone()];
             let sums = &mut self.levels[group.level];
             self.palettes.clear();
             self.palettes.extend(draws.iter().map(|d| d.first_matrix));
@@ -144,12 +144,12 @@ impl LevelTally {
                 sums.see(player, group.level, draw.character as usize);
             }
         }
-        for group in crowd.record_groups() {
+        for group in &crowd.drawn().record_groups {
             let sums = &mut self.levels[group.level];
             sums.groups += 1;
             sums.records += group.records.len();
             sums.characters += group.records.len();
-            for record in &crowd.records()[group.records.clone()] {
+            for record in &crowd.drawn().records[group.records.clone()] {
                 sums.see(player, group.level, record.character as usize);
             }
         }
@@ -174,7 +174,7 @@ impl LevelTally {
         let mean = |count: usize| count as f64 / self.frames.max(1) as f64;
         let model = asset.model();
         let made = asset.level(level);
-        let clips = model.errors().clips.iter();
+        let clips = model.parts().errors.clips.iter();
         let error_metres = clips.map(|c| c.levels_metres[level]).fold(0.0, f32::max);
         let of_level = |c: &&CharacterError| c.level == level;
         let looked = samples.iter().flat_map(|l| &l.characters).filter(of_level);
@@ -200,7 +200,8 @@ impl LevelTally {
             }),
             renderer: DrawCost {
                 draw_groups: mean(sums.groups * parts),
-                palette_bytes: mean(sums.poses) * (made.matrices * model.form().bytes()) as f64,
+                palette_bytes: mean(sums.poses)
+                    * (made.matrices * model.parts().form.bytes()) as f64,
                 skinned_vertices: mean(sums.characters) * made.vertices as f64,
                 triangles: mean(sums.characters) * made.triangles as f64,
                 triangles_full: mean(sums.characters) * asset.full().mesh.triangles.len() as f64,

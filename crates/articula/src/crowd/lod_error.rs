@@ -220,7 +220,7 @@ enum Which {
 
 /// Characters that the camera sees and that are shown, with their levels.
 fn visible(player: &CrowdPlayer, camera: &Camera) -> Vec<(usize, usize)> {
-    let (crowd, bounds) = (player.crowd(), player.asset().model().bounds());
+    let (crowd, bounds) = (player.crowd(), &player.asset().model().parts().bounds);
     let places = player
         .positions()
         .iter()

@@ -24,9 +24,9 @@ impl Default for PaletteHash {
 impl PaletteHash {
     /// Goes on with what a player shows by now: palettes, then records.
     pub fn add(&mut self, player: &CrowdPlayer) {
-        let matrices = player.crowd().matrices();
+        let matrices = player.crowd().drawn().matrices;
         self.add_rows(matrices, player.palettes());
-        self.add_records(player.crowd().records());
+        self.add_records(&player.crowd().drawn().records);
     }
 
     /// Goes on with palettes.

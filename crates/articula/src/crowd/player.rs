@@ -76,7 +76,7 @@ impl CrowdPlayer {
             detail: Detail::Tolerance { px: 1.0 },
             share: false,
             cache: CacheUse::Never,
-            palettes: Palettes::new(model.form(), room(model, characters)?),
+            palettes: Palettes::new(model.parts().form, room(model, characters)?),
             crowd: Crowd::new(model, characters),
             positions: vec![Vec3::ZERO; characters],
             rotations: vec![Quat::IDENTITY; characters],
@@ -132,7 +132,7 @@ impl CrowdPlayer {
     /// # Panics
     /// If there is no such character or clip.
     pub fn play(&mut self, character: usize, clip: usize, secs: f32) {
-        let clips = self.asset.model().clips();
+        let clips = &self.asset.model().parts().clips;
         let state = Voice::new(clips, clip).at_secs(clips, secs);
         self.crowd.play(character, state.into());
     }
@@ -142,7 +142,7 @@ impl CrowdPlayer {
     /// # Panics
     /// If there is no such character or clip.
     pub fn fade_to(&mut self, character: usize, clip: usize, fade_secs: f32) {
-        let state = Voice::new(self.asset.model().clips(), clip);
+        let state = Voice::new(&self.asset.model().parts().clips, clip);
         self.crowd.fade_to(character, state, fade_secs);
     }
 
@@ -230,7 +230,7 @@ impl CrowdPlayer {
         }
         Parts {
             model,
-            rows: Some(self.palettes.first(self.crowd.matrices())),
+            rows: Some(self.palettes.first(self.crowd.drawn().matrices)),
             crowd: &self.crowd,
             scratches: self.scratches[..count].iter_mut(),
             first: 0,
@@ -240,17 +240,17 @@ impl CrowdPlayer {
 
     /// Who is drawn, by level.
     pub fn groups(&self) -> impl Iterator<Item = CrowdGroup<'_>> {
-        self.crowd.groups().iter().map(|group| CrowdGroup {
+        self.crowd.drawn().groups.iter().map(|group| CrowdGroup {
             level: group.level,
             mesh: self.asset.mesh(group.level),
-            draws: &self.crowd.draws()[group.draws.clone()],
+            draws: &self.crowd.drawn().draws[group.draws.clone()],
             matrices: group.matrices,
         })
     }
 
     /// The palettes of this frame, one after the other.
     pub fn palettes(&self) -> PaletteSlice<'_> {
-        self.palettes.written(self.crowd.matrices())
+        self.palettes.written(self.crowd.drawn().matrices)
     }
 
     /// The place of a character as a matrix.
@@ -282,19 +282,19 @@ impl CrowdPlayer {
     /// From where each character is shown; `None` for those who are not.
     pub fn sources(&self) -> Vec<Option<PoseSource>> {
         let mut sources = vec![None; self.positions.len()];
-        for draw in self.crowd.draws() {
+        for draw in &self.crowd.drawn().draws {
             let first = draw.first_matrix as usize;
             sources[draw.character as usize] = Some(PoseSource::Written(first));
         }
-        for record in self.crowd.records() {
+        for record in &self.crowd.drawn().records {
             sources[record.character as usize] = Some(PoseSource::Record(*record));
         }
         sources
     }
 
     fn source(&self, character: usize) -> Option<PoseSource> {
-        let mut draws = self.crowd.draws().iter();
-        let mut records = self.crowd.records().iter();
+        let mut draws = self.crowd.drawn().draws.iter();
+        let mut records = self.crowd.drawn().records.iter();
         let draw = draws.find(|d| d.character as usize == character);
         let written = draw.map(|d| PoseSource::Written(d.first_matrix as usize));
         let mut record = || records.find(|r| r.character as usize == character);
@@ -329,10 +329,15 @@ impl CrowdPlayer {
     /// What a vertex shader makes of a record.
     fn blended(&self, level: usize, record: BlendRecord) -> Palettes {
         let model = self.asset.model();
-        let matrices = model.palette().len(level);
-        let mut palettes = Palettes::new(model.form(), matrices);
-        if let Some(cache) = model.cache() {
-            cache.blend(level, &[record], model.backend(), palettes.first(matrices));
+        let matrices = model.parts().palette.len(level);
+        let mut palettes = Palettes::new(model.parts().form, matrices);
+        if let Some(cache) = model.parts().cache.as_ref() {
+            cache.blend(
+                level,
+                &[record],
+                model.parts().backend,
+                palettes.first(matrices),
+            );
         }
         palettes
     }
@@ -351,8 +356,10 @@ pub struct FramePart<'a> {
 impl FramePart<'_> {
     /// Writes its palettes; does not allocate.
     pub fn evaluate(&mut self) {
-        let count = self.rows.len();
-        let rows = self.rows.part(0..count);
+        let rows = match &mut self.rows {
+            PaletteRows::Float(rows) => PaletteRows::Float(rows),
+            PaletteRows::Half(rows) => PaletteRows::Half(rows),
+        };
         self.crowd
             .evaluate(self.model, self.batches.clone(), rows, self.scratch);
     }
@@ -375,14 +382,14 @@ impl<'a> Iterator for Parts<'a> {
         let scratch = self.scratches.next()?;
         let mut batches = self.crowd.share_of_batches(self.first, self.count);
         if self.scratches.len() == 0 {
-            batches.end = self.crowd.batches().len();
+            batches.end = self.crowd.drawn().batches;
         }
         if batches.is_empty() {
             return None;
         }
         self.first = batches.end;
         let matrices = self.crowd.matrices_of(batches.clone()).len();
-        let rows = matrices * self.model.form().rows();
+        let rows = matrices * self.model.parts().form.rows();
         let (rows, rest) = split(self.rows.take()?, rows);
         self.rows = Some(rest);
         Some(FramePart {
@@ -397,8 +404,8 @@ impl<'a> Iterator for Parts<'a> {
 
 /// Matrices that a frame may need: everyone in full detail.
 fn room(model: &CrowdModel, characters: usize) -> Result<usize> {
-    let matrices = characters.saturating_mul(model.palette().len(0));
-    let bytes = matrices.saturating_mul(model.form().bytes());
+    let matrices = characters.saturating_mul(model.parts().palette.len(0));
+    let bytes = matrices.saturating_mul(model.parts().form.bytes());
     if bytes > MOST_BYTES {
         return Err(Error::unsuited(format!(
             "{characters} characters: {:.1} GB of palettes, the limit is {:.1}; lower the count or choose a smaller form",

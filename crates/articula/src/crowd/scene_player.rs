@@ -72,7 +72,7 @@ impl<'a> ScenePlayer<'a> {
     /// An [`Error`] if the palettes would take too much memory, or the budget is none.
     pub fn new(asset: &CrowdAsset, scene: &'a Scene, options: SceneOptions) -> Result<Self> {
         let mut player = CrowdPlayer::new(asset, scene.members.len())?;
-        let clips = asset.model().clips();
+        let clips = &asset.model().parts().clips;
         let mut fades = Vec::new();
         for (character, member) in scene.members.iter().enumerate() {
             player.place(character, member.position, member.yaw_radians);
@@ -169,9 +169,15 @@ impl<'a> ScenePlayer<'a> {
     /// Sends cross-fades that have arrived the other way.
     fn turn_fades(&mut self) {
         for turning in &mut self.fades {
-            if !self.player.crowd().player(turning.character).is_fading() {
+            if self
+                .player
+                .crowd()
+                .player(turning.character)
+                .next()
+                .is_none()
+            {
                 turning.goes = !turning.goes;
-                let next = turning.next(self.player.asset().model().clips(), self.secs);
+                let next = turning.next(&self.player.asset().model().parts().clips, self.secs);
                 let fade_secs = turning.fade.fade_secs;
                 let crowd = self.player.crowd_mut();
                 crowd.fade_to(turning.character, next, fade_secs);

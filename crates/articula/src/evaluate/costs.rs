@@ -49,20 +49,21 @@ impl Costs {
         let rig = &stage.asset.rig;
         let cost = |name: String, set: JointSet| cost(stage, name, &set, nanoseconds);
         let deepest = rig.skin_joints().iter().map(|j| rig.depth(j)).max();
-        let zone = |(name, zone): (&str, Zone)| cost(name.to_owned(), loa::zone(rig, zone));
-        let regions = Region::ALL.map(|r| (r.name(), Zone::from(r)));
+        let zone = |(name, zone): (String, Zone)| cost(name, loa::zone(rig, zone));
+        let regions = Region::ALL.map(|r| (r.to_string(), Zone::from(r)));
         let composites = [
             ("upper", Zone::UPPER),
             ("lower", Zone::LOWER),
             ("all", Zone::ALL),
-        ];
+        ]
+        .map(|(name, zone)| (name.to_owned(), zone));
         Self {
             zones: regions.into_iter().chain(composites).map(zone).collect(),
             depths: (0..=deepest.unwrap_or(0) as u32 + 1)
                 .map(|k| cost(k.to_string(), loa::depth(rig, k)))
                 .collect(),
             complexities: Complexity::ALL
-                .map(|c| cost(c.name().to_owned(), loa::complexity(rig, c)))
+                .map(|c| cost(c.to_string(), loa::complexity(rig, c)))
                 .into(),
         }
     }

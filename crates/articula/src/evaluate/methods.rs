@@ -49,7 +49,7 @@ impl NamedMethod {
         Self {
             method: Method::Loa(sets.collect()),
             variant: None,
-            levels: levels.map(|c| format!("loa({})", c.name())).collect(),
+            levels: levels.map(|c| format!("loa({c})")).collect(),
         }
     }
 

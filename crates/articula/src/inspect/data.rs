@@ -76,7 +76,7 @@ pub struct FapParameter {
     /// Group of the parameter.
     pub group: &'static str,
     /// Unit of the standard, or null for visemes and expressions.
-    pub unit: Option<&'static str>,
+    pub unit: Option<String>,
     /// Smallest value; null where there is no single one.
     pub min: Option<i32>,
     /// Largest value; null where there is no single one.
@@ -193,7 +193,7 @@ fn parameter(index: usize, range: Option<(i32, i32)>, moves: bool) -> FapParamet
         fap: index + 1,
         name: fap.name,
         group: GROUPS[usize::from(fap.group) - 1].0,
-        unit: fap.action.map(|action| action.unit.name()),
+        unit: fap.action.map(|action| action.unit.to_string()),
         min: range.map(|(min, _)| min),
         max: range.map(|(_, max)| max),
         moves,

@@ -86,7 +86,7 @@ pub struct Skeleton {
     /// Joints up to level of articulation 0, 1, 2, 3, 4 and 5.
     pub levels: Vec<usize>,
     /// Joints by region of the body.
-    pub regions: BTreeMap<&'static str, usize>,
+    pub regions: BTreeMap<String, usize>,
     /// Joint-name profile that fits, or nothing.
     pub profile: String,
     /// Joints of the standard up to level 2 that are not there.
@@ -118,7 +118,7 @@ pub struct Joint {
     /// Level of articulation.
     pub level: u8,
     /// Region of the body.
-    pub region: &'static str,
+    pub region: String,
 }
 
 /// One motion.
@@ -242,7 +242,12 @@ fn skeletons_of(figure: &Figure) -> Vec<Skeleton> {
             .map(|level| count(articulation, joints, |j| j.level <= level))
             .collect(),
         regions: Region::ALL
-            .map(|r| (r.name(), count(articulation, joints, |j| j.region == r)))
+            .map(|r| {
+                (
+                    r.to_string(),
+                    count(articulation, joints, |j| j.region == r),
+                )
+            })
             .into_iter()
             .filter(|(_, n)| *n > 0)
             .collect(),
@@ -290,7 +295,7 @@ fn joints_of(rig: &articula_core::Rig) -> Vec<Joint> {
             in_skin: rig.skin_joints().contains(j),
             hanim: articulation[j].hanim.clone(),
             level: articulation[j].level,
-            region: articulation[j].region.name(),
+            region: articulation[j].region.to_string(),
         })
         .collect()
 }
@@ -298,9 +303,9 @@ fn joints_of(rig: &articula_core::Rig) -> Vec<Joint> {
 fn clip_of(source: &source::Clip, figure: &Figure, index: usize, bounds: Option<Extent>) -> Clip {
     let built = &figure.asset.clips[index];
     let mut moving = BTreeSet::new();
-    moving.extend(moving_targets(built.rotations()));
-    moving.extend(moving_targets(built.translations()));
-    moving.extend(moving_targets(built.scales()));
+    moving.extend(moving_targets(&built.tracks().rotations));
+    moving.extend(moving_targets(&built.tracks().translations));
+    moving.extend(moving_targets(&built.tracks().scales));
     let joint_channels = || {
         let channels = source.channels.iter();
         channels.filter(|c| c.property.is_of_joint())
@@ -314,7 +319,7 @@ fn clip_of(source: &source::Clip, figure: &Figure, index: usize, bounds: Option<
         frames: (source.duration_secs * fps).round() as usize + 1,
         joints_animated: moving.len(),
         joints_keyed: keyed.len(),
-        morphs_animated: moving_targets(built.morphs()).count(),
+        morphs_animated: moving_targets(&built.tracks().morphs).count(),
         expressions_keyed: source
             .channels
             .iter()

@@ -36,7 +36,7 @@ fn row(asset: &CrowdAsset, count: usize) -> (CrowdPlayer, Camera) {
         crowd.place(i, Vec3::X * (2.0 * i as f32 - count as f32), 0.3);
         crowd.play(i, i % asset.clips().len(), 0.1 * i as f32);
     }
-    let bounds = asset.model().bounds();
+    let bounds = &asset.model().parts().bounds;
     let radius = |c: &articula_core::ClipBounds| c.whole().sphere.radius;
     let reach = bounds.clips.iter().map(radius).fold(1.0, f32::max);
     let eye = Vec3::new(0.0, reach, 4.0 * reach + 4.0 * count as f32);
@@ -135,7 +135,7 @@ fn a_named_level_of_unknown_joints_says_the_mend() {
     let Some(data) = real_data() else { return };
     let opened = articula::fs::open(data.join("glb/Fox.glb")).unwrap();
     let options = CrowdOptions {
-        joints: JointLods::Named(Expression::parse("loa(Low)").unwrap()),
+        joints: JointLods::Named("loa(Low)".parse::<Expression>().unwrap()),
         ..CrowdOptions::default()
     };
     let asset = asset_of(opened, &options);
@@ -227,7 +227,7 @@ fn clips_are_chosen_by_name_and_unknown_ones_are_told() {
     let name = figure.asset.clips[1].name.clone();
     let options = |name: &str| CrowdOptions {
         clips: vec![name.to_owned()],
-        joints: JointLods::Named(Expression::parse("loa(Low)").unwrap()),
+        joints: JointLods::Named("loa(Low)".parse::<Expression>().unwrap()),
         root_motion: RootMotion::Extracted,
         ..CrowdOptions::default()
     };

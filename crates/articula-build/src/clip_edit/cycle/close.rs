@@ -156,7 +156,7 @@ impl Round {
 
     fn seam(&self, first: &Posed, last: &Posed) -> f32 {
         let turn = self.step.rotation.as_quat();
-        let apart = (0..first.local.len()).map(|j| {
+        let apart = (0..first.local.rotations.len()).map(|j| {
             let [a, b] = [first, last].map(|p| p.local.rotations[j]);
             let turned = self.turned.contains(&j);
             angle_between(if turned { turn * a } else { a }, b)

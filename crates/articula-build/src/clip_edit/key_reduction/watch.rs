@@ -5,7 +5,7 @@
 //! of its space, and a box is moved most at a corner: nine points a joint bound the whole skin.
 
 use super::super::subject::{Posed, Subject};
-use articula_core::JointLever;
+use crate::motion_error::joint_lever::JointLever;
 use articula_core::source::{Clip, Property};
 use glam::{Affine3A, Vec3, Vec3A};
 

@@ -105,7 +105,12 @@ pub(crate) fn switch(
     now_secs: f64,
     clip: &LocalPose,
 ) {
-    for (joint, error) in matrix.frame(frame).iter().enumerate().take(clip.len()) {
+    for (joint, error) in matrix
+        .frame(frame)
+        .iter()
+        .enumerate()
+        .take(clip.rotations.len())
+    {
         match states.state(joint) {
             JointState::Active if *error < threshold => {
                 states.passivate(joint, now_secs, &clip.get(joint));

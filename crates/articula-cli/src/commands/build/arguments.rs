@@ -137,19 +137,21 @@ fn percent(text: &str) -> Result<f64, String> {
 }
 
 fn region_factor(text: &str) -> Result<(String, f32), String> {
-    let known = || Region::ALL.map(Region::name).join(", ");
+    let known = || Region::ALL.map(|r| r.to_string()).join(", ");
     let (name, factor) = text.split_once('=').ok_or("the form is face=8")?;
-    let region = Region::from_name(name).ok_or_else(|| format!("regions are {}", known()))?;
+    let region = name
+        .parse::<Region>()
+        .map_err(|_| format!("regions are {}", known()))?;
     match factor.parse::<f32>() {
-        Ok(x) if x > 0.0 && x <= 1e6 => Ok((region.name().to_owned(), x)),
+        Ok(x) if x > 0.0 && x <= 1e6 => Ok((region.to_string(), x)),
         _ => Err("a factor above 0, at most 1000000".into()),
     }
 }
 
 fn zone(text: &str) -> Result<(String, Zone), String> {
-    let named = Zone::from_name(text).map(|zone| (text.to_owned(), zone));
-    named.ok_or_else(|| {
-        let regions = Region::ALL.map(Region::name).join(", ");
+    let named = text.parse().map(|zone| (text.to_owned(), zone));
+    named.map_err(|_| {
+        let regions = Region::ALL.map(|r| r.to_string()).join(", ");
         format!("zones are upper, lower, face-shoulders and the regions {regions}")
     })
 }

@@ -25,7 +25,9 @@ impl Selected {
         let (named, place, moving) = match (&args.loa, &args.loa_profile) {
             (Some(text), _) => {
                 let place = format!("--loa \"{text}\"");
-                let expression = Expression::parse(text).map_err(|e| fault::usage(e.to_string()));
+                let expression = text
+                    .parse::<Expression>()
+                    .map_err(|e| fault::usage(e.to_string()));
                 let expression = expression.with_context(|| place.clone())?;
                 (text.clone(), place, MovingJoints::Expression(expression))
             }

@@ -274,7 +274,9 @@ impl CrowdArgs {
             "full" => JointLods::Whole,
             "auto" => JointLods::Merged,
             text => {
-                let parsed = Expression::parse(text).map_err(|e| fault::usage(e.to_string()));
+                let parsed = text
+                    .parse::<Expression>()
+                    .map_err(|e| fault::usage(e.to_string()));
                 JointLods::Named(parsed.with_context(|| format!("--level \"{text}\""))?)
             }
         };
@@ -490,11 +492,10 @@ fn threads(text: &str) -> Result<usize, String> {
 }
 
 fn backend(text: &str) -> Result<Backend, String> {
-    let here: Vec<&str> = Backend::ALL
-        .into_iter()
-        .filter(|b| b.is_available())
-        .map(Backend::name)
-        .collect();
-    let found = Backend::from_name(text).filter(|b| b.is_available());
-    found.ok_or_else(|| format!("this machine has {}", here.join(", ")))
+    let here = Backend::ALL.into_iter().filter(|b| b.is_available());
+    let found = text.parse().ok().filter(|b: &Backend| b.is_available());
+    found.ok_or_else(|| {
+        let here: Vec<String> = here.map(|b| b.to_string()).collect();
+        format!("this machine has {}", here.join(", "))
+    })
 }

@@ -34,7 +34,7 @@ pub(super) struct Report {
     pub(super) viewport_px: [f32; 2],
     pub(super) fov_deg: f32,
     pub(super) seed: u64,
-    pub(super) backend: &'static str,
+    pub(super) backend: String,
     pub(super) storage: String,
     pub(super) form: String,
     pub(super) palette: String,
@@ -106,7 +106,7 @@ impl Report {
                 .storage
                 .backend
                 .unwrap_or_else(articula_core::Backend::best)
-                .name(),
+                .to_string(),
             storage: name_of(args.storage.storage),
             form: name_of(args.storage.form),
             palette: name_of(args.storage.palette()),

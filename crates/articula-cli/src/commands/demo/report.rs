@@ -74,7 +74,7 @@ pub(super) struct ClipRows {
 /// One level of articulation of all clips, passive joints in their key pose.
 #[derive(Debug, Serialize)]
 pub(super) struct Level {
-    pub(super) name: &'static str,
+    pub(super) name: String,
     pub(super) joints: usize,
     pub(super) stored: AnimationSize,
     /// Share of the animation's bytes that is gone, 0 to 1.
@@ -87,7 +87,7 @@ impl Level {
         let active = loa::complexity(rig, level);
         let held = hold_joints(rig, clips, &active, PassivePolicy::KeyPose);
         Self {
-            name: level.name(),
+            name: level.to_string(),
             joints: active.intersection(rig.skin_joints()).len(),
             stored: held.after,
             saved: held.saved(),

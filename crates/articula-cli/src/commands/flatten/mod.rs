@@ -138,7 +138,6 @@ impl ConvertArgs {
                 ..OrderOptions::default()
             },
             split: (self.quality.split == Switch::On).then(SplitOptions::default),
-            ..PrepareOptions::default()
         }
     }
 

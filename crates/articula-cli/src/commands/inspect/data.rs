@@ -86,7 +86,7 @@ fn parameters(found: &DataFindings) -> Table {
         table.row([
             p.fap.to_string(),
             p.name.to_owned(),
-            p.unit.unwrap_or("-").to_owned(),
+            p.unit.as_deref().unwrap_or("-").to_owned(),
             number(p.min),
             number(p.max),
             if p.moves { "yes" } else { "no" }.to_owned(),

@@ -92,7 +92,13 @@ fn read_table(extension: &Place<'_>, levels: usize) -> Result<LevelTable, ReadEr
 fn read_row(row: &Place<'_>) -> Result<LevelRow, ReadError> {
     let error = |key| -> Result<SurfaceError, ReadError> {
         let Some(place) = row.get(key) else {
-            return Ok(SurfaceError::UNKNOWN);
+            // Nothing is known about this level.
+            return Ok(SurfaceError {
+                max_metres: f32::INFINITY,
+                p99_metres: f32::INFINITY,
+                p95_metres: f32::INFINITY,
+                mean_metres: f32::INFINITY,
+            });
         };
         let number = |key| {
             let number = place.require(key)?;

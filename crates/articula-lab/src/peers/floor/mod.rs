@@ -246,10 +246,10 @@ impl Rows {
         let (mut rotations, mut translations) = (Vec::new(), Vec::new());
         let joints = order.iter().map(|&joint| {
             let rest = rig.rest_pose().get(joint);
-            let turned = column(clip.rotations(), joint, rest.rotation, |q: Quat| {
+            let turned = column(&clip.tracks().rotations, joint, rest.rotation, |q: Quat| {
                 q.to_array()
             });
-            let moved = column(clip.translations(), joint, rest.translation, |v| {
+            let moved = column(&clip.tracks().translations, joint, rest.translation, |v| {
                 v.extend(0.0).to_array()
             });
             Joint {
@@ -286,7 +286,7 @@ impl Rows {
 /// Joints that have a scale, at rest or in the clip.
 fn scaled(rig: &Rig, clip: &Clip) -> JointSet {
     let is_one = |scale: &Vec3| scale.distance(Vec3::ONE) < 1e-5;
-    let tracks = clip.scales().iter();
+    let tracks = clip.tracks().scales.iter();
     let moved = tracks.filter(|t| !t.values.iter().all(is_one));
     let rest = rig.rest_pose().scales.iter().enumerate();
     let rest = rest.filter(|(_, scale)| !is_one(scale));

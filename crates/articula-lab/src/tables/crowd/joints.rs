@@ -42,7 +42,7 @@ pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {
     let mut shares = [Vec::new(), Vec::new()];
     for level in 0..levels {
         let kept = clips.ladder().kept(level);
-        let joints = kept as f64 / clips.ladder().len() as f64;
+        let joints = kept as f64 / clips.ladder().joints().len() as f64;
         let mut cells = vec![kept.to_string()];
         for form in 0..2 {
             let (full, timing) = (timings[1 + form], timings[1 + 2 * level + form]);

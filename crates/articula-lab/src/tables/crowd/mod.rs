@@ -139,7 +139,7 @@ pub(crate) fn write(run: &Run) -> Result<()> {
         bench.asset.rig.len(),
         bench.clip().frames(),
         bench.clip().rate_hz(),
-        Backend::best().name(),
+        Backend::best(),
     )?;
     evaluation::add(&bench, &mut report)?;
     access::add(&bench, &mut report)?;

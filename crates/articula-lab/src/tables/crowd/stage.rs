@@ -170,7 +170,7 @@ impl<'a> Stage<'a> {
             let selected = thread_ns();
             player.evaluate();
             let evaluated = thread_ns();
-            let bytes = player.crowd().matrices() * model.form().bytes();
+            let bytes = player.crowd().drawn().matrices * model.parts().form.bytes();
             most_bytes = most_bytes.max(bytes);
             costs.observe(&report.work, (evaluated - selected) as f64);
             if is_budget && number % WARM_UP == WARM_UP - 1 {
@@ -182,7 +182,7 @@ impl<'a> Stage<'a> {
             outcome.select_ms.push(1e-6 * (selected - start) as f64);
             let evaluate_ns = evaluated - selected;
             outcome.evaluate_ms.push(1e-6 * evaluate_ns as f64);
-            let records = size_of_val(player.crowd().records());
+            let records = size_of_val(player.crowd().drawn().records.as_slice());
             outcome.add(&report, bytes + records, play.frames);
             if number.is_multiple_of(8) {
                 let now = Shown {
@@ -193,8 +193,8 @@ impl<'a> Stage<'a> {
                 self.look(&now, (scene, play.look_at_one_of), &mut errors);
             }
         }
-        let mut state = Crowd::BYTES_PER_CHARACTER * count + model.clips().bytes();
-        if let (true, Some(cache)) = (play.cache != CacheUse::Never, model.cache()) {
+        let mut state = Crowd::BYTES_PER_CHARACTER * count + model.parts().clips.bytes();
+        if let (true, Some(cache)) = (play.cache != CacheUse::Never, model.parts().cache.as_ref()) {
             state += cache.bytes();
         }
         outcome.resident_mb = 1e-6 * (state + most_bytes) as f64;
@@ -220,7 +220,7 @@ impl<'a> Stage<'a> {
     }
 
     fn voice(&self, play: articula_build::Play, secs: f64) -> Voice {
-        let clips = self.asset.model().clips();
+        let clips = &self.asset.model().parts().clips;
         let duration = clips.duration_secs(play.clip);
         let at = play
             .clip_secs(secs, duration)
@@ -234,7 +234,7 @@ impl<'a> Stage<'a> {
     fn follow_fades(&self, scene: &Scene, crowd: &mut Crowd) {
         for (i, member) in scene.members.iter().enumerate() {
             if let Some(fade) = member.cross_fade
-                && !crowd.player(i).is_fading()
+                && crowd.player(i).next().is_none()
             {
                 let there = crowd.player(i).voice().clip() == fade.other.clip;
                 let next = if there { member.play } else { fade.other };

@@ -160,8 +160,10 @@ fn far_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
 }
 
 fn named_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
-    let expressions: Result<Vec<Expression>, _> =
-        NAMED.iter().map(|text| Expression::parse(text)).collect();
+    let expressions: Result<Vec<Expression>, _> = NAMED
+        .iter()
+        .map(|text| text.parse::<Expression>())
+        .collect();
     let ladder = named_ladder(asset, &mean_pose(asset), &expressions?)?;
     let levels = levels_of(asset, ladder, &LevelOptions::default())?;
     let row = |l: usize| {

@@ -1,34 +1,35 @@
-//! What a held joint costs: levers in metres, tolerances in pixels, view dependence.
+//! What a held joint costs: levers in metres, and how they look from one side.
 //!
 //! Source: `spec/motion-lod.md` 4.1 to 4.3, ours. A joint that shows rotation `b` in place of
 //! `a` moves the skin that hangs on it by at most its lever times the angle between them.
 
-use crate::math::rotation_vector;
+use crate::rotation_vector::rotation_vector;
+use articula_core::angle_between;
 use glam::{Mat3, Quat, Vec3};
 
 /// How the skin hangs on one joint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointLever {
     /// Farthest skin that the joint moves, from the joint, in the rest pose. Metres, at least
-    /// [`JointLever::FLOOR_METRES`].
+    /// one centimetre.
     pub rest_metres: f32,
     /// The same in whatever pose: the skin's weighted farthest way along the bones. A bound
     /// where `rest_metres` is an estimate, because a chain that is bent at rest can stretch.
     pub reach_metres: f32,
     /// Mean of `x x^T` over the skin below the joint, `x` the offset from the joint at rest in
     /// the joint's own frame; square metres.
-    pub second_moment: SecondMoment,
+    pub(crate) second_moment: SecondMoment,
     /// Fraction of the skin's area that the joint moves, 0 to 1.
     pub skin_share: f32,
 }
 
 /// A symmetric 3x3 matrix: xx, yy, zz, xy, xz, yz.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SecondMoment(pub [f32; 6]);
+pub(crate) struct SecondMoment(pub(crate) [f32; 6]);
 
 impl SecondMoment {
     /// Mean of `x x^T` over weighted points; zero without weight.
-    pub fn of(points: impl IntoIterator<Item = (Vec3, f32)>) -> Self {
+    pub(crate) fn of(points: impl IntoIterator<Item = (Vec3, f32)>) -> Self {
         let mut sums = [0.0f64; 6];
         let mut total = 0.0f64;
         for (p, w) in points {
@@ -77,18 +78,18 @@ impl SecondMoment {
 
 impl JointLever {
     /// Least lever, so that the skin right around a leaf joint counts.
-    pub const FLOOR_METRES: f32 = 0.01;
+    pub(crate) const FLOOR_METRES: f32 = 0.01;
 
     /// Bound on the displacement of the skin for showing `shown` in place of `wanted`, metres,
     /// by the lever at rest.
-    pub fn held_error(&self, shown: Quat, wanted: Quat) -> f32 {
-        self.rest_metres * crate::math::angle_between(shown, wanted)
+    pub(crate) fn held_error(&self, shown: Quat, wanted: Quat) -> f32 {
+        self.rest_metres * angle_between(shown, wanted)
     }
 
     /// The same as it looks from `view`, a unit direction in the joint's frame: reduced by the
     /// part of the motion that lies along the line of sight, root mean square over the skin. A
     /// joint without skin is not reduced.
-    pub fn projected_error(&self, shown: Quat, wanted: Quat, view: Vec3) -> f32 {
+    pub(crate) fn projected_error(&self, shown: Quat, wanted: Quat, view: Vec3) -> f32 {
         let rotation = rotation_vector(shown, wanted);
         let whole = self.second_moment.rms(rotation);
         let seen = self.second_moment.projected_rms(rotation, view);
@@ -99,14 +100,6 @@ impl JointLever {
         };
         self.held_error(shown, wanted) * part
     }
-}
-
-/// Tolerance in metres at a joint: `epsilon_px * attention / pixels_per_metre`.
-///
-/// `attention` lowers it where care is due (contacts, faces looked at) and raises it where
-/// little is seen; 1 is neutral.
-pub fn tolerance_metres(epsilon_px: f32, attention: f32, pixels_per_metre: f32) -> f32 {
-    epsilon_px * attention / pixels_per_metre.max(1e-6)
 }
 
 #[cfg(test)]
@@ -155,12 +148,5 @@ mod tests {
         assert!((moment.projected_rms(turn, Vec3::Z) - 0.01).abs() < 1e-7);
         assert!((moment.projected_rms(turn, Vec3::X) - 0.01).abs() < 1e-7);
         assert!(moment.projected_rms(turn, Vec3::Y) < 1e-7);
-    }
-
-    #[test]
-    fn tolerance_by_hand() {
-        // One pixel at 100 px/m is a centimetre; half the attention halves it.
-        assert!((tolerance_metres(1.0, 1.0, 100.0) - 0.01).abs() < 1e-9);
-        assert!((tolerance_metres(1.0, 0.5, 100.0) - 0.005).abs() < 1e-9);
     }
 }
