@@ -3,7 +3,6 @@
 //! Source: `spec/vector.md` 2. Differs: vertices keep their nearness instead of their depth,
 //! since nearness is linear on the screen under every projection ([`crate::projection`]).
 
-use super::drawn::Drawn;
 use super::error::PlanarError;
 use glam::{Vec2, Vec4};
 use std::collections::BTreeMap;
@@ -69,16 +68,6 @@ impl PlanarClip {
     pub(crate) fn color(&self, frame: usize, vertex: u32) -> [f32; 3] {
         let light = self.frames[frame].light[vertex as usize];
         self.albedo[vertex as usize].map(|level| level * light)
-    }
-
-    /// Number of triangles that are seen in some frame.
-    ///
-    /// O(frames x samples covered).
-    ///
-    /// # Errors
-    /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
-    pub fn triangles_seen(&self) -> Result<usize, PlanarError> {
-        Ok(Drawn::seen(self)?.ever().len())
     }
 
     /// A triangle's corners on the screen.

@@ -20,6 +20,18 @@ pub(crate) struct Drawn {
     bits: Vec<bool>,
 }
 
+impl PlanarClip {
+    /// Number of triangles that are seen in some frame.
+    ///
+    /// O(frames x samples covered).
+    ///
+    /// # Errors
+    /// What is wrong with the clip, or [`PlanarError::NothingSeen`].
+    pub fn triangles_seen(&self) -> Result<usize, PlanarError> {
+        Ok(Drawn::seen(self)?.ever().len())
+    }
+}
+
 impl Drawn {
     /// Nothing drawn yet.
     pub(crate) fn none(frames: usize, triangles: usize) -> Self {
