@@ -1,4 +1,4 @@
-//! `cargo xtask test`: all that CI runs, as one list in order.
+//! `cargo xtask test`: all that CI runs, row by row; the steps of a row run side by side.
 //!
 //! Everything that is only checked shares one build, everything that is run in tests another:
 //! on two cores compiling is most of the time.
@@ -34,7 +34,7 @@ const STEPS: &[&[Step]] = &[
     ],
 ];
 
-/// Runs every step up to the first failure and prints how long each took.
+/// Runs the rows up to the first with a failure and prints how long each step took.
 pub(crate) fn test() -> Result<()> {
     let begin = Instant::now();
     let mut times = Vec::new();

@@ -1,12 +1,12 @@
 //! Edges between crates: siblings never name each other, but for the edges that are told here;
-//! the core names two libraries.
+//! the core names one library.
 //!
 //! Only what a product links is looked at; a dev-dependency may name any crate.
 
 use super::Fault;
 use super::tree::Tree;
 
-/// Crates that meet only in the programs.
+/// Crates that meet only in the library and the programs.
 const SIBLINGS: &[&str] = &[
     "articula-formats",
     "articula-build",
@@ -26,7 +26,7 @@ const PROGRAMS: &[&str] = &["articula-cli", "articula-lab"];
 const REPORT: &str = "articula-report";
 
 /// All that the core may ever use.
-const CORE_MAY_USE: &[&str] = &["glam", "multiversion"];
+const CORE_MAY_USE: &[&str] = &["glam"];
 
 /// Finds an edge that the crate map in ARCHITECTURE.md does not draw.
 pub(crate) fn crate_edges(tree: &Tree) -> Vec<Fault> {
@@ -200,8 +200,8 @@ mod tests {
     }
 
     #[test]
-    fn the_core_uses_two_libraries_at_most() {
-        let allowed = "[dependencies]\nglam.workspace = true\nmultiversion = \"0.8\"\n";
+    fn the_core_uses_one_library_at_most() {
+        let allowed = "[dependencies]\nglam.workspace = true\n";
         assert_eq!(faults("articula-core", allowed), 0);
         assert_eq!(
             faults("articula-core", "[dependencies]\nserde = \"1\"\n"),
