@@ -7,7 +7,7 @@
 //!
 //! Source: thesis 3.1.2, `spec/clustered-mesh.md` 3 and 4. Different from both: a noun that takes
 //! its clusters in any order; how many ranges a level has is decided by who orders them
-//! (`articula_build::clusters`): at most one for each level up to it. Levels are numbered as
+//! (`articula_build::cluster`): at most one for each level up to it. Levels are numbered as
 //! everywhere, 0 the finest; the thesis counts from the coarsest.
 
 use crate::Mismatch;
@@ -145,7 +145,7 @@ impl Clusters {
     /// The triangles when every region has a level of its own. Allocates nothing.
     ///
     /// Where two regions touch, whoever made the levels keeps the seam whole
-    /// (`articula_build::clusters` says which levels may be mixed).
+    /// (`articula_build::cluster` says which levels may be mixed).
     ///
     /// # Errors
     /// A [`Mismatch`] if there is not one level for each region.

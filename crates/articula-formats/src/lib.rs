@@ -1,7 +1,7 @@
 //! How a virtual human is written down: from bytes to editable nouns, and back.
 //!
-//! Every reader takes bytes and limits, and gives a value with warnings or one error that
-//! names the place. What lies beside a file (buffers, pictures) is asked of a resolver, so
+//! Every reader takes bytes and limits, and gives a value, with warnings where it repairs, or one
+//! error that names the place. What lies beside a file (buffers, pictures) is asked of a resolver, so
 //! nothing here opens a file.
 //!
 //! - [`gltf`]: GLB and glTF 2.0, VRM files as such, in and out

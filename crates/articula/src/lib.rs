@@ -23,12 +23,14 @@
 //! - [`prepare()`]: what is made once of a character goes into its GLB: mesh levels, motion tables
 //! - [`convert()`]: between formats, clips edited, levels of articulation saved
 //! - [`flatten`]: a character in motion as animated SVG, player, Lottie or portrait
+//! - [`evaluate`]: a clip played under methods of motion level of detail, what they save and cost
 //! - [`inspect`]: what is in a file, and what is odd about it
 //!
 //! What is deliberately absent: arguments, consoles, clocks, threads, and paths outside of [`fs`].
 //! Long work takes a [`Work`], which reports steps, may end it, and hands out [`Job`]s that the
-//! caller runs on threads of its own. Units are metres, seconds and radians; +Y is up and a
-//! character faces +Z. Level 0 is the finest.
+//! caller runs on threads of its own. Units are metres, seconds and radians, but angles that a
+//! person names are degrees and say so (`_deg`); +Y is up and a character faces +Z. Level 0 is the
+//! finest.
 
 mod camera_path;
 pub mod convert;

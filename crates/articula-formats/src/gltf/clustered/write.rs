@@ -27,7 +27,7 @@ const HARMLESS: &[&str] = &[
     "KHR_materials_variants",
 ];
 
-/// The levels of one part of a mesh, as `articula_build::clusters` makes them with the order
+/// The levels of one part of a mesh, as `articula_build::cluster` makes them with the order
 /// `Store`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PartLevels<'a> {
