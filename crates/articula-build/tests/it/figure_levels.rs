@@ -1,13 +1,12 @@
 //! Levels of joints and mesh together: what they promise, and that it is so.
 
-use articula_build::ClipOptions;
+use crate::reference_human::asset_of_4000;
+use articula_build::Asset;
 use articula_build::attach;
-use articula_build::{Asset, character};
 use articula_build::{FigureLevels, figure_levels};
 use articula_build::{LevelOptions, MergedLevels, merged_levels};
 use articula_build::{PoseOptions, poses, positions};
 use articula_core::{Mesh, PosedMesh, Wrap};
-use articula_human::{HumanOptions, human};
 use glam::Vec3;
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
@@ -34,8 +33,7 @@ fn options() -> LevelOptions {
 fn someone() -> &'static Figure {
     static HUMAN: OnceLock<Figure> = OnceLock::new();
     HUMAN.get_or_init(|| {
-        let source = human(&HumanOptions { triangles: 4000 }).unwrap();
-        let asset = character(&source, None, &ClipOptions::default()).unwrap();
+        let asset = asset_of_4000().clone();
         let opts = PoseOptions {
             shaping: 3,
             ..PoseOptions::default()

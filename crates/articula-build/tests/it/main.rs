@@ -15,6 +15,7 @@ mod occluders;
 mod one_pass;
 mod pose_cache;
 mod random_figure;
+mod reference_human;
 mod retarget;
 mod simplify;
 mod surface_distance;

@@ -1,13 +1,13 @@
 //! Bounds of clips hold every vertex at every time, on random figures and on the reference human.
 
 use crate::random_figure::{RATE, Row, character_of, flat, rows, vector};
+use crate::reference_human::asset_of_4000;
 use articula_build::ClipOptions;
 use articula_build::motion_bounds;
 use articula_build::{Asset, character};
 use articula_core::{
     Clip, LocalPose, Mesh, Morph, PosedMesh, Track, Tracks, Wrap, nlerp, sample, sample_morphs,
 };
-use articula_human::{HumanOptions, human};
 use glam::Vec3;
 use proptest::prelude::*;
 
@@ -201,10 +201,9 @@ proptest! {
 
 #[test]
 fn bounds_of_the_reference_human_are_close() {
-    let source = human(&HumanOptions { triangles: 4000 }).unwrap();
-    let asset = character(&source, None, &ClipOptions::default()).unwrap();
-    let bounds = motion_bounds(&asset, 0.0).unwrap();
-    let mut body = Body::new(&asset);
+    let asset = asset_of_4000();
+    let bounds = motion_bounds(asset, 0.0).unwrap();
+    let mut body = Body::new(asset);
     for (clip, bounds) in asset.clips.iter().zip(&bounds.clips) {
         let mut least = Vec3::INFINITY;
         let mut greatest = Vec3::NEG_INFINITY;

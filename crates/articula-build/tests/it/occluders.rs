@@ -1,24 +1,14 @@
 //! What a body is said to hide, it hides: every line of sight to a capsule meets the skin first.
 
 use crate::random_figure::{RATE, character_of, flat, rows};
+use crate::reference_human::asset_of_2000;
 use articula_build::ClipOptions;
 use articula_build::occluders;
 use articula_build::{Asset, character};
 use articula_core::{Clip, Mesh, PosedMesh, Track, Tracks, Wrap};
-use articula_human::{HumanOptions, human};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
-use std::sync::OnceLock;
-
-/// The reference human, made once.
-fn someone() -> &'static Asset {
-    static HUMAN: OnceLock<Asset> = OnceLock::new();
-    HUMAN.get_or_init(|| {
-        let source = human(&HumanOptions { triangles: 2000 }).unwrap();
-        character(&source, None, &ClipOptions::default()).unwrap()
-    })
-}
 
 fn skin(asset: &Asset, clip: &Clip, secs: f64) -> Vec<DVec3> {
     let (rig, mesh) = (&asset.rig, &asset.mesh);
@@ -45,7 +35,7 @@ fn is_between(from: DVec3, to: DVec3, [a, b, c]: [DVec3; 3]) -> bool {
 
 #[test]
 fn every_line_of_sight_to_a_capsule_meets_the_skin() {
-    let asset = someone();
+    let asset = asset_of_2000();
     let mut runner = proptest::test_runner::TestRunner::deterministic();
     let unit = prop::array::uniform4(-1.0f64..1.0);
     let mut draw = || unit.new_tree(&mut runner).unwrap().current();
@@ -94,7 +84,7 @@ fn a_figure_without_an_inside_hides_nothing() {
 
 #[test]
 fn what_jumps_or_is_nowhere_hides_nothing() {
-    let asset = someone();
+    let asset = asset_of_2000();
     let clip = |step, x: f32| {
         let tracks = Tracks {
             translations: vec![Track {

@@ -1,5 +1,6 @@
 //! Mesh levels in memory are those of the file: nothing has to be written and read again.
 
+use crate::reference_human::of_2000;
 use articula_build::{
     ClipOptions, MeshLevelOptions, MeshLevels, SimplifyOptions, character, mesh_levels,
 };
@@ -7,7 +8,6 @@ use articula_core::source::Character;
 use articula_formats::Limits;
 use articula_formats::gltf::{Document, GltfFile, read};
 use articula_formats::gltf::{MeshParts, PartLevels};
-use articula_human::{HumanOptions, human};
 use glam::Vec3;
 
 fn reread(document: &Document) -> GltfFile {
@@ -18,7 +18,7 @@ fn reread(document: &Document) -> GltfFile {
 
 /// The human, one of its meshes with a morph target and colours, so that all arrays are there.
 fn source() -> Character {
-    let mut source = human(&HumanOptions { triangles: 2000 }).unwrap();
+    let mut source = of_2000().clone();
     let lips = &mut source.meshes[1];
     lips.morph_names = vec!["smile".to_owned()];
     lips.morph_weights = vec![0.0];

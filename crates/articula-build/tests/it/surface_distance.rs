@@ -1,11 +1,10 @@
 //! Distances between posed surfaces are those of the plain slow way, on random and real shapes.
 
-use articula_build::ClipOptions;
-use articula_build::{Asset, character};
+use crate::reference_human::asset_of_2000;
+use articula_build::Asset;
 use articula_build::{DistanceOptions, LevelDistances, surface_distances};
 use articula_build::{PoseOptions, poses, positions};
 use articula_core::SurfaceError;
-use articula_human::{HumanOptions, human};
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 use std::collections::BTreeMap;
@@ -241,19 +240,18 @@ fn clustered(asset: &Asset, cell_metres: f32) -> Triangles {
 
 #[test]
 fn a_human_in_motion_is_measured_as_the_slow_way_does() {
-    let source = human(&HumanOptions { triangles: 2000 }).unwrap();
-    let asset = character(&source, None, &ClipOptions::default()).unwrap();
+    let asset = asset_of_2000();
     let found = poses(
-        &asset,
+        asset,
         &PoseOptions {
             measuring: 3,
             ..PoseOptions::default()
         },
     )
     .unwrap();
-    let motion = positions(&asset, &found.measuring);
-    let rest = positions(&asset, &found.shaping[..1]).remove(0);
-    let levels = [clustered(&asset, 0.05), clustered(&asset, 0.1)];
+    let motion = positions(asset, &found.measuring);
+    let rest = positions(asset, &found.shaping[..1]).remove(0);
+    let levels = [clustered(asset, 0.05), clustered(asset, 0.1)];
     let original = &asset.mesh.triangles;
     let opts = DistanceOptions {
         face_centres: 0,

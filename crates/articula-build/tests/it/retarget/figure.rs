@@ -1,14 +1,13 @@
 //! Figures for the tests: the reference human, bound again in any pose and with any axes, with
 //! fewer joints, other sizes and other limbs.
 
+use crate::reference_human::of_2000;
 use articula_build::retarget::{Figure, RetargetOptions, Retargeted, Retargeter};
 use articula_core::source::{Channel, Clip, Interpolation, Joint, Property, Skeleton, evaluate};
 use articula_core::{
     Articulation, JointArticulation, LocalPose, Mismatch, Region, Transform, same_hemisphere,
 };
-use articula_human::{HumanOptions, human};
 use glam::{Affine3A, Mat4, Quat, Vec3};
-use std::sync::OnceLock;
 
 /// A figure with its motions.
 #[derive(Debug, Clone)]
@@ -30,17 +29,12 @@ pub(crate) fn retarget(
 
 /// The reference human, arms hanging, with `idle`, `walk` and `wave`.
 pub(crate) fn reference() -> Human {
-    // Its body takes a while to make.
-    static MADE: OnceLock<Human> = OnceLock::new();
-    let make = || {
-        let character = human(&HumanOptions { triangles: 2_000 }).unwrap();
-        Human {
-            articulation: character.articulation.unwrap(),
-            skeleton: character.skeleton,
-            clips: character.clips,
-        }
-    };
-    MADE.get_or_init(make).clone()
+    let character = of_2000().clone();
+    Human {
+        articulation: character.articulation.unwrap(),
+        skeleton: character.skeleton,
+        clips: character.clips,
+    }
 }
 
 impl Human {
