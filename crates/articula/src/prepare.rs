@@ -7,8 +7,8 @@ use crate::motion_tables::{ClipTables, POSE_KEYS, SEGS, TableMaker};
 use crate::open::{GltfSource, Opened};
 use crate::work::Work;
 use articula_core::Mesh;
+use articula_formats::Limits;
 use articula_formats::gltf::{self, Document};
-use articula_formats::{Limits, Resolver};
 
 /// What is prepared.
 #[derive(Debug, Clone, PartialEq)]
@@ -84,7 +84,7 @@ pub fn prepare(opened: Opened, options: &PrepareOptions, work: &Work<'_>) -> Res
 fn with_document(mut opened: Opened) -> Result<(Opened, GltfSource)> {
     let Some(mut gltf) = opened.gltf.take() else {
         let document = Document::from_character(&opened.character)?;
-        return reread(opened, &document);
+        return shown_by(document, opened);
     };
     if !opened.clips_changed {
         return Ok((opened, gltf));
@@ -92,23 +92,20 @@ fn with_document(mut opened: Opened) -> Result<(Opened, GltfSource)> {
     let clips = &opened.character.clips;
     let (joints, meshes) = (&gltf.node_of_joint, &gltf.node_of_mesh);
     gltf.document.replace_clips(clips, joints, meshes)?;
-    let (mut opened, again) = reread(opened, &gltf.document)?;
+    let before = gltf.node_of_joint;
+    let (mut opened, again) = shown_by(gltf.document, opened)?;
     // Nodes that only clips moved are no joints without them.
     let joints = &mut opened.mapping.articulation.joints;
-    let was = |node: &usize| Some(joints[joint_of(&gltf, *node)?].clone());
+    let joint_of = |node: &usize| before.iter().position(|n| n == node);
+    let was = |node: &usize| Some(joints[joint_of(node)?].clone());
     *joints = again.node_of_joint.iter().filter_map(was).collect();
     opened.clips_changed = false;
     Ok((opened, again))
 }
 
-fn joint_of(gltf: &GltfSource, node: usize) -> Option<usize> {
-    gltf.node_of_joint.iter().position(|n| *n == node)
-}
-
-/// A character as a document shows it.
-fn reread(mut opened: Opened, document: &Document) -> Result<(Opened, GltfSource)> {
-    let nothing: &mut Resolver<'_> = &mut |_: &str| Err("a GLB has nothing beside it".into());
-    let file = gltf::read(&document.write_glb()?, &Limits::default(), nothing)?.value;
+/// A character as a document shows it: joints, meshes and clips in the document's order.
+fn shown_by(document: Document, mut opened: Opened) -> Result<(Opened, GltfSource)> {
+    let file = gltf::read_document(document, &Limits::default())?.value;
     let (character, gltf) = GltfSource::split(file);
     opened.character = character;
     Ok((opened, gltf))

@@ -130,6 +130,23 @@ pub fn read(
 ) -> Result<Read<GltfFile>, ReadError> {
     let mut notes = Notes::default();
     let document = Document::open(bytes, limits, resolver, &mut notes)?;
+    read_noted(document, limits, notes)
+}
+
+/// Reads a document that is in memory: gives what [`read`] gives of the bytes it would be written
+/// as.
+///
+/// # Errors
+/// Those of [`read`], but for a missing buffer.
+pub fn read_document(document: Document, limits: &Limits) -> Result<Read<GltfFile>, ReadError> {
+    read_noted(document, limits, Notes::default())
+}
+
+fn read_noted(
+    document: Document,
+    limits: &Limits,
+    notes: Notes,
+) -> Result<Read<GltfFile>, ReadError> {
     let mut reader = Reader::new(&document, limits, notes);
     let tree = node::read_tree(&reader)?;
     let skins = skin::read_all(&mut reader, tree.len())?;

@@ -3,13 +3,19 @@
 use super::tiny::{Tiny, read};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
 use articula_core::{Articulation, JointArticulation, Region};
-use articula_formats::WriteError;
-use articula_formats::gltf::{Document, GltfFile};
+use articula_formats::gltf::{Document, GltfFile, read_document};
+use articula_formats::{Limits, WriteError};
 use serde_json::{Value, json};
 
+/// What the bytes of a document are read as; read from memory it is the same.
 fn written(document: &Document) -> GltfFile {
     let file = read(&document.write_glb().unwrap()).unwrap();
     assert_eq!(file.warnings, []);
+    let alone = read_document(document.clone(), &Limits::default()).unwrap();
+    assert_eq!(alone.warnings, []);
+    assert_eq!(alone.value.character, file.value.character);
+    assert_eq!(alone.value.node_of_joint, file.value.node_of_joint);
+    assert_eq!(alone.value.node_of_mesh, file.value.node_of_mesh);
     file.value
 }
 
