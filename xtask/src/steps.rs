@@ -23,14 +23,16 @@ const STEPS: &[&[Step]] = &[
         ("oracle packages", node::install),
         ("oracle browser", node::browser),
     ],
-    &[("build of the tests", build_tests)],
+    &[
+        ("build of the tests", build_tests),
+        ("oracle self-test", node::self_test),
+    ],
     &[("unit tests", unit_tests), ("other tests", other_tests)],
     &[
         ("examples", examples),
         ("documentation", documentation),
         ("wasm build", wasm::check),
         ("tidy", tidy_step),
-        ("oracle self-test", node::self_test),
     ],
 ];
 
