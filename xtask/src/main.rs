@@ -23,7 +23,7 @@ Usage: cargo xtask <CHORE>
 
 Chores:
   demo     Run the main job and say where to look (articula-demo/index.html)
-  test     Run everything that CI runs, in order, up to the first failure
+  test     Run everything that CI runs, row by row, up to the first row with a failure
   tidy     Check what lints cannot: crate edges, file sizes, names, records
   golden   Renew the golden files, then show which of them changed
 

@@ -11,6 +11,8 @@
 
 mod attach;
 mod skin_point;
+#[cfg(test)]
+mod slow;
 mod tree;
 
 pub use attach::attach;

@@ -18,4 +18,6 @@ mod random_figure;
 mod reference_human;
 mod retarget;
 mod simplify;
+#[path = "../../src/surface_distance/slow.rs"]
+mod slow;
 mod surface_distance;

@@ -723,4 +723,45 @@ mod tests {
             }
         }
     }
+
+    proptest! {
+        /// Acceptance test 13's half for visibility: a camera that moves, turns and runs into a
+        /// body that comes to meet it never sees it denser than was foretold.
+        #[test]
+        fn a_dolly_keeps_the_bound(
+            eye in vector(20.0),
+            way in vector(1.0),
+            axis in vector(1.0),
+            speeds in (0.0f32..8.0, 0.0f32..8.0, 0.0f32..2.0),
+            growth in 0.01f32..1.0,
+        ) {
+            let (camera_speed, body_speed, turning) = speeds;
+            let closing = Closing { metres_per_sec: camera_speed + body_speed, radians_per_sec: turning };
+            let start = Camera::looking_at(eye, Vec3::ZERO, Viewport::default());
+            let crowd = |position| Crowd::of(&[(position, 0.0)]);
+            let before = crowd(Vec3::ZERO).seen(&[View::of(&start)])[0];
+            let secs = secs_until_grown(&[View::of(&start)], BALL, before, growth, closing);
+            prop_assert!(secs > 0.0 || before.visibility != Visibility::Visible);
+            // Towards each other most of the time, whatever the random way says.
+            let inwards = (way - eye.normalize_or_zero()).normalize_or_zero();
+            for step in 0..=20 {
+                let t = secs.min(10.0) * step as f32 / 20.0;
+                let turned = Quat::from_scaled_axis(axis.normalize_or_zero() * (turning * t));
+                let camera = Camera {
+                    eye: eye + inwards * (camera_speed * t),
+                    orientation: turned * start.orientation,
+                    ..start
+                };
+                let position = -inwards * (body_speed * t);
+                let seen = crowd(position).seen(&[View::of(&camera)])[0];
+                let limit = before.pixels_per_metre * (1.0 + growth) * 1.0001;
+                prop_assert!(
+                    before.visibility != Visibility::Visible
+                        || seen.visibility != Visibility::Visible
+                        || seen.pixels_per_metre <= limit,
+                    "{} above {limit} after {t} s of {secs}", seen.pixels_per_metre
+                );
+            }
+        }
+    }
 }

@@ -5,8 +5,8 @@
 //! made from BVH files by the converter below, whose places come from the BVH reader.
 
 use crate::real;
-use articula_core::LocalPose;
-use articula_core::source::{Character, Property, evaluate};
+use crate::world::matrices as world;
+use articula_core::source::{Character, Property};
 use articula_formats::bva;
 use articula_formats::{Limits, Read, ReadError, bvh, profile};
 use articula_formats::{MotionFile, ReadOptions, Up};
@@ -31,25 +31,6 @@ INCHES INCHES INCHES DEGREES DEGREES DEGREES RATIO RATIO RATIO
 
 fn read(text: &str) -> Result<Read<MotionFile>, ReadError> {
     bva::read(text.as_bytes(), &ReadOptions::default(), &Limits::default())
-}
-
-fn world(character: &Character, time_secs: f32) -> Vec<Affine3A> {
-    let skeleton = &character.skeleton;
-    let rests = || skeleton.joints.iter().map(|j| j.rest);
-    let mut pose = LocalPose {
-        translations: rests().map(|r| r.translation).collect(),
-        rotations: rests().map(|r| r.rotation).collect(),
-        scales: rests().map(|r| r.scale).collect(),
-    };
-    if let Some(clip) = character.clips.first() {
-        evaluate::pose(clip, skeleton, time_secs, &mut pose);
-    }
-    let mut matrices: Vec<Affine3A> = Vec::new();
-    for (index, joint) in skeleton.joints.iter().enumerate() {
-        let local = pose.get(index).to_affine();
-        matrices.push(joint.parent.map_or(local, |p| matrices[p] * local));
-    }
-    matrices
 }
 
 fn near(a: Vec3, b: Vec3) -> bool {

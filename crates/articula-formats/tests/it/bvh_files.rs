@@ -1,13 +1,13 @@
 //! Promise: BVH files of every family are read in metres and upright, and survive writing.
 
 use crate::real::bytes;
-use articula_core::LocalPose;
-use articula_core::source::{Character, Property, evaluate};
+use crate::world::places as world;
+use articula_core::source::{Character, Property};
 use articula_formats::bvh::{self, ChannelOrder, WriteOptions};
 use articula_formats::profile;
 use articula_formats::{Limits, ReadError};
 use articula_formats::{MotionFile, ReadOptions, Up};
-use glam::{Affine3A, Quat, Vec3};
+use glam::{Quat, Vec3};
 
 fn read(bytes: &[u8]) -> MotionFile {
     let read = bvh::read(bytes, &ReadOptions::default(), &Limits::default());
@@ -22,25 +22,6 @@ fn plain(text: &str) -> Result<articula_formats::Read<MotionFile>, ReadError> {
         ..ReadOptions::default()
     };
     bvh::read(text.as_bytes(), &options, &Limits::default())
-}
-
-fn world(character: &Character, time_secs: f32) -> Vec<Vec3> {
-    let skeleton = &character.skeleton;
-    let rests = || skeleton.joints.iter().map(|j| j.rest);
-    let mut pose = LocalPose {
-        translations: rests().map(|r| r.translation).collect(),
-        rotations: rests().map(|r| r.rotation).collect(),
-        scales: rests().map(|r| r.scale).collect(),
-    };
-    if let Some(clip) = character.clips.first() {
-        evaluate::pose(clip, skeleton, time_secs, &mut pose);
-    }
-    let mut matrices: Vec<Affine3A> = Vec::new();
-    for (index, joint) in skeleton.joints.iter().enumerate() {
-        let local = pose.get(index).to_affine();
-        matrices.push(joint.parent.map_or(local, |p| matrices[p] * local));
-    }
-    matrices.iter().map(|m| m.translation.into()).collect()
 }
 
 fn height(character: &Character) -> f32 {

@@ -19,4 +19,5 @@ mod profile_characters;
 mod real;
 mod simplified_characters;
 mod thinned;
+mod world;
 mod x3d;

@@ -45,7 +45,7 @@ pub(crate) struct PartSizes {
     pub inputs: usize,
 }
 
-/// Bytes of a container.
+/// Writes a clip as the bytes that the player reads.
 pub fn encode(clip: &PlayerClip) -> Vec<u8> {
     encode_parts(clip).0
 }

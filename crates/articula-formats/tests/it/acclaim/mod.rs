@@ -6,12 +6,12 @@ mod hand;
 mod hostile;
 mod written;
 
-use articula_core::LocalPose;
-use articula_core::source::{Character, evaluate};
+use crate::world::places as world;
+use articula_core::source::Character;
 use articula_formats::acclaim;
 use articula_formats::{Limits, Read, ReadError};
 use articula_formats::{MotionFile, ReadOptions, Up};
-use glam::{Affine3A, Vec3};
+use glam::Vec3;
 
 /// A thigh with axes of its own, a shin that shares them, and a connecting bone to an arm.
 /// Written from the format's description, not by us.
@@ -96,26 +96,6 @@ fn plain(asf: &str, amc: Option<&str>) -> Result<Read<MotionFile>, ReadError> {
     };
     let amc = amc.map(str::as_bytes);
     acclaim::read(asf.as_bytes(), amc, &options, &Limits::default())
-}
-
-/// Places of all joints in model space; at rest without a clip.
-fn world(character: &Character, time_secs: f32) -> Vec<Vec3> {
-    let skeleton = &character.skeleton;
-    let rests = || skeleton.joints.iter().map(|j| j.rest);
-    let mut pose = LocalPose {
-        translations: rests().map(|r| r.translation).collect(),
-        rotations: rests().map(|r| r.rotation).collect(),
-        scales: rests().map(|r| r.scale).collect(),
-    };
-    if let Some(clip) = character.clips.first() {
-        evaluate::pose(clip, skeleton, time_secs, &mut pose);
-    }
-    let mut matrices: Vec<Affine3A> = Vec::new();
-    for (index, joint) in skeleton.joints.iter().enumerate() {
-        let local = pose.get(index).to_affine();
-        matrices.push(joint.parent.map_or(local, |p| matrices[p] * local));
-    }
-    matrices.iter().map(|m| m.translation.into()).collect()
 }
 
 fn at_rest(character: &Character) -> Vec<Vec3> {
