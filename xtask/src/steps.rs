@@ -7,8 +7,9 @@ use crate::chores::{cargo, root, run, tidy};
 use crate::outcome::Outcome;
 use crate::{node, wasm};
 use anyhow::{Context, Result, bail};
-use std::path::PathBuf;
-use std::process::Command;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::time::Instant;
 
 /// One step: the name a person reads, and what it does.
@@ -27,7 +28,11 @@ const STEPS: &[&[Step]] = &[
         ("build of the tests", build_tests),
         ("oracle self-test", node::self_test),
     ],
-    &[("unit tests", unit_tests), ("other tests", other_tests)],
+    &[
+        ("unit tests", unit_tests),
+        ("other tests", other_tests),
+        ("tests of the program", program_tests),
+    ],
     &[
         ("examples", examples),
         ("documentation", documentation),
@@ -107,14 +112,43 @@ fn unit_tests() -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The tests that are programs of their own.
+/// The tests that are programs of their own, but for those of the command line.
 fn other_tests() -> Result<Outcome> {
     // A passing test's own words are not shown, so what they skip is said here.
     if !data_folder().is_dir() {
         println!("skipped: no data (tests on real characters; set ARTICULA_DATA)");
     }
-    run(cargo().args(["test", "--workspace", "--test", "*"]))?;
+    let but = ["--exclude", PROGRAM, "--test", "*"];
+    run(cargo().args(["test", "--workspace"]).args(but))?;
     Ok(Outcome::Done)
+}
+
+/// Package of the command line.
+const PROGRAM: &str = "articula-cli";
+
+/// The tests of the command line, which take as long as those of all libraries together. Started
+/// without cargo: `cargo test --package` would build everything anew, with the features that this
+/// package alone asks for.
+fn program_tests() -> Result<Outcome> {
+    let words = ["test", "--workspace", "--no-run", "--message-format=json"];
+    let built = cargo().args(words).stderr(Stdio::null()).output()?;
+    anyhow::ensure!(built.status.success(), "the tests do not build");
+    let folder = root().join("crates").join(PROGRAM);
+    let tests = test_program(&String::from_utf8_lossy(&built.stdout), &folder)
+        .context("cargo names no test program of the command line")?;
+    run(Command::new(tests).current_dir(folder))?;
+    Ok(Outcome::Done)
+}
+
+/// The executable of a package's one test program, from the messages of cargo.
+fn test_program(messages: &str, package: &Path) -> Option<PathBuf> {
+    let manifest = package.join("Cargo.toml");
+    let messages = messages.lines().map(serde_json::from_str::<Value>);
+    let mut programs = messages.flatten().filter(|message| {
+        let is_test = message["target"]["kind"][0] == "test";
+        is_test && message["manifest_path"].as_str().map(Path::new) == Some(&manifest)
+    });
+    programs.next()?["executable"].as_str().map(PathBuf::from)
 }
 
 fn data_folder() -> PathBuf {
