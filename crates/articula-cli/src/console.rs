@@ -2,7 +2,7 @@
 
 use crate::fault;
 use anyhow::Context;
-use articula::{Job, Step, Work};
+use articula::{Job, Step, Executor};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -66,7 +66,7 @@ impl Console {
     /// Does a work of the library: its steps as bars, its jobs on all processors.
     pub(crate) fn work<T>(
         &self,
-        make: impl FnOnce(&Work<'_>) -> articula::Result<T>,
+        make: impl FnOnce(&Executor<'_>) -> articula::Result<T>,
     ) -> articula::Result<T> {
         let shown: Mutex<Option<(&'static str, ProgressBar)>> = Mutex::new(None);
         let on_step = |step: Step| {
@@ -108,8 +108,8 @@ impl Console {
 }
 
 /// A work of the library whose jobs run on all processors; its steps show nothing.
-pub(crate) fn on_all_processors<'a>() -> Work<'a> {
-    Work::default().run_jobs(&run_jobs)
+pub(crate) fn on_all_processors<'a>() -> Executor<'a> {
+    Executor::default().run_jobs(&run_jobs)
 }
 
 fn run_jobs(jobs: &mut [Job<'_>]) {

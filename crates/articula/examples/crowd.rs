@@ -1,15 +1,15 @@
 //! A crowd of a thousand of your own character; motions of other files are put onto it.
 
 use articula::crowd::{Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Viewport};
-use articula::{AddClipsOptions, Figure, Result, Work, fs, glam::Vec3, reference_human};
+use articula::{AddClipsOptions, Figure, Result, Executor, fs, glam::Vec3, reference_human};
 
 fn main() -> Result<()> {
     let mut files = std::env::args().skip(1);
     let mut opened = files.next().map_or_else(reference_human, fs::open)?;
     let motions = files.map(fs::open).collect::<Result<Vec<_>>>()?;
-    opened.add_clips(&motions, &AddClipsOptions::default(), &Work::default())?;
+    opened.add_clips(&motions, &AddClipsOptions::default(), &Executor::default())?;
     let figure = Figure::new(opened)?;
-    let asset = CrowdAsset::new(&figure, &CrowdOptions::default(), &Work::default())?;
+    let asset = CrowdAsset::new(&figure, &CrowdOptions::default(), &Executor::default())?;
     let mut crowd = CrowdPlayer::new(&asset, 1000)?;
     for i in 0..1000 {
         let place = Vec3::new((i % 40) as f32, 0.0, (i / 40) as f32);

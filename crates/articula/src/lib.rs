@@ -27,7 +27,7 @@
 //! - [`inspect`]: what is in a file, and what is odd about it
 //!
 //! What is deliberately absent: arguments, consoles, clocks, threads, and paths outside of [`fs`].
-//! Long work takes a [`Work`], which reports steps, may end it, and hands out [`Job`]s that the
+//! Long work takes a [`Executor`], which reports steps, may end it, and hands out [`Job`]s that the
 //! caller runs on threads of its own. Units are metres, seconds and radians, but angles that a
 //! person names are degrees and say so (`_deg`); +Y is up and a character faces +Z. Level 0 is the
 //! finest.
@@ -61,7 +61,7 @@ pub use open::{
     conversions, open, open_data, readable, reference_human,
 };
 pub use prepare::{PrepareOptions, Prepared, prepare};
-pub use work::{Job, OnStep, RunJobs, Step, Work};
+pub use work::{Job, OnStep, RunJobs, Step, Executor};
 
 pub use articula_core::{Camera, PosedMesh, SkinnedMesh, Viewport, Wrap, sample, sample_morphs};
 pub use glam;

@@ -5,7 +5,7 @@ use crate::figure::Figure;
 use crate::mesh_levels::{self, CodedMeshLevels, MeshLevelOptions};
 use crate::motion_tables::{ClipTables, POSE_KEYS, SEGS, TableMaker};
 use crate::open::{GltfSource, Opened};
-use crate::work::Work;
+use crate::work::Executor;
 use articula_core::Mesh;
 use articula_formats::Limits;
 use articula_formats::gltf::{self, Document};
@@ -52,7 +52,7 @@ pub struct Prepared {
 /// # Errors
 /// An [`Error`](crate::Error) that names the file and what of it does not fit, or
 /// [`Error::Cancelled`](crate::Error::Cancelled).
-pub fn prepare(opened: Opened, options: &PrepareOptions, work: &Work<'_>) -> Result<Prepared> {
+pub fn prepare(opened: Opened, options: &PrepareOptions, work: &Executor<'_>) -> Result<Prepared> {
     let name = opened.name.clone();
     let (opened, mut gltf) = with_document(opened).with_context(|| &name)?;
     let mut figure = Figure::new(opened)?;

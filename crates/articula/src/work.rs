@@ -50,15 +50,15 @@ pub type RunJobs<'a> = &'a (dyn Fn(&mut [Job<'_>]) + Sync);
 /// How a long work reports, whether it may go on, and who runs its jobs.
 ///
 /// ```
-/// use articula::{Work, Step};
+/// use articula::{Executor, Step};
 /// use std::ops::ControlFlow;
 ///
 /// let say = |step: Step| {
 ///     eprintln!("{} {}/{}", step.what, step.done, step.of);
 ///     ControlFlow::Continue(())
 /// };
-/// let work = Work::default().on_step(&say);
-/// let on_threads = Work::default().run_jobs(&|jobs| {
+/// let work = Executor::default().on_step(&say);
+/// let on_threads = Executor::default().run_jobs(&|jobs| {
 ///     std::thread::scope(|threads| {
 ///         for job in jobs {
 ///             threads.spawn(|| job.run());
@@ -68,12 +68,12 @@ pub type RunJobs<'a> = &'a (dyn Fn(&mut [Job<'_>]) + Sync);
 /// # let _ = (work, on_threads);
 /// ```
 #[derive(Clone, Copy, Default)]
-pub struct Work<'a> {
+pub struct Executor<'a> {
     on_step: Option<OnStep<'a>>,
     run_jobs: Option<RunJobs<'a>>,
 }
 
-impl fmt::Debug for Work<'_> {
+impl fmt::Debug for Executor<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Work")
             .field("on_step", &self.on_step.is_some())
@@ -82,7 +82,7 @@ impl fmt::Debug for Work<'_> {
     }
 }
 
-impl<'a> Work<'a> {
+impl<'a> Executor<'a> {
     /// Reports every part of a step.
     #[must_use]
     pub fn on_step(self, on_step: OnStep<'a>) -> Self {
@@ -177,10 +177,10 @@ mod tests {
         let items = || (0..20u32).collect::<Vec<_>>();
         let square = |x: u32| Ok(x * x);
         let expected: Vec<u32> = (0..20).map(|x| x * x).collect();
-        let plain = Work::default();
+        let plain = Executor::default();
         assert_eq!(plain.map("x", items(), square).unwrap(), expected);
         let backwards = |jobs: &mut [Job<'_>]| jobs.iter_mut().rev().skip(3).for_each(Job::run);
-        let work = Work::default().run_jobs(&backwards);
+        let work = Executor::default().run_jobs(&backwards);
         assert_eq!(work.map("x", items(), square).unwrap(), expected);
         let threads = |jobs: &mut [Job<'_>]| {
             std::thread::scope(|scope| {
@@ -189,7 +189,7 @@ mod tests {
                 }
             });
         };
-        let work = Work::default().run_jobs(&threads);
+        let work = Executor::default().run_jobs(&threads);
         assert_eq!(work.map("x", items(), square).unwrap(), expected);
     }
 
@@ -200,7 +200,7 @@ mod tests {
             5 => ControlFlow::Break(()),
             _ => ControlFlow::Continue(()),
         };
-        let work = Work::default().on_step(&stop);
+        let work = Executor::default().on_step(&stop);
         let count = |_: u32| Ok(made.fetch_add(1, Ordering::Relaxed));
         let result = work.map("x", (0..20).collect(), count);
         assert!(matches!(result, Err(Error::Cancelled)));

@@ -2,7 +2,7 @@
 
 use super::stage::{Settings, Stage};
 use anyhow::Context;
-use articula::crowd::{Allowance, CrowdAsset, CrowdPlayer, DetailGoal, PoseSource};
+use articula::crowd::{FrameBudget, CrowdAsset, CrowdPlayer, DetailGoal, PoseSource};
 use articula_build::Scene;
 use articula_core::{Camera, Viewport};
 use articula_flat::Picture;
@@ -20,7 +20,7 @@ pub(crate) fn draw(
 ) -> anyhow::Result<Picture> {
     let mut stage = Stage::new(asset, scene, settings)?;
     let allowance = match settings.detail {
-        DetailGoal::Budget { ms, .. } => Some(Allowance::of_ns(1e6 * ms)),
+        DetailGoal::Budget { ms, .. } => Some(FrameBudget::of_ns(1e6 * ms)),
         _ => None,
     };
     stage.plan(0.0, allowance.as_ref())?;

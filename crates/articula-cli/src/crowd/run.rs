@@ -7,7 +7,7 @@ use super::stage::{DISPLAY_HZ, Settings, Stage};
 use super::timing::{Spread, thread_ns};
 use crate::console::Console;
 use articula::crowd::{
-    Allowance, BudgetAllocator, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter,
+    FrameBudget, BudgetController, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter,
     ErrorSample, ErrorSummary, LevelTally, LevelUse, PaletteHash,
 };
 use articula_build::Scene;
@@ -143,10 +143,10 @@ fn timed(
     scene: &Scene,
     settings: Settings,
     console: &Console,
-) -> anyhow::Result<(Vec<FrameTime>, Vec<Allowance>)> {
+) -> anyhow::Result<(Vec<FrameTime>, Vec<FrameBudget>)> {
     let mut stage = Stage::new(asset, scene, settings)?;
     let mut budget = match settings.detail {
-        DetailGoal::Budget { ms, .. } => Some(BudgetAllocator::new(ms)),
+        DetailGoal::Budget { ms, .. } => Some(BudgetController::new(ms)),
         _ => None,
     };
     let mut allowances = Vec::new();
@@ -154,7 +154,7 @@ fn timed(
     let bar = console.progress("playing", 1);
     for frame in 0..WARM_UP_FRAMES + settings.frames {
         let (clock, start) = (Instant::now(), thread_ns());
-        let allowance = budget.as_mut().map(BudgetAllocator::decide);
+        let allowance = budget.as_mut().map(BudgetController::decide);
         let report = stage.plan(step_secs(frame), allowance.as_ref())?;
         let tick_ns = (thread_ns() - start) as f64;
         let evaluate_ns = stage.evaluate() as f64;
@@ -180,7 +180,7 @@ fn looked_at(
     asset: &CrowdAsset,
     scene: &Scene,
     settings: Settings,
-    allowances: &[Allowance],
+    allowances: &[FrameBudget],
     (seed, console): (u64, &Console),
 ) -> anyhow::Result<Run> {
     let mut stage = Stage::new(asset, scene, settings)?;
@@ -256,7 +256,7 @@ fn looked_at(
 }
 
 /// What the budget made of the frames that count.
-fn budget_of(reports: &[(CrowdReport, usize)], allowances: &[Allowance]) -> Option<BudgetFound> {
+fn budget_of(reports: &[(CrowdReport, usize)], allowances: &[FrameBudget]) -> Option<BudgetFound> {
     let found: Vec<FrameReport> = reports.iter().filter_map(|r| r.0.budget).collect();
     if found.is_empty() {
         return None;

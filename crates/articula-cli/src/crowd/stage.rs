@@ -3,7 +3,7 @@
 use super::timing::thread_ns;
 use anyhow::Context;
 use articula::crowd::{
-    Allowance, CacheUse, CrowdAsset, CrowdReport, DetailGoal, FramePart, SceneOptions, ScenePlayer,
+    FrameBudget, CacheUse, CrowdAsset, CrowdReport, DetailGoal, FramePart, SceneOptions, ScenePlayer,
 };
 use articula_build::Scene;
 use rayon::ThreadPool;
@@ -68,7 +68,7 @@ impl<'a> Stage<'a> {
     pub(crate) fn plan(
         &mut self,
         dt_secs: f64,
-        allowance: Option<&Allowance>,
+        allowance: Option<&FrameBudget>,
     ) -> anyhow::Result<CrowdReport> {
         Ok(self.scene.plan(dt_secs, allowance)?)
     }

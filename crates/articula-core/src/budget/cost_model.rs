@@ -10,7 +10,7 @@ use std::ops::{Add, AddAssign};
 
 /// How much was computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Work {
+pub struct Workload {
     /// Characters that were evaluated at all.
     pub characters: u64,
     /// Joints whose channels were sampled.
@@ -21,7 +21,7 @@ pub struct Work {
     pub matrices: u64,
 }
 
-impl Work {
+impl Workload {
     fn parts(&self) -> [f64; 4] {
         [
             self.characters as f64,
@@ -32,7 +32,7 @@ impl Work {
     }
 }
 
-impl Add for Work {
+impl Add for Workload {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
@@ -45,7 +45,7 @@ impl Add for Work {
     }
 }
 
-impl AddAssign for Work {
+impl AddAssign for Workload {
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
     }
@@ -100,11 +100,11 @@ const PERSISTENT: u32 = 8;
 /// Running means of unit costs; one that observes nothing never changes.
 ///
 /// ```
-/// use articula_core::budget::{CostModel, Work};
+/// use articula_core::budget::{CostModel, Workload};
 ///
 /// // What one character at some level takes, and a frame of a thousand of them.
-/// let one = Work { characters: 1, sampled_joints: 24, fk_joints: 24, matrices: 24 };
-/// let all = (0..1000).fold(Work::default(), |sum, _| sum + one);
+/// let one = Workload { characters: 1, sampled_joints: 24, fk_joints: 24, matrices: 24 };
+/// let all = (0..1000).fold(Workload::default(), |sum, _| sum + one);
 /// let mut model = CostModel::default();
 /// for _ in 0..50 {
 ///     model.observe(&all, 80_000.0);
@@ -152,7 +152,7 @@ impl CostModel {
     }
 
     /// Expected time of some work, nanoseconds.
-    pub fn cost_ns(&self, work: &Work) -> f64 {
+    pub fn cost_ns(&self, work: &Workload) -> f64 {
         dot(&self.costs, &work.parts())
     }
 
@@ -176,7 +176,7 @@ impl CostModel {
     /// Learns from one stretch of work and the nanoseconds it took, by the caller's clock. A time
     /// far out of line, such as that of a frame that was interrupted, is not believed; eight in a
     /// row are. Returns whether it was believed.
-    pub fn observe(&mut self, work: &Work, measured_ns: f64) -> bool {
+    pub fn observe(&mut self, work: &Workload, measured_ns: f64) -> bool {
         let expected = self.cost_ns(work);
         let sound = measured_ns > 0.0 && measured_ns.is_finite() && expected > 0.0;
         if !sound {
@@ -284,7 +284,7 @@ mod tests {
     #[test]
     fn one_in_twenty_takes_longer_than_what_is_spendable() {
         let mut model = CostModel::default();
-        let work = Work {
+        let work = Workload {
             characters: 100,
             fk_joints: 3000,
             sampled_joints: 3000,
@@ -322,9 +322,9 @@ mod tests {
     }
 
     /// Frames of up to a thousand characters at several levels.
-    fn frame(state: &mut u32) -> Work {
+    fn frame(state: &mut u32) -> Workload {
         let mut piece = |most: f64| (most * random(state)) as u64;
-        Work {
+        Workload {
             characters: 100 + piece(900.0),
             sampled_joints: 1000 + piece(40_000.0),
             fk_joints: 1000 + piece(60_000.0),
@@ -355,7 +355,7 @@ mod tests {
             fk_joint_ns: 1.0,
             matrix_ns: 1.0,
         });
-        let sampled = |n| Work {
+        let sampled = |n| Workload {
             sampled_joints: n,
             ..Work::default()
         };
@@ -376,7 +376,7 @@ mod tests {
             fk_joint_ns: 1.0,
             matrix_ns: 1.0,
         });
-        let all = Work {
+        let all = Workload {
             sampled_joints: 10,
             fk_joints: 10,
             matrices: 10,
@@ -439,7 +439,7 @@ mod tests {
         for time in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(!model.observe(&work, time));
         }
-        assert!(!model.observe(&Work::default(), 100.0));
+        assert!(!model.observe(&Workload::default(), 100.0));
         assert_eq!(model, before);
         assert_eq!(CostModel::measured(TRUE).unit_costs(), TRUE);
     }

@@ -36,7 +36,7 @@ mod menu;
 mod report;
 mod seat;
 
-pub use cost_model::{CostModel, Work};
+pub use cost_model::{CostModel, Workload};
 pub use knapsack::Budget;
 pub use menu::{MenuId, Offer};
 pub use report::{Change, FrameReport};

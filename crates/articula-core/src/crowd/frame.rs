@@ -1,7 +1,7 @@
 //! What goes into a frame and what comes out of it, but for the palettes.
 
 use super::player::MOST_STEP_SECS;
-use crate::budget::{self, Work};
+use crate::budget::{self, Workload};
 use crate::visibility::View;
 use glam::{Quat, Vec3};
 
@@ -119,7 +119,7 @@ pub struct CrowdReport {
     /// Poses that are blended from the cache.
     pub cached: usize,
     /// What evaluating them is.
-    pub work: Work,
+    pub work: Workload,
     /// Greatest error that the chosen levels and shared poses may show, pixels.
     pub bound_px: f32,
     /// What the budget made of it, if there was one.

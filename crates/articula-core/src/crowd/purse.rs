@@ -3,7 +3,7 @@
 use super::model::CrowdModel;
 use super::player::Player;
 use crate::Mismatch;
-use crate::budget::{Budget, CostModel, FrameReport, MenuId, Offer, Policy, Request, Work};
+use crate::budget::{Budget, CostModel, FrameReport, MenuId, Offer, Policy, Request, Workload};
 use crate::sphere::Sphere;
 use crate::visibility::{Seen, Visibility};
 use std::ops::Range;
@@ -99,9 +99,9 @@ fn cost(model: &CrowdModel, costs: &CostModel, level: usize) -> f32 {
 }
 
 /// What evaluating so many poses at a level is.
-pub(crate) fn work(model: &CrowdModel, level: usize, poses: u64) -> Work {
+pub(crate) fn work(model: &CrowdModel, level: usize, poses: u64) -> Workload {
     let kept = model.parts().clips.ladder().kept(level);
-    Work {
+    Workload {
         characters: poses,
         sampled_joints: poses * model.parts().clips.rotations(kept).len() as u64,
         fk_joints: poses * kept as u64,

@@ -5,7 +5,7 @@
 
 use crate::error::{Context, Error, Result};
 use crate::open::{Format, Opened};
-use crate::work::Work;
+use crate::work::Executor;
 use articula_build::clip_edit::{self, Subject};
 use articula_build::clip_edit::{CloseOptions, Cycle};
 use articula_build::clip_edit::{ReduceOptions, Reduced};
@@ -212,7 +212,7 @@ impl ClipEdits {
     }
 
     /// Does all but the keys; gives one entry for each clip, or none if nothing is asked for.
-    pub(super) fn apply(&self, opened: &mut Opened, work: &Work<'_>) -> Result<Vec<ClipEdited>> {
+    pub(super) fn apply(&self, opened: &mut Opened, work: &Executor<'_>) -> Result<Vec<ClipEdited>> {
         if !self.asks() {
             return Ok(Vec::new());
         }
@@ -254,7 +254,7 @@ impl ClipEdits {
         &self,
         opened: &mut Opened,
         edits: &mut [ClipEdited],
-        work: &Work<'_>,
+        work: &Executor<'_>,
     ) -> Result<()> {
         let Some(options) = self.reduce_keys else {
             return Ok(());
@@ -279,7 +279,7 @@ impl Opened {
     ///
     /// # Errors
     /// An [`Error`] that names the file, and the clip or joint that does not fit.
-    pub fn edit_clips(&mut self, edits: &ClipEdits, work: &Work<'_>) -> Result<Vec<ClipEdited>> {
+    pub fn edit_clips(&mut self, edits: &ClipEdits, work: &Executor<'_>) -> Result<Vec<ClipEdited>> {
         let mut edited = edits.apply(self, work)?;
         edits.reduce_keys(self, &mut edited, work)?;
         Ok(edited)

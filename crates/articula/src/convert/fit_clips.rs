@@ -7,7 +7,7 @@ use super::morphs;
 use super::same_joints::Twins;
 use crate::error::{Context, Error, Result};
 use crate::open::{Opened, choose};
-use crate::work::Work;
+use crate::work::Executor;
 use articula_build::bake;
 use articula_build::retarget::{Figure, RetargetOptions, RetargetReport, Retargeter};
 use articula_core::source::Clip;
@@ -79,12 +79,12 @@ impl Opened {
     ///
     /// ```no_run
     /// use articula::convert::AddClipsOptions;
-    /// use articula::{Work, fs};
+    /// use articula::{Executor, fs};
     ///
     /// # fn main() -> articula::Result<()> {
     /// let mut hero = fs::open("hero.glb")?;
     /// let clips = [fs::open("walk.bvh")?, fs::open("idle.glb")?];
-    /// hero.add_clips(&clips, &AddClipsOptions::default(), &Work::default())?;
+    /// hero.add_clips(&clips, &AddClipsOptions::default(), &Executor::default())?;
     /// # Ok(())
     /// # }
     /// ```
@@ -96,7 +96,7 @@ impl Opened {
         &mut self,
         files: &[Self],
         options: &AddClipsOptions,
-        work: &Work<'_>,
+        work: &Executor<'_>,
     ) -> Result<Vec<ClipFit>> {
         if files.is_empty() {
             return Ok(Vec::new());

@@ -40,7 +40,7 @@ pub use written::{write, write_data};
 
 use crate::error::{Context, Error, Result};
 use crate::open::{Format, Opened, Writes, choose, conversions};
-use crate::work::Work;
+use crate::work::Executor;
 
 /// What is done with a character before it is written; the default is nothing.
 #[derive(Debug, Clone, Default)]
@@ -76,7 +76,7 @@ pub struct Converted {
 ///
 /// ```
 /// use articula::convert::{ClipEdits, ConvertOptions};
-/// use articula::{Format, OpenOptions, Work, convert, open};
+/// use articula::{Format, OpenOptions, Executor, convert, open};
 ///
 /// # fn main() -> articula::Result<()> {
 /// let bvh = "HIERARCHY
@@ -105,7 +105,7 @@ pub struct Converted {
 ///     edits: ClipEdits { rate_hz: Some(60.0), ..ClipEdits::default() },
 ///     ..ConvertOptions::default()
 /// };
-/// let converted = convert(nod, Format::Glb, &options, &Work::default())?;
+/// let converted = convert(nod, Format::Glb, &options, &Executor::default())?;
 /// assert!(converted.written.bytes.starts_with(b"glTF"));
 /// assert_eq!(converted.clips.len(), 1);
 /// # Ok(())
@@ -119,7 +119,7 @@ pub fn convert(
     mut opened: Opened,
     format: Format,
     options: &ConvertOptions,
-    work: &Work<'_>,
+    work: &Executor<'_>,
 ) -> Result<Converted> {
     options.check(opened.format, format)?;
     let place = opened.name.clone();

@@ -2,11 +2,11 @@
 
 use super::in_place::{put_in_place, root_path};
 use super::mesh_lods::MeshLods;
-use super::options::{CrowdOptions, JointLods, PaletteMatrices, RootMotion};
+use super::options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotion};
 use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::open::choose;
-use crate::work::Work;
+use crate::work::Executor;
 use articula_build::ClipOptions;
 use articula_build::clip_edit::TrajectoryKey;
 use articula_build::motion_bounds;
@@ -67,11 +67,11 @@ impl CrowdAsset {
     /// # Errors
     /// An [`Error`](crate::Error) that names the file: no clip is called as the options say, the
     /// options do not fit the character, or [`Error::Cancelled`](crate::Error::Cancelled).
-    pub fn new(figure: &Figure, options: &CrowdOptions, work: &Work<'_>) -> Result<Self> {
+    pub fn new(figure: &Figure, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
         Self::of_figure(figure, options, work).with_context(|| &figure.opened.name)
     }
 
-    fn of_figure(figure: &Figure, options: &CrowdOptions, work: &Work<'_>) -> Result<Self> {
+    fn of_figure(figure: &Figure, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
         let (mut asset, mut ways, mut warnings) = on_the_spot(figure, options.root_motion)?;
         let kept = kept_clips(&asset.clips, &options.clips)?;
         keep(&mut asset.clips, &kept);
@@ -87,7 +87,7 @@ impl CrowdAsset {
     /// # Errors
     /// An [`Error`](crate::Error) if the options do not fit the character, or
     /// [`Error::Cancelled`](crate::Error::Cancelled).
-    pub fn of_asset(asset: Asset, options: &CrowdOptions, work: &Work<'_>) -> Result<Self> {
+    pub fn of_asset(asset: Asset, options: &CrowdOptions, work: &Executor<'_>) -> Result<Self> {
         Self::prepared(asset, (&[], Vec::new()), options, work)
     }
 
@@ -96,7 +96,7 @@ impl CrowdAsset {
         mut asset: Asset,
         (ways, mut warnings): (&[Option<Way>], Vec<String>),
         options: &CrowdOptions,
-        work: &Work<'_>,
+        work: &Executor<'_>,
     ) -> Result<Self> {
         work.step(PREPARING, 0, 5)?;
         if asset.clips.is_empty() {
@@ -290,9 +290,9 @@ fn morphs_at_rest(source: &Character) -> Option<String> {
 }
 
 /// Says that a named level means little where no joint is known by its name.
-fn unmapped(asset: &Asset, wanted: &JointLods) -> Option<String> {
+fn unmapped(asset: &Asset, wanted: &JointLodMethod) -> Option<String> {
     let mut joints = asset.rig.articulation().joints.iter();
-    let is_named = matches!(wanted, JointLods::Named(_));
+    let is_named = matches!(wanted, JointLodMethod::Named(_));
     (is_named && joints.all(|j| j.hanim.is_none())).then(|| {
         "no joint is known by its name, so the named level keeps joints by their place in the tree; \
          give a joint map, or levels that are merged by motion"
@@ -303,14 +303,14 @@ fn unmapped(asset: &Asset, wanted: &JointLods) -> Option<String> {
 /// Levels of the joints with their skins and errors.
 fn joint_lods(
     asset: &Asset,
-    wanted: &JointLods,
+    wanted: &JointLodMethod,
     opts: &LevelOptions,
-    work: &Work<'_>,
+    work: &Executor<'_>,
 ) -> Result<MergedLevels> {
     let ladder = match wanted {
-        JointLods::Whole => Ladder::whole(&asset.rig),
-        JointLods::Merged => joint_ladder(asset, &mean_pose(asset), opts),
-        JointLods::Named(expression) => {
+        JointLodMethod::Whole => Ladder::whole(&asset.rig),
+        JointLodMethod::Merged => joint_ladder(asset, &mean_pose(asset), opts),
+        JointLodMethod::Named(expression) => {
             named_ladder(asset, &mean_pose(asset), std::slice::from_ref(expression))
         }
     };

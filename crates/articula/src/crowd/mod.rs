@@ -4,7 +4,7 @@
 //! - [`CrowdPlayer`]: a crowd of it, with all the memory that a frame needs
 //! - [`ScenePlayer`]: the same as a scene says: places, cameras, cross-fades; [`read_scene`]
 //! - [`put_in_place`]: clips that carry their character away, on the spot
-//! - [`BudgetAllocator`]: what a frame may spend, learnt from what frames took
+//! - [`BudgetController`]: what a frame may spend, learnt from what frames took
 //! - [`ErrorMeter`], [`LevelTally`]: what is shown against what should be, and who is shown how
 //!
 //! An example is on the [first page](crate).
@@ -26,12 +26,12 @@ mod scene_file;
 mod scene_player;
 
 pub use asset::{CrowdAsset, CrowdLevel};
-pub use budget::{Allowance, BudgetAllocator};
+pub use budget::{FrameBudget, BudgetController};
 pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelTally, LevelUse, MeasuredError};
 pub use lod_error::{CharacterError, ErrorMeter, ErrorSample, ErrorSummary, NEAR_METRES};
 pub use mesh_lods::MOST_MESH_LEVELS;
-pub use options::{CrowdOptions, JointLods, PaletteMatrices, RootMotion};
+pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotion};
 pub use palette_hash::PaletteHash;
 pub use palettes::PaletteSlice;
 pub use player::{CrowdGroup, CrowdPlayer, FramePart, PoseSource};

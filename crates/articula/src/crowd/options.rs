@@ -5,7 +5,7 @@ use articula_core::{Backend, PaletteForm, Storage};
 
 /// Which joint LODs a crowd has.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub enum JointLods {
+pub enum JointLodMethod {
     /// Every joint, and nothing else.
     Whole,
     /// Joints are merged in the order that costs the skin least in the character's own clips; at
@@ -43,10 +43,10 @@ pub enum RootMotion {
 /// How a character is prepared for crowds.
 ///
 /// ```
-/// use articula::crowd::{CrowdOptions, JointLods, PaletteMatrices};
+/// use articula::crowd::{CrowdOptions, JointLodMethod, PaletteMatrices};
 ///
 /// let options = CrowdOptions { mesh_levels: 4, ..CrowdOptions::default() };
-/// assert_eq!(options.joints, JointLods::Merged);
+/// assert_eq!(options.joints, JointLodMethod::Merged);
 /// assert_eq!(options.matrices, PaletteMatrices::Skin);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +56,7 @@ pub struct CrowdOptions {
     /// What becomes of clips that travel.
     pub root_motion: RootMotion,
     /// Joint LODs.
-    pub joints: JointLods,
+    pub joints: JointLodMethod,
     /// LODs of the mesh, chosen together with those of the joints, the original counted, at most
     /// [`MOST_MESH_LEVELS`](super::MOST_MESH_LEVELS); with 1 everyone has the original.
     pub mesh_levels: usize,
@@ -81,7 +81,7 @@ impl Default for CrowdOptions {
         Self {
             clips: Vec::new(),
             root_motion: RootMotion::default(),
-            joints: JointLods::default(),
+            joints: JointLodMethod::default(),
             mesh_levels: 1,
             matrices: PaletteMatrices::default(),
             form: PaletteForm::Matrix,

@@ -3,7 +3,7 @@
 //! A thin hull around core's [`Crowd`], which stays reachable.
 
 use super::asset::CrowdAsset;
-use super::budget::Allowance;
+use super::budget::FrameBudget;
 use super::options::PaletteMatrices;
 use super::palettes::{PaletteSlice, Palettes, split};
 use crate::error::{Error, Result};
@@ -166,7 +166,7 @@ impl CrowdPlayer {
     }
 
     /// What the next frames may spend.
-    pub fn allow(&mut self, allowance: &Allowance) {
+    pub fn allow(&mut self, allowance: &FrameBudget) {
         allowance.apply(&mut self.crowd, self.asset.model());
         self.detail = Detail::Budget {
             cost: allowance.cost_ns,

@@ -4,7 +4,7 @@
 //! endless cross-fades.
 
 use super::asset::CrowdAsset;
-use super::budget::Allowance;
+use super::budget::FrameBudget;
 use super::player::CrowdPlayer;
 use crate::error::{Error, Result};
 use articula_build::{CrossFade, Play, Scene};
@@ -138,7 +138,7 @@ impl<'a> ScenePlayer<'a> {
     ///
     /// # Errors
     /// [`Error::Unsuited`] if the scene has no camera.
-    pub fn plan(&mut self, dt_secs: f64, allowance: Option<&Allowance>) -> Result<CrowdReport> {
+    pub fn plan(&mut self, dt_secs: f64, allowance: Option<&FrameBudget>) -> Result<CrowdReport> {
         self.secs += dt_secs;
         let camera = self.camera()?;
         let (way, turn) = self.ahead(&camera);

@@ -2,7 +2,7 @@
 
 use super::{EvaluatedClip, NamedMethod};
 use crate::error::Result;
-use crate::work::Work;
+use crate::work::Executor;
 use articula_build::evaluate::{self, Method, Row, Stage, Trial, calibrate, play, sweep};
 use serde::Serialize;
 
@@ -118,7 +118,7 @@ impl EvaluatedClip<'_> {
         methods: &[NamedMethod],
         distances_m: &[f32],
         tuning: Tuning,
-        work: &Work<'_>,
+        work: &Executor<'_>,
     ) -> Result<Vec<MethodTable>> {
         work.map("playing methods", methods.iter().collect(), |named| {
             let rows = rows(&self.stage(), &named.method, distances_m, tuning);

@@ -5,7 +5,7 @@ use super::head::head_weights;
 use crate::error::{Context, Error, Result};
 use crate::facing::facing;
 use crate::figure::Figure;
-use crate::work::Work;
+use crate::work::Executor;
 use articula_build::decimate;
 use articula_core::{ModelPose, Viewport, local_to_model};
 use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn, bake};
@@ -72,7 +72,7 @@ impl<'a> Framed<'a> {
     ///
     /// # Errors
     /// An [`Error`] that names the file: no mesh, no vertex at a finite place, too many frames.
-    pub fn new(figure: &'a Figure, shot: Shot, work: &Work<'_>) -> Result<Self> {
+    pub fn new(figure: &'a Figure, shot: Shot, work: &Executor<'_>) -> Result<Self> {
         let character = &figure.opened.character;
         if figure.asset.mesh.triangles.is_empty() {
             let what = "no mesh to show; give a file with one, or hide fewer of them";

@@ -13,7 +13,7 @@ pub use framed::{Framed, FramedParts, Shot};
 pub use head::FramedHead;
 
 use crate::error::{Context, Result};
-use crate::work::Work;
+use crate::work::Executor;
 use articula_core::Progress;
 use articula_flat::flatten::{
     Flattened, PrepareOptions, Prepared, Settings, Truth, flatten as write, flatten_live,
@@ -31,7 +31,7 @@ pub fn flatten(
     framed: &Framed<'_>,
     options: PrepareOptions,
     settings: &Settings,
-    work: &Work<'_>,
+    work: &Executor<'_>,
 ) -> Result<Flattened> {
     let name = || framed.name();
     work.step("projecting", 0, 1)?;
@@ -53,7 +53,7 @@ pub fn flatten_driven(
     framed: &Framed<'_>,
     options: PrepareOptions,
     settings: &Settings,
-    work: &Work<'_>,
+    work: &Executor<'_>,
 ) -> Result<Flattened> {
     let source = live::live_source(framed)?;
     let frames = sampled_frames(source.weights.len().max(1));

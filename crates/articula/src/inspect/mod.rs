@@ -21,7 +21,7 @@ pub use stream::{StreamFindings, StreamLevel, inspect_stream};
 use crate::error::Result;
 use crate::figure::Figure;
 use crate::motion_tables::StoredTables;
-use crate::work::Work;
+use crate::work::Executor;
 use articula_build::joint_names::GapReason;
 use articula_build::source_rate_hz;
 use articula_core::loa::MAX_LEVEL;
@@ -189,7 +189,7 @@ pub struct Warning {
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled) alone.
-pub fn inspect(figure: &Figure, clips: &[usize], work: &Work<'_>) -> Result<Findings> {
+pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<Findings> {
     let (opened, asset) = (&figure.opened, &figure.asset);
     let character = &opened.character;
     const WHAT: &str = "measuring clips";

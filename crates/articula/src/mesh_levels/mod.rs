@@ -9,7 +9,7 @@ pub use stream::MeshLevelStream;
 use crate::error::{Error, Result};
 use crate::figure::Figure;
 use crate::open::GltfSource;
-use crate::work::Work;
+use crate::work::Executor;
 use articula_build::{MeshLevels, mesh_levels};
 use articula_core::PosedMesh;
 use articula_flat::Bounds;
@@ -33,7 +33,7 @@ pub(crate) fn add(
     figure: &Figure,
     gltf: &mut GltfSource,
     wanted: &MeshLevelOptions,
-    work: &Work<'_>,
+    work: &Executor<'_>,
 ) -> Result<CodedMeshLevels> {
     const WHAT: &str = "making mesh levels";
     let asset = &figure.asset;

@@ -5,7 +5,7 @@ use articula::convert::{ClipEdits, ClipFit, ClipPart, ReduceOptions, write};
 use articula::glam::Vec3;
 use articula::{
     AddClipsOptions, ConvertOptions, Error, Figure, Format, OpenOptions, Opened, PrepareOptions,
-    Work, convert, fs, open, prepare,
+    Executor, convert, fs, open, prepare,
 };
 use articula_core::source::evaluate;
 use articula_core::{ModelPose, Rig, local_to_model};
@@ -23,7 +23,7 @@ fn added(data: &Path, character: &str, file: &str) -> (Opened, Vec<ClipFit>) {
     let mut opened = fs::open(data.join(character)).unwrap();
     let files = [fs::open(data.join(file)).unwrap()];
     let options = AddClipsOptions::default();
-    let fits = opened.add_clips(&files, &options, &Work::default());
+    let fits = opened.add_clips(&files, &options, &Executor::default());
     (opened, fits.unwrap())
 }
 
@@ -32,7 +32,7 @@ fn refused(data: &Path, character: &str, file: &str) -> Error {
     let mut opened = fs::open(data.join(character)).unwrap();
     let before = opened.character.clips.len();
     let files = [fs::open(data.join(file)).unwrap()];
-    let why = opened.add_clips(&files, &AddClipsOptions::default(), &Work::default());
+    let why = opened.add_clips(&files, &AddClipsOptions::default(), &Executor::default());
     assert_eq!(opened.character.clips.len(), before);
     why.unwrap_err()
 }
@@ -80,7 +80,7 @@ fn a_library_of_clips_moves_its_mannequin_as_it_is() {
     }
     assert!(compared > 20, "only {compared} joints");
     // What is prepared and written has the clips.
-    let prepared = prepare(opened, &PrepareOptions::default(), &Work::default()).unwrap();
+    let prepared = prepare(opened, &PrepareOptions::default(), &Executor::default()).unwrap();
     assert_eq!(prepared.tables.len(), 11);
     let asset = again(&prepared.glb);
     assert_eq!(asset.character.clips.len(), 11);
@@ -148,7 +148,7 @@ fn clips_of_several_files_keep_apart() {
         ..AddClipsOptions::default()
     };
     let fits = opened
-        .add_clips(&files, &options, &Work::default())
+        .add_clips(&files, &options, &Executor::default())
         .unwrap();
     let names: Vec<&str> = fits.iter().map(|fit| fit.name.as_str()).collect();
     assert_eq!(names[..2], ["new cmu_12_01_walk", "new cmu_12_01_walk 2"]);
@@ -161,7 +161,7 @@ fn clips_of_several_files_keep_apart() {
     };
     let files = [file(LIBRARY)];
     opened
-        .add_clips(&files, &options, &Work::default())
+        .add_clips(&files, &options, &Executor::default())
         .unwrap();
     assert_eq!(opened.character.clips.len(), 1);
 }
@@ -212,7 +212,7 @@ fn a_file_is_edited_and_written_in_another_format() {
         },
         ..ConvertOptions::default()
     };
-    let made = convert(nod(), Format::Glb, &options, &Work::default()).unwrap();
+    let made = convert(nod(), Format::Glb, &options, &Executor::default()).unwrap();
     let edited = &made.edits[0];
     assert_eq!(edited.trim.unwrap().to_secs, 0.1);
     let keys = edited.reduce_keys.unwrap();
@@ -220,13 +220,13 @@ fn a_file_is_edited_and_written_in_another_format() {
     assert!(keys.keys_after < keys.keys_before && keys.worst_m <= 1e-3);
     let back = again(&made.written.bytes);
     assert!((back.character.clips[0].duration_secs - 0.1).abs() < 1e-5);
-    let why = convert(nod(), Format::Bvh, &options, &Work::default()).unwrap_err();
+    let why = convert(nod(), Format::Bvh, &options, &Executor::default()).unwrap_err();
     assert!(why.is_argument() && why.to_string().contains("every frame"));
     let why = convert(
         nod(),
         Format::Vrm,
         &ConvertOptions::default(),
-        &Work::default(),
+        &Executor::default(),
     );
     let why = why.unwrap_err().to_string();
     assert!(why.starts_with("bvh to vrm is not converted"), "{why}");

@@ -2,10 +2,10 @@
 
 use crate::real::real_data;
 use articula::crowd::{
-    Camera, CrowdAsset, CrowdOptions, CrowdPlayer, JointLods, PaletteForm, PaletteHash,
+    Camera, CrowdAsset, CrowdOptions, CrowdPlayer, JointLodMethod, PaletteForm, PaletteHash,
     PaletteMatrices, PaletteSlice, RootMotion, Sight, View, Viewport,
 };
-use articula::{AddClipsOptions, Figure, OpenOptions, Opened, Work};
+use articula::{AddClipsOptions, Figure, OpenOptions, Opened, Executor};
 use articula_core::loa::Expression;
 use glam::Vec3;
 use std::sync::OnceLock;
@@ -26,7 +26,7 @@ fn human() -> Opened {
 
 fn asset_of(opened: Opened, options: &CrowdOptions) -> CrowdAsset {
     let figure = Figure::new(opened).unwrap();
-    CrowdAsset::new(&figure, options, &Work::default()).unwrap()
+    CrowdAsset::new(&figure, options, &Executor::default()).unwrap()
 }
 
 /// A row of characters, each a little later in the next clip, and a camera that sees them all.
@@ -119,7 +119,7 @@ fn a_file_without_clips_moves_with_those_of_another() {
         let mut opened = articula::fs::open(data.join(file)).unwrap();
         let motions = std::slice::from_ref(&motion);
         opened
-            .add_clips(motions, &AddClipsOptions::default(), &Work::default())
+            .add_clips(motions, &AddClipsOptions::default(), &Executor::default())
             .unwrap();
         let asset = asset_of(opened, &CrowdOptions::default());
         // A walk of some metres is played on the spot.
@@ -135,7 +135,7 @@ fn a_named_level_of_unknown_joints_says_the_mend() {
     let Some(data) = real_data() else { return };
     let opened = articula::fs::open(data.join("glb/Fox.glb")).unwrap();
     let options = CrowdOptions {
-        joints: JointLods::Named("loa(Low)".parse::<Expression>().unwrap()),
+        joints: JointLodMethod::Named("loa(Low)".parse::<Expression>().unwrap()),
         ..CrowdOptions::default()
     };
     let asset = asset_of(opened, &options);
@@ -227,15 +227,15 @@ fn clips_are_chosen_by_name_and_unknown_ones_are_told() {
     let name = figure.asset.clips[1].name.clone();
     let options = |name: &str| CrowdOptions {
         clips: vec![name.to_owned()],
-        joints: JointLods::Named("loa(Low)".parse::<Expression>().unwrap()),
+        joints: JointLodMethod::Named("loa(Low)".parse::<Expression>().unwrap()),
         root_motion: RootMotion::Extracted,
         ..CrowdOptions::default()
     };
-    let asset = CrowdAsset::new(&figure, &options(&name), &Work::default()).unwrap();
+    let asset = CrowdAsset::new(&figure, &options(&name), &Executor::default()).unwrap();
     assert_eq!((asset.clips().len(), asset.clip(&name).unwrap()), (1, 0));
     assert_eq!(asset.levels(), 2);
     assert!(asset.level(1).joints < asset.level(0).joints);
-    let why = CrowdAsset::new(&figure, &options("fly"), &Work::default()).unwrap_err();
+    let why = CrowdAsset::new(&figure, &options("fly"), &Executor::default()).unwrap_err();
     assert!(why.is_argument() && why.to_string().starts_with("human.glb: no clip"));
 }
 

@@ -12,7 +12,7 @@ use crate::play::read_camera_path;
 use crate::{fault, files};
 use anyhow::Context;
 use articula::crowd::{
-    Backend, CacheUse, CrowdAsset, CrowdOptions, DetailGoal, ErrorSummary, JointLods, MOST_MEMBERS,
+    Backend, CacheUse, CrowdAsset, CrowdOptions, DetailGoal, ErrorSummary, JointLodMethod, MOST_MEMBERS,
     MOST_MESH_LEVELS, PaletteForm, PaletteMatrices, RootMotion, Storage, read_scene, write_scene,
 };
 use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
@@ -271,13 +271,13 @@ impl CrowdArgs {
 
     fn options(&self, clips: &[Clip]) -> anyhow::Result<CrowdOptions> {
         let joints = match self.level.as_str() {
-            "full" => JointLods::Whole,
-            "auto" => JointLods::Merged,
+            "full" => JointLodMethod::Whole,
+            "auto" => JointLodMethod::Merged,
             text => {
                 let parsed = text
                     .parse::<Expression>()
                     .map_err(|e| fault::usage(e.to_string()));
-                JointLods::Named(parsed.with_context(|| format!("--level \"{text}\""))?)
+                JointLodMethod::Named(parsed.with_context(|| format!("--level \"{text}\""))?)
             }
         };
         Ok(CrowdOptions {

@@ -8,7 +8,7 @@ use crate::crowd::stage::Settings;
 use anyhow::Context;
 use articula::Figure;
 use articula::crowd::{
-    CacheUse, CrowdAsset, CrowdOptions, DetailGoal, JointLods, LevelUse, PaletteMatrices,
+    CacheUse, CrowdAsset, CrowdOptions, DetailGoal, JointLodMethod, LevelUse, PaletteMatrices,
     RootMotion,
 };
 use articula_build::{Plaza, Scene, plaza};
@@ -51,7 +51,7 @@ pub(super) fn of(
 ) -> anyhow::Result<Crowd> {
     let scene = plaza(COUNT, figure.asset.clips.len(), SEED, Plaza::Still);
     let asset = |joints| console.work(|work| CrowdAsset::new(figure, &options(joints), work));
-    let (whole, merged) = (asset(JointLods::Whole)?, asset(JointLods::Merged)?);
+    let (whole, merged) = (asset(JointLodMethod::Whole)?, asset(JointLodMethod::Merged)?);
     let tolerance = DetailGoal::Tolerance(epsilon_px);
     let full = play(&whole, &scene, settings(DetailGoal::Full, false), console)?;
     let seen = play(&merged, &scene, settings(tolerance, false), console)?;
@@ -71,7 +71,7 @@ pub(super) fn of(
     })
 }
 
-fn options(joints: JointLods) -> CrowdOptions {
+fn options(joints: JointLodMethod) -> CrowdOptions {
     CrowdOptions {
         joints,
         root_motion: RootMotion::AsAuthored,

@@ -3,7 +3,7 @@
 use super::Bench;
 use crate::measure::thread_ns;
 use anyhow::{Context, Result};
-use articula::Work;
+use articula::Executor;
 use articula::crowd::{
     CacheUse, Camera, CrowdAsset, CrowdOptions, CrowdPlayer, CrowdReport, Detail, PoseSource,
     Sight, View,
@@ -132,7 +132,7 @@ impl<'a> Stage<'a> {
         Ok(Self {
             bench,
             vertices: (0..asset.mesh.len() as u32).step_by(step).collect(),
-            asset: CrowdAsset::of_asset(asset.clone(), &options, &Work::default())?,
+            asset: CrowdAsset::of_asset(asset.clone(), &options, &Executor::default())?,
         })
     }
 
