@@ -64,29 +64,29 @@ mod surface_distance;
 
 pub use character::{Asset, character};
 pub use clip::{ClipOptions, source_rate_hz};
-pub use clusters::{Clustered, Order, cluster};
+pub use clusters::{Clustered, ClusterOrder, cluster};
 pub use decimate::decimate;
 pub use expression::{bake, resolve};
 pub use figure_levels::{FigureLevel, FigureLevels, figure_levels};
 pub use ladder::{
     FarLevels, LevelOptions, LevelSkin, LevelSkins, MergedLevels, far_levels, far_order,
-    joint_ladder, level_errors, level_skins, levels_of, mean_pose, merged_levels, named_ladder,
+    joint_lods, level_errors, level_skins, levels_of, mean_pose, merged_levels, named_joint_lods,
     skin_of,
 };
-pub use mesh_levels::{MeasuredOn, MeshLevelOptions, MeshLevels, mesh_levels};
+pub use mesh_levels::{MeasurementPoses, MeshLevelOptions, MeshLevels, mesh_levels};
 pub use motion_bounds::motion_bounds;
 pub use motion_error::{
-    ChainShare, JointLever, contact_intervals, joint_bounds, key_table, levers, moving_joints,
+    ChainTolerance, JointLever, contact_intervals, joint_bounds, key_table, levers, moving_joints,
     pose_keys, table_hashes,
 };
 pub use occluders::occluders;
 pub use points::draw_vertices;
-pub use pose_cache::{CacheOptions, CacheReport, CachedPoses, Fate, cached_poses};
-pub use poses::{Origin, PoseOptions, PoseSource, Poses, SkinPose, poses, positions};
+pub use pose_cache::{CacheOptions, CacheReport, CachedPoses, CacheDecision, cached_poses};
+pub use poses::{PoseOrigin, PoseOptions, SkinPoseSource, Poses, SkinPose, poses, positions};
 pub use reduce::{MotionSize, motion_size, reduce};
-pub use scene::{CrossFade, Member, PLAZA_COUNT, Play, Plaza, Scene, plaza};
+pub use scene::{CrossFade, SceneCharacter, PLAZA_COUNT, ClipPlayback, Plaza, Scene, plaza};
 pub use simplify::{
-    LevelTriangles, Simplified, SimplifyOptions, Weighting, region_weights, simplify,
+    LevelTriangles, Simplified, SimplifyOptions, ErrorWeighting, region_weights, simplify,
 };
 pub use surface_distance::{
     DistanceOptions, LevelDistances, SkinPoint, attach, compact, surface_distances,

@@ -1,7 +1,7 @@
 //! Flags that commands share, and how their values are spelled.
 
 use articula_core::Viewport;
-use articula_formats::Up;
+use articula_formats::UpAxis;
 use articula_formats::mpeg4::fap::Absent;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -71,11 +71,11 @@ pub(crate) struct ReadArgs {
 
 impl ReadArgs {
     /// The up axis of a file that does not say it.
-    pub(crate) fn up(&self) -> Up {
+    pub(crate) fn up(&self) -> UpAxis {
         match self.up {
-            None => Up::Auto,
-            Some(UpAxis::Y) => Up::Y,
-            Some(UpAxis::Z) => Up::Z,
+            None => UpAxis::Auto,
+            Some(UpAxis::Y) => UpAxis::Y,
+            Some(UpAxis::Z) => UpAxis::Z,
         }
     }
 

@@ -4,14 +4,14 @@
 use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::files;
 use anyhow::Context;
-use articula::{DataFormat, Figure, OpenOptions, Opened, OpenedData, open_data};
-use articula_core::joint_names::Profile;
+use articula::{DataFormat, Figure, OpenOptions, CharacterFile, DataFile, open_data};
+use articula_core::joint_names::JointMap;
 use articula_formats::profile;
-use articula_formats::{Guess, Limits, Warning};
+use articula_formats::{Assumption, Limits, Warning};
 use std::path::{Path, PathBuf};
 
 /// Opens a character; profiles of the user are asked before the built-in ones.
-pub(crate) fn character(path: &Path, args: &ReadArgs) -> anyhow::Result<Opened> {
+pub(crate) fn character(path: &Path, args: &ReadArgs) -> anyhow::Result<CharacterFile> {
     Ok(articula::fs::open_with(path, &options(args)?)?)
 }
 
@@ -23,7 +23,7 @@ pub(crate) fn figure(args: &CharacterArgs) -> anyhow::Result<Figure> {
 }
 
 /// Opens a file without a character in it.
-pub(crate) fn data(path: &Path, format: DataFormat, args: &ReadArgs) -> anyhow::Result<OpenedData> {
+pub(crate) fn data(path: &Path, format: DataFormat, args: &ReadArgs) -> anyhow::Result<DataFile> {
     let options = options(args)?;
     let bytes = files::read(path, options.limits.bytes)?;
     Ok(open_data(&bytes, &files::shown(path), format, &options)?)
@@ -44,7 +44,7 @@ fn options(args: &ReadArgs) -> anyhow::Result<OpenOptions> {
     })
 }
 
-fn profiles(own: &[PathBuf], limits: &Limits) -> anyhow::Result<Vec<Profile>> {
+fn profiles(own: &[PathBuf], limits: &Limits) -> anyhow::Result<Vec<JointMap>> {
     let profile = |path: &PathBuf| {
         let bytes = files::read(path, limits.bytes)?;
         profile::parse(&bytes, limits).with_context(|| files::shown(path))
@@ -53,7 +53,7 @@ fn profiles(own: &[PathBuf], limits: &Limits) -> anyhow::Result<Vec<Profile>> {
 }
 
 /// What the reader found odd, each with its place.
-pub(crate) fn warnings(opened: &Opened) -> Vec<String> {
+pub(crate) fn warnings(opened: &CharacterFile) -> Vec<String> {
     let warnings = opened.warnings.iter();
     warnings
         .map(|w| format!("{}: {}", w.at, advised(w)))
@@ -64,10 +64,10 @@ pub(crate) fn warnings(opened: &Opened) -> Vec<String> {
 pub(crate) fn advised(warning: &Warning) -> String {
     let flag = match warning.guess {
         None => return warning.what.clone(),
-        Some(Guess::Unit) => "--unit-metres M",
-        Some(Guess::UpAxis) => "--up y or --up z",
-        Some(Guess::Rate) => "--amc-rate-hz HZ",
-        Some(Guess::Skeleton) => "--skeleton F.asf",
+        Some(Assumption::Unit) => "--unit-metres M",
+        Some(Assumption::UpAxis) => "--up y or --up z",
+        Some(Assumption::Rate) => "--amc-rate-hz HZ",
+        Some(Assumption::Skeleton) => "--skeleton F.asf",
     };
     format!("{}; give {flag} if that is wrong", warning.what)
 }
@@ -88,11 +88,11 @@ mod tests {
         };
         let guessed = |guess| warned("inches", Some(guess));
         let said = "inches; give --unit-metres M if that is wrong";
-        assert_eq!(guessed(Guess::Unit), said);
+        assert_eq!(guessed(Assumption::Unit), said);
         let said = "inches; give --up y or --up z if that is wrong";
-        assert_eq!(guessed(Guess::UpAxis), said);
+        assert_eq!(guessed(Assumption::UpAxis), said);
         let said = "inches; give --amc-rate-hz HZ if that is wrong";
-        assert_eq!(guessed(Guess::Rate), said);
+        assert_eq!(guessed(Assumption::Rate), said);
         assert_eq!(warned("odd", None), "odd");
     }
 

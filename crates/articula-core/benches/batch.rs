@@ -3,8 +3,8 @@
 
 mod human;
 
-use articula_core::batch::{BatchEvaluator, LANES, Shown};
-use articula_core::{Backend, ClipSet, Ladder, PaletteForm, PaletteMap, PaletteRows, Storage};
+use articula_core::batch::{BatchEvaluator, LANES, BatchPose};
+use articula_core::{Backend, ClipSet, JointLods, PaletteForm, PaletteMap, PaletteRows, ClipStorage};
 use divan::{Bencher, black_box};
 
 /// Characters of each turn.
@@ -24,13 +24,13 @@ const FORMS: [PaletteForm; 4] = [
 
 #[divan::bench(args = FORMS)]
 fn form(bencher: Bencher<'_, '_>, form: PaletteForm) {
-    walk(bencher, form, Storage::Float, Backend::best(), 0.0);
+    walk(bencher, form, ClipStorage::Float, Backend::best(), 0.0);
 }
 
 /// The same as 3x4 matrices, on every backend of this machine.
 #[divan::bench(args = Backend::ALL.into_iter().filter(|b| b.is_available()))]
 fn backend(bencher: Bencher<'_, '_>, backend: Backend) {
-    walk(bencher, PaletteForm::Matrix, Storage::Float, backend, 0.0);
+    walk(bencher, PaletteForm::Matrix, ClipStorage::Float, backend, 0.0);
 }
 
 /// The same from 16-bit integers.
@@ -39,7 +39,7 @@ fn short_storage(bencher: Bencher<'_, '_>) {
     walk(
         bencher,
         PaletteForm::Matrix,
-        Storage::Short,
+        ClipStorage::Short,
         Backend::best(),
         0.0,
     );
@@ -51,7 +51,7 @@ fn cross_fade(bencher: Bencher<'_, '_>) {
     walk(
         bencher,
         PaletteForm::Matrix,
-        Storage::Float,
+        ClipStorage::Float,
         Backend::best(),
         0.5,
     );
@@ -60,7 +60,7 @@ fn cross_fade(bencher: Bencher<'_, '_>) {
 fn walk(
     bencher: Bencher<'_, '_>,
     form: PaletteForm,
-    storage: Storage,
+    storage: ClipStorage,
     backend: Backend,
     fade: f32,
 ) {
@@ -71,14 +71,14 @@ fn walk(
         .iter()
         .position(|c| c.name == walk.name)
         .unwrap();
-    let ladder = Ladder::whole(&asset.rig).unwrap();
+    let ladder = JointLods::whole(&asset.rig).unwrap();
     let map = PaletteMap::joints(&ladder);
     let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, storage).unwrap();
     let evaluator = BatchEvaluator::new(&clips, &map, form, backend).unwrap();
     let mut scratch = evaluator.scratch();
-    let shown: Vec<Shown> = times
+    let shown: Vec<BatchPose> = times
         .into_iter()
-        .map(|secs| Shown {
+        .map(|secs| BatchPose {
             from: clips.cursor(clip, secs),
             to: clips.cursor(0, secs),
             fade,

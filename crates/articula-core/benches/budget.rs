@@ -1,7 +1,7 @@
 //! What does it cost to share a budget among a crowd: anew, when some changed, when nobody did?
 #![allow(clippy::unwrap_used, reason = "a bench may stop at the first surprise")]
 
-use articula_core::budget::{Budget, Offer, Policy, Request};
+use articula_core::budget::{BudgetAllocator, LodOption, BudgetPolicy, LodRequest};
 use divan::Bencher;
 
 const COUNT: usize = 10_000;
@@ -23,12 +23,12 @@ impl Random {
 }
 
 /// Eight levels for each of twenty clips, characters from 5 to 245 m away.
-fn crowd() -> (Budget, Vec<Request>, Random) {
+fn crowd() -> (BudgetAllocator, Vec<LodRequest>, Random) {
     let mut random = Random(7);
-    let mut budget = Budget::new(COUNT, Policy::default());
+    let mut budget = BudgetAllocator::new(COUNT, BudgetPolicy::default());
     let mut menu = || {
         let off = 0.15 + 0.3 * random.next();
-        let offer = |joints: f32| Offer {
+        let offer = |joints: f32| LodOption {
             cost: 0.7 + 2.7 * joints,
             error_metres: off * (-0.09 * joints).exp(),
         };
@@ -38,13 +38,13 @@ fn crowd() -> (Budget, Vec<Request>, Random) {
     let menus: Vec<_> = (0..20).map(|_| menu()).collect();
     let requests = (0..COUNT).map(|c| {
         let pixels_per_metre = scale(&mut random);
-        Request {
+        LodRequest {
             menu: menus[c % menus.len()],
             weight: pixels_per_metre.powi(3),
             pixels_per_metre,
         }
     });
-    let requests: Vec<Request> = requests.collect();
+    let requests: Vec<LodRequest> = requests.collect();
     ask(&mut budget, &requests);
     budget.solve(UNITS * COUNT as f32);
     (budget, requests, random)
@@ -55,7 +55,7 @@ fn scale(random: &mut Random) -> f32 {
     1304.0 / (5.0 + 240.0 * random.next())
 }
 
-fn ask(budget: &mut Budget, requests: &[Request]) {
+fn ask(budget: &mut BudgetAllocator, requests: &[LodRequest]) {
     for (character, request) in requests.iter().enumerate() {
         budget.request(character, *request);
     }
@@ -66,7 +66,7 @@ fn ask(budget: &mut Budget, requests: &[Request]) {
 fn anew(bencher: Bencher<'_, '_>) {
     let (mut budget, ..) = crowd();
     bencher.bench_local(|| {
-        budget.set_policy(Policy::default());
+        budget.set_policy(BudgetPolicy::default());
         budget.solve(UNITS * COUNT as f32)
     });
 }

@@ -4,9 +4,9 @@ use articula_build::ClipOptions;
 use articula_build::character;
 use articula_build::motion_bounds;
 use articula_build::{LevelOptions, merged_levels};
-use articula_core::crowd::{CacheUse, Crowd, CrowdModel, CrowdParts, Detail, Frame, Sight, Voice};
+use articula_core::crowd::{CacheUse, Crowd, CrowdModel, CrowdParts, Detail, Frame, Culling, ClipState};
 use articula_core::visibility::View;
-use articula_core::{Backend, Camera, ClipSet, PaletteForm, PaletteRows, Storage, Viewport};
+use articula_core::{Backend, Camera, ClipSet, PaletteForm, PaletteRows, ClipStorage, Viewport};
 use articula_human::{HumanOptions, human};
 use glam::{Quat, Vec3};
 
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     )?;
     let levels = merged_levels(&asset, &LevelOptions::default())?;
     let model = CrowdModel::new(CrowdParts {
-        clips: ClipSet::new(&asset.rig, levels.ladder, &asset.clips, Storage::Float)?,
+        clips: ClipSet::new(&asset.rig, levels.ladder, &asset.clips, ClipStorage::Float)?,
         palette: levels.skins.palette,
         form: PaletteForm::Matrix,
         backend: Backend::best(),
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .collect();
     let rotations = vec![Quat::IDENTITY; 1000];
     for i in 0..1000 {
-        let voice = Voice::new(&model.parts().clips, i % asset.clips.len());
+        let voice = ClipState::new(&model.parts().clips, i % asset.clips.len());
         crowd.play(
             i,
             voice.at_secs(&model.parts().clips, i as f32 * 0.37).into(),
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             scales: &[],
             wake_metres: &[],
             importance: &[],
-            sight: Sight::Views(&[View::of(&camera)]),
+            sight: Culling::Views(&[View::of(&camera)]),
             detail: Detail::Tolerance { px: 1.0 },
             share: false,
             cache: CacheUse::Never,

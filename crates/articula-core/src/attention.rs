@@ -16,7 +16,7 @@ pub(crate) const GREATEST_MULTIPLIER: f32 = 64.0;
 
 /// A stretch of a clip in which errors are tolerated differently.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Interval {
+pub struct AttentionInterval {
     /// Where it begins, seconds of the clip.
     pub start_secs: f32,
     /// Where it ends; the end itself belongs to it.
@@ -43,7 +43,7 @@ impl Attention {
     /// # Errors
     /// A [`Mismatch`] if the duration is no finite number from 0 on, an interval does not end
     /// after it starts, or a factor is not positive and finite.
-    pub fn new(duration_secs: f32, intervals: &[Interval]) -> Result<Self, Mismatch> {
+    pub fn new(duration_secs: f32, intervals: &[AttentionInterval]) -> Result<Self, Mismatch> {
         if !(duration_secs.is_finite() && duration_secs >= 0.0) {
             let what = format!("{duration_secs} is no duration");
             return Err(Mismatch::new("duration_secs", what));
@@ -126,8 +126,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn interval(start_secs: f32, end_secs: f32, factor: f32) -> Interval {
-        Interval {
+    fn interval(start_secs: f32, end_secs: f32, factor: f32) -> AttentionInterval {
+        AttentionInterval {
             start_secs,
             end_secs,
             factor,
@@ -206,7 +206,7 @@ mod tests {
             intervals in prop::collection::vec((0.0f32..5.0, 0.0f32..3.0, 0.1f32..4.0), 0..8),
             secs in 0.0f32..5.0,
         ) {
-            let intervals: Vec<Interval> = intervals
+            let intervals: Vec<AttentionInterval> = intervals
                 .iter()
                 .map(|(start, length, factor)| interval(*start, start + length, *factor))
                 .collect();

@@ -18,7 +18,7 @@ use glam::Vec3;
 
 /// What one character of a batch shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Shown {
+pub struct BatchPose {
     /// The clip that it plays.
     pub from: Cursor,
     /// The clip that it fades to, or the same.
@@ -27,7 +27,7 @@ pub struct Shown {
     pub fade: f32,
 }
 
-impl From<Cursor> for Shown {
+impl From<Cursor> for BatchPose {
     fn from(cursor: Cursor) -> Self {
         Self {
             from: cursor,
@@ -141,7 +141,7 @@ impl<'a> BatchEvaluator<'a> {
     pub fn evaluate(
         &self,
         level: usize,
-        shown: &[Shown],
+        shown: &[BatchPose],
         out: PaletteRows<'_>,
         scratch: &mut Scratch,
     ) {
@@ -186,7 +186,7 @@ impl<'a> BatchEvaluator<'a> {
     pub fn tile<'s>(
         &self,
         level: usize,
-        shown: &[Shown],
+        shown: &[BatchPose],
         scratch: &'s mut Scratch,
     ) -> JointTiles<'s> {
         assert!(
@@ -199,10 +199,10 @@ impl<'a> BatchEvaluator<'a> {
         }
     }
 
-    fn run(&self, level: usize, shown: &[Shown], out: Out<'_>, joints: &mut [Joint]) {
+    fn run(&self, level: usize, shown: &[BatchPose], out: Out<'_>, joints: &mut [Joint]) {
         let last = shown[shown.len() - 1];
         let lane = |i: usize| *shown.get(i).unwrap_or(&last);
-        let shown: [Shown; LANES] = std::array::from_fn(lane);
+        let shown: [BatchPose; LANES] = std::array::from_fn(lane);
         let kernel = Batch {
             clips: self.clips,
             form: self.form,

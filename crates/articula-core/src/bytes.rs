@@ -1,7 +1,7 @@
 //! Numbers in little-endian bytes: what our own binary tables and streams are written in.
 //!
 //! Here because crates that never name each other write and read them. Who reads turns
-//! [`BadBytes`] into the error of its own crate.
+//! [`MalformedBytes`] into the error of its own crate.
 
 use std::fmt;
 
@@ -16,20 +16,20 @@ pub fn push_varint(out: &mut Vec<u8>, mut value: u64) {
 
 /// Bytes that are not what their form says, and where.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct BadBytes {
+pub struct MalformedBytes {
     /// Offset of the byte that was to be read.
     pub at: usize,
     /// What was found and what was expected.
     pub what: String,
 }
 
-impl fmt::Display for BadBytes {
+impl fmt::Display for MalformedBytes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "byte {}: {}", self.at, self.what)
     }
 }
 
-impl std::error::Error for BadBytes {}
+impl std::error::Error for MalformedBytes {}
 
 /// Bytes that are read from the start to the end.
 ///
@@ -42,7 +42,7 @@ impl std::error::Error for BadBytes {}
 /// assert_eq!(bytes.u32()?, 7);
 /// assert_eq!(bytes.varint()?, 300);
 /// bytes.end()?;
-/// # Ok::<(), articula_core::BadBytes>(())
+/// # Ok::<(), articula_core::MalformedBytes>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Bytes<'a> {
@@ -67,8 +67,8 @@ impl<'a> Bytes<'a> {
     }
 
     /// Says what is wrong with the next byte.
-    pub fn bad(&self, what: impl Into<String>) -> BadBytes {
-        BadBytes {
+    pub fn bad(&self, what: impl Into<String>) -> MalformedBytes {
+        MalformedBytes {
             at: self.at,
             what: what.into(),
         }
@@ -78,7 +78,7 @@ impl<'a> Bytes<'a> {
     ///
     /// # Errors
     /// If there are fewer.
-    pub fn take<const N: usize>(&mut self) -> Result<[u8; N], BadBytes> {
+    pub fn take<const N: usize>(&mut self) -> Result<[u8; N], MalformedBytes> {
         let found = self.bytes[self.at..].first_chunk::<N>();
         let found =
             *found.ok_or_else(|| self.bad(format!("the end, {N} more bytes are expected")))?;
@@ -90,7 +90,7 @@ impl<'a> Bytes<'a> {
     ///
     /// # Errors
     /// If there are fewer than 4 bytes.
-    pub fn u32(&mut self) -> Result<u32, BadBytes> {
+    pub fn u32(&mut self) -> Result<u32, MalformedBytes> {
         self.take().map(u32::from_le_bytes)
     }
 
@@ -98,7 +98,7 @@ impl<'a> Bytes<'a> {
     ///
     /// # Errors
     /// If there are fewer than 8 bytes.
-    pub fn u64(&mut self) -> Result<u64, BadBytes> {
+    pub fn u64(&mut self) -> Result<u64, MalformedBytes> {
         self.take().map(u64::from_le_bytes)
     }
 
@@ -106,7 +106,7 @@ impl<'a> Bytes<'a> {
     ///
     /// # Errors
     /// If it is not, or there are fewer than 4 bytes.
-    pub fn positive(&mut self, what: &str) -> Result<f32, BadBytes> {
+    pub fn positive(&mut self, what: &str) -> Result<f32, MalformedBytes> {
         let value = f32::from_le_bytes(self.take()?);
         if value.is_finite() && value > 0.0 {
             return Ok(value);
@@ -118,7 +118,7 @@ impl<'a> Bytes<'a> {
     ///
     /// # Errors
     /// If it is longer, or the bytes end within it.
-    pub fn varint(&mut self) -> Result<u64, BadBytes> {
+    pub fn varint(&mut self) -> Result<u64, MalformedBytes> {
         let mut value = 0u64;
         for shift in (0..35).step_by(7) {
             let [byte] = self.take::<1>()?;
@@ -134,7 +134,7 @@ impl<'a> Bytes<'a> {
     ///
     /// # Errors
     /// If there is.
-    pub fn end(&self) -> Result<(), BadBytes> {
+    pub fn end(&self) -> Result<(), MalformedBytes> {
         if self.left() == 0 {
             return Ok(());
         }

@@ -9,7 +9,7 @@
 
 use crate::Mismatch;
 use crate::clip::{Clip, Track};
-use crate::ladder::Ladder;
+use crate::ladder::JointLods;
 use crate::math::{Transform, same_hemisphere};
 use crate::pose::LocalPose;
 use crate::rig::Rig;
@@ -22,7 +22,7 @@ const STILL: f32 = 2e-6;
 
 /// How the numbers of a [`ClipSet`] are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
-pub enum Storage {
+pub enum ClipStorage {
     /// Four f32 a slot, 16 bytes.
     #[default]
     Float,
@@ -74,7 +74,7 @@ pub struct Cursor {
 /// All clips of one rig, laid out for batches of characters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClipSet {
-    ladder: Ladder,
+    ladder: JointLods,
     constants: Vec<Transform>,
     sources: Vec<Source>,
     moving: [Vec<u16>; 3],
@@ -97,9 +97,9 @@ impl ClipSet {
     /// rotation is not of unit length within 1e-3, or all clips together exceed 2^32 slots.
     pub fn new(
         rig: &Rig,
-        ladder: Ladder,
+        ladder: JointLods,
         clips: &[Clip],
-        storage: Storage,
+        storage: ClipStorage,
     ) -> Result<Self, Mismatch> {
         if ladder.joints().len() != rig.len() {
             let what = format!(
@@ -140,8 +140,8 @@ impl ClipSet {
         let (rows, segments) = written(&rates_hz, &frames, &ladder, &sources, slots);
         let first_range = sources.iter().filter(|s| s[0].is_some()).count();
         let (rows, ranges) = match storage {
-            Storage::Float => (Rows::Float(rows), Vec::new()),
-            Storage::Short => shortened(&rows, slots, first_range),
+            ClipStorage::Float => (Rows::Float(rows), Vec::new()),
+            ClipStorage::Short => shortened(&rows, slots, first_range),
         };
         let mut held: Vec<u32> = segments.iter().flat_map(|s| s.held.clone()).collect();
         held.sort_unstable();
@@ -171,7 +171,7 @@ impl ClipSet {
     }
 
     /// The joint order and levels.
-    pub fn ladder(&self) -> &Ladder {
+    pub fn ladder(&self) -> &JointLods {
         &self.ladder
     }
 
@@ -399,7 +399,7 @@ impl<'a> Frames<'a> {
 
 /// Gives a slot to every channel that some frame moves away from its constant: rotations
 /// first, then translations, then scales.
-fn layout(ladder: &Ladder, constants: &[Transform], clips: &[Frames<'_>]) -> (Vec<Source>, usize) {
+fn layout(ladder: &JointLods, constants: &[Transform], clips: &[Frames<'_>]) -> (Vec<Source>, usize) {
     let mut moves = vec![[false; 3]; ladder.joints().len()];
     for (place, moves) in moves.iter_mut().enumerate() {
         let (joint, constant) = (usize::from(ladder.joints()[place]), constants[place]);
@@ -428,7 +428,7 @@ fn layout(ladder: &Ladder, constants: &[Transform], clips: &[Frames<'_>]) -> (Ve
 fn written(
     rates_hz: &[f32],
     frames: &[Frames<'_>],
-    ladder: &Ladder,
+    ladder: &JointLods,
     sources: &[Source],
     slots: usize,
 ) -> (Vec<Row>, Vec<Segment>) {

@@ -53,7 +53,7 @@ impl DriftOptions {
 
 /// What one joint is judged by; constant while a clip plays.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct JointBounds {
+pub struct JointErrorBounds {
     /// Metres of skin displacement for each radian of error.
     pub lever_metres: f32,
     /// Upper bound on the speed at which the joint's own motion moves its skin.
@@ -82,21 +82,21 @@ struct Judged {
 
 /// The controller of one character: which joints to sample, and what is shown.
 #[derive(Debug, Clone)]
-pub struct Drift {
+pub struct DriftController {
     opts: DriftOptions,
-    bounds: Vec<JointBounds>,
+    bounds: Vec<JointErrorBounds>,
     states: JointStates,
     judged: Vec<Judged>,
     last: LocalPose,
     updates: u64,
 }
 
-impl Drift {
+impl DriftController {
     /// Starts with every joint active and due.
     ///
     /// # Panics
     /// If there is not one entry of `bounds` for each joint of the pose.
-    pub fn new(rest: &LocalPose, bounds: Vec<JointBounds>, opts: DriftOptions) -> Self {
+    pub fn new(rest: &LocalPose, bounds: Vec<JointErrorBounds>, opts: DriftOptions) -> Self {
         assert_eq!(
             bounds.len(),
             rest.rotations.len(),

@@ -10,7 +10,7 @@ use std::fmt;
 
 /// In what a value of a FAP is counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Unit {
+pub enum FapUnit {
     /// IRISD: diameter of the iris, 3.1 to 3.3, by 1024.
     IrisDiameter,
     /// ES: separation of the eyes, 3.5 to 3.6, by 1024.
@@ -26,7 +26,7 @@ pub enum Unit {
 }
 
 /// The abbreviation of the standard.
-impl fmt::Display for Unit {
+impl fmt::Display for FapUnit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
             Self::IrisDiameter => "IRISD",
@@ -41,7 +41,7 @@ impl fmt::Display for Unit {
 
 /// Where a positive value leads, seen from the subject.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Direction {
+pub enum FapDirection {
     /// Up; of the tongue's rim in a roll too.
     Up,
     /// Down; a pitch looks down.
@@ -60,11 +60,11 @@ pub enum Direction {
 
 /// What a low-level FAP moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Action {
+pub struct FapAction {
     /// In what the value is counted.
-    pub unit: Unit,
+    pub unit: FapUnit,
     /// Where a positive value leads.
-    pub direction: Direction,
+    pub direction: FapDirection,
     /// Group and number of the feature point (2.10 is `(2, 10)`); the left one of two.
     pub point: (u8, u8),
     /// Whether negative values mean anything.
@@ -79,7 +79,7 @@ pub struct Fap {
     /// Group, 1 to 10; see [`GROUPS`].
     pub group: u8,
     /// What it moves; `None` for FAP 1 and 2.
-    pub action: Option<Action>,
+    pub action: Option<FapAction>,
     /// Quantiser step before the global scale.
     pub step: u16,
     /// Largest quantised size in an intra frame, and in a predicted one.
@@ -108,72 +108,72 @@ pub const GROUPS: [(&str, usize); 10] = [
 pub static TABLE: [Fap; FAPS] = [
     high("viseme", 1, (63, 63)),
     high("expression", 1, (63, 63)),
-    one_way("open_jaw", 2, (Unit::MouthNose, Direction::Down), (2, 1), 4, (1080, 360)),
-    both_ways("lower_t_midlip", 2, (Unit::MouthNose, Direction::Down), (2, 2), 2, (600, 180)),
-    both_ways("raise_b_midlip", 2, (Unit::MouthNose, Direction::Up), (2, 3), 2, (1860, 600)),
-    both_ways("stretch_l_cornerlip", 2, (Unit::MouthWidth, Direction::Left), (2, 4), 2, (600, 180)),
-    both_ways("stretch_r_cornerlip", 2, (Unit::MouthWidth, Direction::Right), (2, 5), 2, (600, 180)),
-    both_ways("lower_t_lip_lm", 2, (Unit::MouthNose, Direction::Down), (2, 6), 2, (600, 180)),
-    both_ways("lower_t_lip_rm", 2, (Unit::MouthNose, Direction::Down), (2, 7), 2, (600, 180)),
-    both_ways("raise_b_lip_lm", 2, (Unit::MouthNose, Direction::Up), (2, 8), 2, (1860, 600)),
-    both_ways("raise_b_lip_rm", 2, (Unit::MouthNose, Direction::Up), (2, 9), 2, (1860, 600)),
-    both_ways("raise_l_cornerlip", 2, (Unit::MouthNose, Direction::Up), (2, 4), 2, (600, 180)),
-    both_ways("raise_r_cornerlip", 2, (Unit::MouthNose, Direction::Up), (2, 5), 2, (600, 180)),
-    one_way("thrust_jaw", 2, (Unit::MouthNose, Direction::Forward), (2, 1), 1, (600, 180)),
-    both_ways("shift_jaw", 2, (Unit::MouthWidth, Direction::Right), (2, 1), 1, (1080, 360)),
-    both_ways("push_b_lip", 2, (Unit::MouthNose, Direction::Forward), (2, 3), 1, (1080, 360)),
-    both_ways("push_t_lip", 2, (Unit::MouthNose, Direction::Forward), (2, 2), 1, (1080, 360)),
-    both_ways("depress_chin", 2, (Unit::MouthNose, Direction::Up), (2, 10), 1, (420, 180)),
-    both_ways("close_t_l_eyelid", 3, (Unit::IrisDiameter, Direction::Down), (3, 1), 1, (1080, 600)),
-    both_ways("close_t_r_eyelid", 3, (Unit::IrisDiameter, Direction::Down), (3, 2), 1, (1080, 600)),
-    both_ways("close_b_l_eyelid", 3, (Unit::IrisDiameter, Direction::Up), (3, 3), 1, (600, 240)),
-    both_ways("close_b_r_eyelid", 3, (Unit::IrisDiameter, Direction::Up), (3, 4), 1, (600, 240)),
-    both_ways("yaw_l_eyeball", 3, (Unit::Angle, Direction::Left), (3, 5), 128, (1200, 420)),
-    both_ways("yaw_r_eyeball", 3, (Unit::Angle, Direction::Left), (3, 6), 128, (1200, 420)),
-    both_ways("pitch_l_eyeball", 3, (Unit::Angle, Direction::Down), (3, 5), 128, (900, 300)),
-    both_ways("pitch_r_eyeball", 3, (Unit::Angle, Direction::Down), (3, 6), 128, (900, 300)),
-    both_ways("thrust_l_eyeball", 3, (Unit::EyeSeparation, Direction::Forward), (3, 5), 1, (600, 180)),
-    both_ways("thrust_r_eyeball", 3, (Unit::EyeSeparation, Direction::Forward), (3, 6), 1, (600, 180)),
-    both_ways("dilate_l_pupil", 3, (Unit::IrisDiameter, Direction::Growth), (3, 5), 1, (420, 120)),
-    both_ways("dilate_r_pupil", 3, (Unit::IrisDiameter, Direction::Growth), (3, 6), 1, (420, 120)),
-    both_ways("raise_l_i_eyebrow", 4, (Unit::EyeNose, Direction::Up), (4, 1), 2, (900, 360)),
-    both_ways("raise_r_i_eyebrow", 4, (Unit::EyeNose, Direction::Up), (4, 2), 2, (900, 360)),
-    both_ways("raise_l_m_eyebrow", 4, (Unit::EyeNose, Direction::Up), (4, 3), 2, (900, 360)),
-    both_ways("raise_r_m_eyebrow", 4, (Unit::EyeNose, Direction::Up), (4, 4), 2, (900, 360)),
-    both_ways("raise_l_o_eyebrow", 4, (Unit::EyeNose, Direction::Up), (4, 5), 2, (900, 360)),
-    both_ways("raise_r_o_eyebrow", 4, (Unit::EyeNose, Direction::Up), (4, 6), 2, (900, 360)),
-    both_ways("squeeze_l_eyebrow", 4, (Unit::EyeSeparation, Direction::Right), (4, 1), 1, (900, 300)),
-    both_ways("squeeze_r_eyebrow", 4, (Unit::EyeSeparation, Direction::Left), (4, 2), 1, (900, 300)),
-    both_ways("puff_l_cheek", 5, (Unit::EyeSeparation, Direction::Left), (5, 1), 2, (900, 300)),
-    both_ways("puff_r_cheek", 5, (Unit::EyeSeparation, Direction::Right), (5, 2), 2, (900, 300)),
-    one_way("lift_l_cheek", 5, (Unit::EyeNose, Direction::Up), (5, 3), 2, (600, 180)),
-    one_way("lift_r_cheek", 5, (Unit::EyeNose, Direction::Up), (5, 4), 2, (600, 180)),
-    both_ways("shift_tongue_tip", 6, (Unit::MouthWidth, Direction::Right), (6, 1), 1, (1080, 420)),
-    both_ways("raise_tongue_tip", 6, (Unit::MouthNose, Direction::Up), (6, 1), 1, (1080, 420)),
-    both_ways("thrust_tongue_tip", 6, (Unit::MouthWidth, Direction::Forward), (6, 1), 1, (1080, 420)),
-    both_ways("raise_tongue", 6, (Unit::MouthNose, Direction::Up), (6, 2), 1, (1080, 420)),
-    one_way("tongue_roll", 6, (Unit::Angle, Direction::Curl), (6, 3), 512, (1080, 420)),
-    both_ways("head_pitch", 7, (Unit::Angle, Direction::Down), (7, 1), 170, (1860, 600)),
-    both_ways("head_yaw", 7, (Unit::Angle, Direction::Left), (7, 1), 170, (1860, 600)),
-    both_ways("head_roll", 7, (Unit::Angle, Direction::Right), (7, 1), 170, (1860, 600)),
-    both_ways("lower_t_midlip_o", 8, (Unit::MouthNose, Direction::Down), (8, 1), 2, (600, 180)),
-    both_ways("raise_b_midlip_o", 8, (Unit::MouthNose, Direction::Up), (8, 2), 2, (1860, 600)),
-    both_ways("stretch_l_cornerlip_o", 8, (Unit::MouthWidth, Direction::Left), (8, 3), 2, (600, 180)),
-    both_ways("stretch_r_cornerlip_o", 8, (Unit::MouthWidth, Direction::Right), (8, 4), 2, (600, 180)),
-    both_ways("lower_t_lip_lm_o", 8, (Unit::MouthNose, Direction::Down), (8, 5), 2, (600, 180)),
-    both_ways("lower_t_lip_rm_o", 8, (Unit::MouthNose, Direction::Down), (8, 6), 2, (600, 180)),
-    both_ways("raise_b_lip_lm_o", 8, (Unit::MouthNose, Direction::Up), (8, 7), 2, (1860, 600)),
-    both_ways("raise_b_lip_rm_o", 8, (Unit::MouthNose, Direction::Up), (8, 8), 2, (1860, 600)),
-    both_ways("raise_l_cornerlip_o", 8, (Unit::MouthNose, Direction::Up), (8, 3), 2, (600, 180)),
-    both_ways("raise_r_cornerlip_o", 8, (Unit::MouthNose, Direction::Up), (8, 4), 2, (600, 180)),
-    both_ways("stretch_l_nose", 9, (Unit::EyeNose, Direction::Left), (9, 1), 1, (540, 120)),
-    both_ways("stretch_r_nose", 9, (Unit::EyeNose, Direction::Right), (9, 2), 1, (540, 120)),
-    both_ways("raise_nose", 9, (Unit::EyeNose, Direction::Up), (9, 3), 1, (680, 180)),
-    both_ways("bend_nose", 9, (Unit::EyeNose, Direction::Right), (9, 3), 1, (900, 180)),
-    both_ways("raise_l_ear", 10, (Unit::EyeNose, Direction::Up), (10, 1), 1, (900, 240)),
-    both_ways("raise_r_ear", 10, (Unit::EyeNose, Direction::Up), (10, 2), 1, (900, 240)),
-    both_ways("pull_l_ear", 10, (Unit::EyeNose, Direction::Left), (10, 3), 1, (900, 300)),
-    both_ways("pull_r_ear", 10, (Unit::EyeNose, Direction::Right), (10, 4), 1, (900, 300)),
+    one_way("open_jaw", 2, (FapUnit::MouthNose, FapDirection::Down), (2, 1), 4, (1080, 360)),
+    both_ways("lower_t_midlip", 2, (FapUnit::MouthNose, FapDirection::Down), (2, 2), 2, (600, 180)),
+    both_ways("raise_b_midlip", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 3), 2, (1860, 600)),
+    both_ways("stretch_l_cornerlip", 2, (FapUnit::MouthWidth, FapDirection::Left), (2, 4), 2, (600, 180)),
+    both_ways("stretch_r_cornerlip", 2, (FapUnit::MouthWidth, FapDirection::Right), (2, 5), 2, (600, 180)),
+    both_ways("lower_t_lip_lm", 2, (FapUnit::MouthNose, FapDirection::Down), (2, 6), 2, (600, 180)),
+    both_ways("lower_t_lip_rm", 2, (FapUnit::MouthNose, FapDirection::Down), (2, 7), 2, (600, 180)),
+    both_ways("raise_b_lip_lm", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 8), 2, (1860, 600)),
+    both_ways("raise_b_lip_rm", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 9), 2, (1860, 600)),
+    both_ways("raise_l_cornerlip", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 4), 2, (600, 180)),
+    both_ways("raise_r_cornerlip", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 5), 2, (600, 180)),
+    one_way("thrust_jaw", 2, (FapUnit::MouthNose, FapDirection::Forward), (2, 1), 1, (600, 180)),
+    both_ways("shift_jaw", 2, (FapUnit::MouthWidth, FapDirection::Right), (2, 1), 1, (1080, 360)),
+    both_ways("push_b_lip", 2, (FapUnit::MouthNose, FapDirection::Forward), (2, 3), 1, (1080, 360)),
+    both_ways("push_t_lip", 2, (FapUnit::MouthNose, FapDirection::Forward), (2, 2), 1, (1080, 360)),
+    both_ways("depress_chin", 2, (FapUnit::MouthNose, FapDirection::Up), (2, 10), 1, (420, 180)),
+    both_ways("close_t_l_eyelid", 3, (FapUnit::IrisDiameter, FapDirection::Down), (3, 1), 1, (1080, 600)),
+    both_ways("close_t_r_eyelid", 3, (FapUnit::IrisDiameter, FapDirection::Down), (3, 2), 1, (1080, 600)),
+    both_ways("close_b_l_eyelid", 3, (FapUnit::IrisDiameter, FapDirection::Up), (3, 3), 1, (600, 240)),
+    both_ways("close_b_r_eyelid", 3, (FapUnit::IrisDiameter, FapDirection::Up), (3, 4), 1, (600, 240)),
+    both_ways("yaw_l_eyeball", 3, (FapUnit::Angle, FapDirection::Left), (3, 5), 128, (1200, 420)),
+    both_ways("yaw_r_eyeball", 3, (FapUnit::Angle, FapDirection::Left), (3, 6), 128, (1200, 420)),
+    both_ways("pitch_l_eyeball", 3, (FapUnit::Angle, FapDirection::Down), (3, 5), 128, (900, 300)),
+    both_ways("pitch_r_eyeball", 3, (FapUnit::Angle, FapDirection::Down), (3, 6), 128, (900, 300)),
+    both_ways("thrust_l_eyeball", 3, (FapUnit::EyeSeparation, FapDirection::Forward), (3, 5), 1, (600, 180)),
+    both_ways("thrust_r_eyeball", 3, (FapUnit::EyeSeparation, FapDirection::Forward), (3, 6), 1, (600, 180)),
+    both_ways("dilate_l_pupil", 3, (FapUnit::IrisDiameter, FapDirection::Growth), (3, 5), 1, (420, 120)),
+    both_ways("dilate_r_pupil", 3, (FapUnit::IrisDiameter, FapDirection::Growth), (3, 6), 1, (420, 120)),
+    both_ways("raise_l_i_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 1), 2, (900, 360)),
+    both_ways("raise_r_i_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 2), 2, (900, 360)),
+    both_ways("raise_l_m_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 3), 2, (900, 360)),
+    both_ways("raise_r_m_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 4), 2, (900, 360)),
+    both_ways("raise_l_o_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 5), 2, (900, 360)),
+    both_ways("raise_r_o_eyebrow", 4, (FapUnit::EyeNose, FapDirection::Up), (4, 6), 2, (900, 360)),
+    both_ways("squeeze_l_eyebrow", 4, (FapUnit::EyeSeparation, FapDirection::Right), (4, 1), 1, (900, 300)),
+    both_ways("squeeze_r_eyebrow", 4, (FapUnit::EyeSeparation, FapDirection::Left), (4, 2), 1, (900, 300)),
+    both_ways("puff_l_cheek", 5, (FapUnit::EyeSeparation, FapDirection::Left), (5, 1), 2, (900, 300)),
+    both_ways("puff_r_cheek", 5, (FapUnit::EyeSeparation, FapDirection::Right), (5, 2), 2, (900, 300)),
+    one_way("lift_l_cheek", 5, (FapUnit::EyeNose, FapDirection::Up), (5, 3), 2, (600, 180)),
+    one_way("lift_r_cheek", 5, (FapUnit::EyeNose, FapDirection::Up), (5, 4), 2, (600, 180)),
+    both_ways("shift_tongue_tip", 6, (FapUnit::MouthWidth, FapDirection::Right), (6, 1), 1, (1080, 420)),
+    both_ways("raise_tongue_tip", 6, (FapUnit::MouthNose, FapDirection::Up), (6, 1), 1, (1080, 420)),
+    both_ways("thrust_tongue_tip", 6, (FapUnit::MouthWidth, FapDirection::Forward), (6, 1), 1, (1080, 420)),
+    both_ways("raise_tongue", 6, (FapUnit::MouthNose, FapDirection::Up), (6, 2), 1, (1080, 420)),
+    one_way("tongue_roll", 6, (FapUnit::Angle, FapDirection::Curl), (6, 3), 512, (1080, 420)),
+    both_ways("head_pitch", 7, (FapUnit::Angle, FapDirection::Down), (7, 1), 170, (1860, 600)),
+    both_ways("head_yaw", 7, (FapUnit::Angle, FapDirection::Left), (7, 1), 170, (1860, 600)),
+    both_ways("head_roll", 7, (FapUnit::Angle, FapDirection::Right), (7, 1), 170, (1860, 600)),
+    both_ways("lower_t_midlip_o", 8, (FapUnit::MouthNose, FapDirection::Down), (8, 1), 2, (600, 180)),
+    both_ways("raise_b_midlip_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 2), 2, (1860, 600)),
+    both_ways("stretch_l_cornerlip_o", 8, (FapUnit::MouthWidth, FapDirection::Left), (8, 3), 2, (600, 180)),
+    both_ways("stretch_r_cornerlip_o", 8, (FapUnit::MouthWidth, FapDirection::Right), (8, 4), 2, (600, 180)),
+    both_ways("lower_t_lip_lm_o", 8, (FapUnit::MouthNose, FapDirection::Down), (8, 5), 2, (600, 180)),
+    both_ways("lower_t_lip_rm_o", 8, (FapUnit::MouthNose, FapDirection::Down), (8, 6), 2, (600, 180)),
+    both_ways("raise_b_lip_lm_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 7), 2, (1860, 600)),
+    both_ways("raise_b_lip_rm_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 8), 2, (1860, 600)),
+    both_ways("raise_l_cornerlip_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 3), 2, (600, 180)),
+    both_ways("raise_r_cornerlip_o", 8, (FapUnit::MouthNose, FapDirection::Up), (8, 4), 2, (600, 180)),
+    both_ways("stretch_l_nose", 9, (FapUnit::EyeNose, FapDirection::Left), (9, 1), 1, (540, 120)),
+    both_ways("stretch_r_nose", 9, (FapUnit::EyeNose, FapDirection::Right), (9, 2), 1, (540, 120)),
+    both_ways("raise_nose", 9, (FapUnit::EyeNose, FapDirection::Up), (9, 3), 1, (680, 180)),
+    both_ways("bend_nose", 9, (FapUnit::EyeNose, FapDirection::Right), (9, 3), 1, (900, 180)),
+    both_ways("raise_l_ear", 10, (FapUnit::EyeNose, FapDirection::Up), (10, 1), 1, (900, 240)),
+    both_ways("raise_r_ear", 10, (FapUnit::EyeNose, FapDirection::Up), (10, 2), 1, (900, 240)),
+    both_ways("pull_l_ear", 10, (FapUnit::EyeNose, FapDirection::Left), (10, 3), 1, (900, 300)),
+    both_ways("pull_r_ear", 10, (FapUnit::EyeNose, FapDirection::Right), (10, 4), 1, (900, 300)),
 ];
 
 const fn high(name: &'static str, step: u16, largest: (u16, u16)) -> Fap {
@@ -189,12 +189,12 @@ const fn high(name: &'static str, step: u16, largest: (u16, u16)) -> Fap {
 const fn both_ways(
     name: &'static str,
     group: u8,
-    (unit, direction): (Unit, Direction),
+    (unit, direction): (FapUnit, FapDirection),
     point: (u8, u8),
     step: u16,
     largest: (u16, u16),
 ) -> Fap {
-    let action = Action {
+    let action = FapAction {
         unit,
         direction,
         point,
@@ -212,12 +212,12 @@ const fn both_ways(
 const fn one_way(
     name: &'static str,
     group: u8,
-    (unit, direction): (Unit, Direction),
+    (unit, direction): (FapUnit, FapDirection),
     point: (u8, u8),
     step: u16,
     largest: (u16, u16),
 ) -> Fap {
-    let action = Action {
+    let action = FapAction {
         unit,
         direction,
         point,
@@ -256,17 +256,17 @@ mod tests {
             let action = TABLE[fap - 1].action.unwrap();
             (TABLE[fap - 1].name, action.unit, action.direction)
         };
-        assert_eq!(of(3), ("open_jaw", Unit::MouthNose, Direction::Down));
+        assert_eq!(of(3), ("open_jaw", FapUnit::MouthNose, FapDirection::Down));
         assert_eq!(
             of(19),
-            ("close_t_l_eyelid", Unit::IrisDiameter, Direction::Down)
+            ("close_t_l_eyelid", FapUnit::IrisDiameter, FapDirection::Down)
         );
         assert_eq!(
             of(37),
-            ("squeeze_l_eyebrow", Unit::EyeSeparation, Direction::Right)
+            ("squeeze_l_eyebrow", FapUnit::EyeSeparation, FapDirection::Right)
         );
-        assert_eq!(of(48), ("head_pitch", Unit::Angle, Direction::Down));
-        assert_eq!(of(68), ("pull_r_ear", Unit::EyeNose, Direction::Right));
+        assert_eq!(of(48), ("head_pitch", FapUnit::Angle, FapDirection::Down));
+        assert_eq!(of(68), ("pull_r_ear", FapUnit::EyeNose, FapDirection::Right));
         // Five only go one way: jaw open and thrust, cheeks up, tongue roll.
         let one_way = TABLE
             .iter()
@@ -285,7 +285,7 @@ mod tests {
         // Rotations: four of the eyeballs, the tongue's roll, three of the head.
         let angles = TABLE
             .iter()
-            .filter(|f| f.action.is_some_and(|a| a.unit == Unit::Angle));
+            .filter(|f| f.action.is_some_and(|a| a.unit == FapUnit::Angle));
         assert_eq!(angles.count(), 8);
     }
 
@@ -306,9 +306,9 @@ mod tests {
             assert_eq!((left.step, left.largest), (right.step, right.largest));
             let mirrored = match a.direction {
                 // Both eyes look left.
-                Direction::Left if a.unit == Unit::Angle => Direction::Left,
-                Direction::Left => Direction::Right,
-                Direction::Right => Direction::Left,
+                FapDirection::Left if a.unit == FapUnit::Angle => FapDirection::Left,
+                FapDirection::Left => FapDirection::Right,
+                FapDirection::Right => FapDirection::Left,
                 other => other,
             };
             assert_eq!(b.direction, mirrored, "{}", left.name);

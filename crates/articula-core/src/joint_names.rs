@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// What part of a human the rigs of a profile have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Scope {
+pub enum RigScope {
     /// A whole human: hips, legs and arms are required.
     #[default]
     Body,
@@ -87,7 +87,7 @@ impl From<&HanimJoint> for StandardJoint {
 
 /// What a profile says of one joint name.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Target {
+pub enum JointTarget {
     /// A joint of the standard.
     Joint(StandardJoint),
     /// A joint of a lone hand; the left one stands for both.
@@ -102,7 +102,7 @@ pub enum Target {
 
 /// The joint names of one kind of rig.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Profile {
+pub struct JointMap {
     /// Short name, unique among profiles.
     pub name: String,
     /// What the rig is called by people.
@@ -110,18 +110,18 @@ pub struct Profile {
     /// Where the names come from.
     pub source: String,
     /// What part of a human it covers.
-    pub scope: Scope,
+    pub scope: RigScope,
     /// Folded beginnings that a name may have besides, with digits that number its copies.
     pub prefixes: Vec<String>,
     /// Folded ends that a name may have besides.
     pub suffixes: Vec<String>,
     /// What each [`folded`] name means.
-    pub targets: BTreeMap<String, Target>,
+    pub targets: BTreeMap<String, JointTarget>,
 }
 
-impl Profile {
+impl JointMap {
     /// What the profile says of a joint name, if anything.
-    pub fn target(&self, name: &str) -> Option<&Target> {
+    pub fn target(&self, name: &str) -> Option<&JointTarget> {
         let folded = folded(name);
         self.targets.get(&folded).or_else(|| {
             let core = stripped(&folded, &self.prefixes, &self.suffixes);

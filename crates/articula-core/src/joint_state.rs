@@ -293,22 +293,22 @@ fn compose(t: &Transform, offset: &Transform) -> Transform {
 /// The cap is `h(d)`, the finest level that a device allows; it comes from the device's benchmark.
 /// Differs: the thesis counts levels from the coarsest, so its cap is the highest number.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ladder {
+pub struct LoaRange {
     levels: Vec<JointSet>,
     finest_allowed: usize,
     current: usize,
 }
 
-/// The joints that change between two levels of a [`Ladder`].
+/// The joints that change between two levels of a [`LoaRange`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct LevelChange {
+pub struct LoaTransition {
     /// Joints that become active (`Ref`).
     pub refine: JointSet,
     /// Joints that become passive (`Simp`).
     pub simplify: JointSet,
 }
 
-impl Ladder {
+impl LoaRange {
     /// Takes the joints of each level, finest first, and starts at the finest level that is
     /// allowed, or at the coarsest if that lies beyond it. `None` without any level.
     pub fn new(levels: Vec<JointSet>, finest_allowed: usize) -> Option<Self> {
@@ -333,12 +333,12 @@ impl Ladder {
 
     /// Goes to a level, or to the finest that is allowed if the level is finer, and says which
     /// joints change. A level beyond the coarsest is the coarsest.
-    pub fn request(&mut self, level: usize) -> LevelChange {
+    pub fn request(&mut self, level: usize) -> LoaTransition {
         let before = self.levels[self.current];
         let coarsest = self.levels.len() - 1;
         self.current = level.clamp(self.finest_allowed, coarsest);
         let after = self.levels[self.current];
-        LevelChange {
+        LoaTransition {
             refine: after.difference(&before),
             simplify: before.difference(&after),
         }
@@ -416,14 +416,14 @@ mod tests {
     #[test]
     fn a_ladder_changes_only_the_difference_and_never_passes_its_cap() {
         let levels = vec![JointSet::first(5), JointSet::first(2), JointSet::EMPTY];
-        let mut ladder = Ladder::new(levels, 1).unwrap();
+        let mut ladder = LoaRange::new(levels, 1).unwrap();
         assert_eq!((ladder.level(), ladder.joints().len()), (1, 2));
-        assert_eq!(ladder.request(0), LevelChange::default(), "the cap holds");
+        assert_eq!(ladder.request(0), LoaTransition::default(), "the cap holds");
         let down = ladder.request(7);
         assert_eq!(ladder.level(), 2, "beyond the coarsest is the coarsest");
         assert_eq!((down.refine.len(), down.simplify.len()), (0, 2));
         let up = ladder.request(1);
         assert_eq!((up.refine.len(), up.simplify.len()), (2, 0));
-        assert!(Ladder::new(vec![], 3).is_none());
+        assert!(LoaRange::new(vec![], 3).is_none());
     }
 }

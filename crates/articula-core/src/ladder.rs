@@ -19,7 +19,7 @@ use crate::rig::Rig;
 ///
 /// A *place* is a position in that order. Parents stand at smaller places than their children.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ladder {
+pub struct JointLods {
     joints: Vec<u16>,
     places: Vec<u16>,
     parents: Vec<Option<u16>>,
@@ -27,7 +27,7 @@ pub struct Ladder {
     mean: Vec<Transform>,
 }
 
-impl Ladder {
+impl JointLods {
     /// Most levels of a ladder: a level fits in four bits.
     pub const MAX_LEVELS: usize = 16;
 
@@ -37,7 +37,7 @@ impl Ladder {
     /// # Errors
     /// A [`Mismatch`] if `joints` is not a permutation of the rig's joints with parents first,
     /// `kept` rises, does not begin with all joints, ends below 1 or has more than
-    /// [`Ladder::MAX_LEVELS`] entries, or the mean pose is of another rig or not finite.
+    /// [`JointLods::MAX_LEVELS`] entries, or the mean pose is of another rig or not finite.
     pub fn new(
         rig: &Rig,
         joints: Vec<u16>,
@@ -216,7 +216,7 @@ mod tests {
             JointSet::from_iter([1]),
             JointSet::EMPTY,
         ];
-        let ladder = Ladder::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
         // Closed over ancestors: {0,1,2}, {0,1}, {0}; what goes first stands last.
         assert_eq!(ladder.joints(), [0, 1, 2, 4, 3]);
         let kept: Vec<usize> = (0..ladder.levels()).map(|l| ladder.kept(l)).collect();
@@ -241,7 +241,7 @@ mod tests {
         let rig = rig();
         let rest = rig.rest_pose();
         let new = |joints: &[u16], kept: &[u16]| {
-            Ladder::new(&rig, joints.to_vec(), kept.to_vec(), rest)
+            JointLods::new(&rig, joints.to_vec(), kept.to_vec(), rest)
                 .map_err(|e| e.at)
                 .err()
         };
@@ -257,7 +257,7 @@ mod tests {
         assert_eq!(new(&order, &[5, 0]).unwrap(), "kept");
         assert_eq!(new(&order, &[]).unwrap(), "kept");
         let sets = [JointSet::from_iter([3]), JointSet::from_iter([4])];
-        let grown = Ladder::of_sets(&rig, &sets, rest).unwrap_err();
+        let grown = JointLods::of_sets(&rig, &sets, rest).unwrap_err();
         assert_eq!(grown.at, "sets[1]");
     }
 }

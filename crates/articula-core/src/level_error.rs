@@ -18,7 +18,7 @@ pub fn judged_metres(p95_metres: f32, max_metres: f32) -> f32 {
 
 /// Errors of one clip, level by level.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct ClipErrors {
+pub struct ClipLodErrors {
     /// Error of each level in metres of skin: per frame the 95th percentile over vertices
     /// of the distance to the full character, then the greatest over the frames. Rising.
     pub levels_metres: Vec<f32>,
@@ -32,7 +32,7 @@ pub struct ClipErrors {
     pub seam_metres: f32,
 }
 
-impl ClipErrors {
+impl ClipLodErrors {
     /// The error that each level is judged by ([`judged_metres`]).
     pub(crate) fn judged(&self) -> impl Iterator<Item = f32> + '_ {
         let pairs = self.levels_metres.iter().zip(&self.worst_metres);
@@ -42,12 +42,12 @@ impl ClipErrors {
 
 /// Errors of all clips of a ladder.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct LevelErrors {
+pub struct LodErrors {
     /// One entry for each clip.
-    pub clips: Vec<ClipErrors>,
+    pub clips: Vec<ClipLodErrors>,
 }
 
-impl LevelErrors {
+impl LodErrors {
     /// Checks the table against the number of clips and levels it is used with.
     ///
     /// # Errors
@@ -85,8 +85,8 @@ mod tests {
 
     #[test]
     fn validity_table() {
-        let table = |levels: &[f32], speed| LevelErrors {
-            clips: vec![ClipErrors {
+        let table = |levels: &[f32], speed| LodErrors {
+            clips: vec![ClipLodErrors {
                 levels_metres: levels.to_vec(),
                 worst_metres: levels.to_vec(),
                 speed_metres_per_sec: speed,
@@ -94,7 +94,7 @@ mod tests {
             }],
         };
         assert!(table(&[0.0, 0.1], 1.0).check(1, 2).is_ok());
-        let at = |t: LevelErrors, clips, levels| t.check(clips, levels).unwrap_err().at;
+        let at = |t: LodErrors, clips, levels| t.check(clips, levels).unwrap_err().at;
         assert_eq!(at(table(&[0.0], 1.0), 2, 1), "clips");
         assert_eq!(at(table(&[0.0], 1.0), 1, 2), "clips[0].levels_metres");
         assert_eq!(at(table(&[0.1], 1.0), 1, 1), "clips[0].levels_metres");

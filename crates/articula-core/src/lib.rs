@@ -48,7 +48,7 @@
 //!   face
 //! - [`Progress`]: how far work outside the frame is, and whether it goes on
 //!
-//! Levels of detail count from 0, the finest, everywhere: joints ([`Ladder`]), meshes
+//! Levels of detail count from 0, the finest, everywhere: joints ([`JointLods`]), meshes
 //! ([`Clusters`], [`LevelTable`], [`MeshErrors`]) and keys ([`KeyTable`]). Levels of articulation
 //! are another thing and keep H-Anim's numbers ([`loa`]).
 //!
@@ -105,19 +105,19 @@ mod triangle;
 mod view;
 
 pub use articulation::{Articulation, Complexity, JointArticulation, Region, Zone};
-pub use attention::{Attention, Interval};
+pub use attention::{Attention, AttentionInterval};
 pub use blend::blend;
-pub use bytes::{BadBytes, Bytes, push_varint};
+pub use bytes::{MalformedBytes, Bytes, push_varint};
 pub use capsule::Capsule;
 pub use clip::{Clip, Track, Tracks};
-pub use clip_set::{ClipSet, Storage};
+pub use clip_set::{ClipSet, ClipStorage};
 pub use clustered::{Cluster, ClusteredTriangles, Clusters};
-pub use drift::{Drift, DriftOptions, JointBounds, JointViews};
+pub use drift::{DriftController, DriftOptions, JointErrorBounds, JointViews};
 pub use hierarchy::{local_to_model, local_to_model_from};
 pub use joint_set::{JointSet, MAX_JOINTS};
 pub use key_table::{KeyMode, KeyTable, PoseKeys, TableHashes};
-pub use ladder::Ladder;
-pub use level_error::{ClipErrors, LevelErrors, judged_metres};
+pub use ladder::JointLods;
+pub use level_error::{ClipLodErrors, LodErrors, judged_metres};
 pub use level_table::{LevelRow, LevelTable, SurfaceError};
 pub use math::{Transform, angle_between, nlerp, same_hemisphere};
 pub use mesh::{Binding, Mesh, Morph, Part};

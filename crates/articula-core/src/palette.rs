@@ -5,7 +5,7 @@
 //! so the palette of a level is a prefix of the full one.
 
 use crate::Mismatch;
-use crate::ladder::Ladder;
+use crate::ladder::JointLods;
 use glam::{Affine3A, Quat, Vec3};
 
 /// How a matrix of a palette is written: rows of four numbers.
@@ -112,7 +112,7 @@ pub struct PaletteMap {
 
 impl PaletteMap {
     /// The model-from-joint matrices of the joints that a level keeps, in ladder order.
-    pub fn joints(ladder: &Ladder) -> Self {
+    pub fn joints(ladder: &JointLods) -> Self {
         let entry = |place| Entry { place, bind: None };
         Self {
             entries: (0..ladder.joints().len() as u16).map(entry).collect(),
@@ -127,7 +127,7 @@ impl PaletteMap {
     /// # Errors
     /// A [`Mismatch`] if a place is beyond the ladder or smaller than the one before, or a
     /// matrix is not finite.
-    pub fn skin(ladder: &Ladder, bindings: &[(u16, Affine3A)]) -> Result<Self, Mismatch> {
+    pub fn skin(ladder: &JointLods, bindings: &[(u16, Affine3A)]) -> Result<Self, Mismatch> {
         let mut entries = Vec::with_capacity(bindings.len());
         let mut rigid = true;
         for (i, (place, matrix)) in bindings.iter().enumerate() {
@@ -223,7 +223,7 @@ mod tests {
             (Some(1), Vec3::Y, 0),
         ]);
         let sets = [JointSet::first(2)];
-        let ladder = Ladder::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
         let joints = PaletteMap::joints(&ladder);
         assert_eq!([joints.len(0), joints.len(1)], [3, 2]);
         // Two parts of a mesh are bound to the first joint, none to the second.

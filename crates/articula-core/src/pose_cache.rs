@@ -519,8 +519,8 @@ fn filled(halves: &[u16]) -> [u16; LANES] {
 mod tests {
     use super::*;
     use crate::clip::{Clip, Tracks};
-    use crate::clip_set::Storage;
-    use crate::ladder::Ladder;
+    use crate::clip_set::ClipStorage;
+    use crate::ladder::JointLods;
     use crate::rig::tests::rig_of;
     use glam::Vec3;
 
@@ -528,11 +528,11 @@ mod tests {
     fn parts() -> (ClipSet, PaletteMap) {
         let rig = rig_of(&[(None, Vec3::ZERO, 0)]);
         let clip = |frames| Clip::new("c", 4.0, frames, 1, Tracks::default()).unwrap();
-        let ladder = Ladder::whole(&rig).unwrap();
+        let ladder = JointLods::whole(&rig).unwrap();
         let map = PaletteMap::joints(&ladder);
         let clips = [clip(5), clip(1)];
         (
-            ClipSet::new(&rig, ladder, &clips, Storage::Float).unwrap(),
+            ClipSet::new(&rig, ladder, &clips, ClipStorage::Float).unwrap(),
             map,
         )
     }

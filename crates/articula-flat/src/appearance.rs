@@ -14,7 +14,7 @@ pub struct Appearance {
 
 /// A texture that could not be decoded; its material shows its plain colour.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Undecoded {
+pub struct UndecodedTexture {
     /// Index of the image.
     pub image: usize,
     /// What was wrong with it.
@@ -23,7 +23,7 @@ pub struct Undecoded {
 
 impl Appearance {
     /// Decodes the images that materials name, and says which of them could not be.
-    pub fn new(materials: &[Material], images: &[Image]) -> (Self, Vec<Undecoded>) {
+    pub fn new(materials: &[Material], images: &[Image]) -> (Self, Vec<UndecodedTexture>) {
         let mut faults = Vec::new();
         let mut textures = Vec::with_capacity(images.len());
         for (i, image) in images.iter().enumerate() {
@@ -34,7 +34,7 @@ impl Appearance {
                 Some(Ok(picture)) => Some(Texture::new(picture)),
                 Some(Err(e)) => {
                     let what = e.to_string();
-                    faults.push(Undecoded { image: i, what });
+                    faults.push(UndecodedTexture { image: i, what });
                     None
                 }
             });

@@ -6,7 +6,7 @@
 
 use crate::error::PictureError;
 use crate::frame::Bounds;
-use crate::item_buffer::{Faces, ItemBuffer, Samples};
+use crate::item_buffer::{Faces, ItemBuffer, Supersampling};
 use glam::{Vec2, Vec3, Vec4};
 
 /// Height at which a body part's shadow has faded to about a third, metres.
@@ -79,7 +79,7 @@ impl ContactShadow {
         let origin = low - 2.0 * FADE_M;
         let cells = (size * cells_per_metre).ceil();
         let (width, height) = (cells.x as u32, cells.y as u32);
-        let mut buffer = ItemBuffer::new(width, height, Samples::One)?;
+        let mut buffer = ItemBuffer::new(width, height, Supersampling::One)?;
         for corners in triangles {
             let corners = corners.map(|v| {
                 let p = positions[v as usize];

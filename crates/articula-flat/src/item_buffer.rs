@@ -28,7 +28,7 @@ const NOTHING: u32 = u32::MAX;
 
 /// How finely a pixel is sampled, along each side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Hash)]
-pub enum Samples {
+pub enum Supersampling {
     /// One sample in the middle.
     One,
     /// 2 x 2 samples.
@@ -40,7 +40,7 @@ pub enum Samples {
     Eight,
 }
 
-impl Samples {
+impl Supersampling {
     /// Samples along one side of a pixel.
     pub(crate) fn per_side(self) -> u32 {
         1 << self as u32
@@ -71,7 +71,7 @@ pub(crate) enum Faces {
 pub(crate) struct ItemBuffer {
     width: u32,
     height: u32,
-    samples: Samples,
+    samples: Supersampling,
     ids: Vec<u32>,
     nearness: Vec<f32>,
 }
@@ -82,7 +82,7 @@ impl ItemBuffer {
     /// # Errors
     /// [`PictureError::LimitExceeded`] if a side is longer than [`MAX_SIDE`] or the samples
     /// are too many.
-    pub(crate) fn new(width: u32, height: u32, samples: Samples) -> Result<Self, PictureError> {
+    pub(crate) fn new(width: u32, height: u32, samples: Supersampling) -> Result<Self, PictureError> {
         let refuse = |limit| PictureError::LimitExceeded {
             width,
             height,
@@ -111,7 +111,7 @@ impl ItemBuffer {
     }
 
     /// How finely a pixel is sampled.
-    pub(crate) fn samples(&self) -> Samples {
+    pub(crate) fn samples(&self) -> Supersampling {
         self.samples
     }
 
@@ -474,7 +474,7 @@ mod tests {
         Vec4::new(x, y, 0.0, 1.0)
     }
 
-    fn covered(corners: [Vec4; 3], samples: Samples) -> Vec<(u32, u32)> {
+    fn covered(corners: [Vec4; 3], samples: Supersampling) -> Vec<(u32, u32)> {
         let mut buffer = ItemBuffer::new(24, 24, samples).unwrap();
         buffer.draw(7, corners, Faces::Both);
         let (w, h) = buffer.sample_size();
@@ -488,12 +488,12 @@ mod tests {
         // triangle on its other side.
         let cells = covered(
             [flat(0.0, 0.0), flat(3.0, 0.0), flat(0.0, 3.0)],
-            Samples::One,
+            Supersampling::One,
         );
         assert_eq!(cells, [(0, 0), (1, 0), (0, 1)]);
         let other = covered(
             [flat(3.0, 3.0), flat(3.0, 0.0), flat(0.0, 3.0)],
-            Samples::One,
+            Supersampling::One,
         );
         let expected = [(2, 0), (1, 1), (2, 1), (0, 2), (1, 2), (2, 2)];
         assert_eq!(other, expected);
@@ -501,7 +501,7 @@ mod tests {
 
     #[test]
     fn front_faces_are_counter_clockwise_on_the_screen() {
-        let mut buffer = ItemBuffer::new(4, 4, Samples::One).unwrap();
+        let mut buffer = ItemBuffer::new(4, 4, Supersampling::One).unwrap();
         let clockwise = [flat(0.0, 0.0), flat(4.0, 0.0), flat(0.0, 4.0)];
         buffer.draw(0, clockwise, Faces::Front);
         assert_eq!(buffer.item(0, 0), None);
@@ -514,7 +514,7 @@ mod tests {
         let at = |nearness: f32| {
             [(0.0, 0.0), (8.0, 0.0), (0.0, 8.0)].map(|(x, y)| Vec4::new(x, y, nearness, 1.0))
         };
-        let mut buffer = ItemBuffer::new(4, 4, Samples::Two).unwrap();
+        let mut buffer = ItemBuffer::new(4, 4, Supersampling::Two).unwrap();
         buffer.draw(5, at(0.5), Faces::Both);
         buffer.draw(3, at(0.25), Faces::Both);
         assert_eq!(buffer.item(1, 1), Some(5));
@@ -546,7 +546,7 @@ mod tests {
         // A floor strip from one metre ahead to one metre behind; only its front half shows.
         let floor =
             |depth: f32, x: f32| Vec4::new((12.0 + x) * depth, 12.0 * depth + 4.0, 1.0, depth);
-        let mut buffer = ItemBuffer::new(24, 24, Samples::One).unwrap();
+        let mut buffer = ItemBuffer::new(24, 24, Supersampling::One).unwrap();
         buffer.draw(
             0,
             [floor(1.0, -9.0), floor(1.0, 9.0), floor(-1.0, 0.0)],
@@ -565,17 +565,17 @@ mod tests {
 
     #[test]
     fn odd_triangles_cover_nothing_and_huge_ones_all() {
-        assert!(covered([flat(1.0, 1.0); 3], Samples::Eight).is_empty());
+        assert!(covered([flat(1.0, 1.0); 3], Supersampling::Eight).is_empty());
         let no_number = [flat(f32::NAN, 0.0), flat(9.0, 0.0), flat(0.0, 9.0)];
-        assert!(covered(no_number, Samples::One).is_empty());
+        assert!(covered(no_number, Supersampling::One).is_empty());
         let huge = [flat(-1e6, -1e6), flat(1e6, -1e6), flat(0.0, 1e6)];
-        assert_eq!(covered(huge, Samples::One).len(), 24 * 24);
+        assert_eq!(covered(huge, Supersampling::One).len(), 24 * 24);
     }
 
     #[test]
     fn visiting_finds_what_nearer_ones_hide_and_draws_nothing() {
         let corners = [(0.0, 0.0), (3.0, 0.0), (0.0, 3.0)];
-        let mut buffer = ItemBuffer::new(24, 24, Samples::One).unwrap();
+        let mut buffer = ItemBuffer::new(24, 24, Supersampling::One).unwrap();
         let wall = [(-9.0, -9.0), (99.0, -9.0), (-9.0, 99.0)];
         buffer.draw(1, wall.map(|(x, y)| Vec4::new(x, y, 9.0, 1.0)), Faces::Both);
         let before = buffer.clone();
@@ -589,17 +589,17 @@ mod tests {
 
     #[test]
     fn refuses_what_would_not_fit() {
-        assert!(ItemBuffer::new(16_385, 1, Samples::One).is_err());
-        assert!(ItemBuffer::new(16_384, 16_384, Samples::Two).is_err());
-        assert!(ItemBuffer::new(0, 0, Samples::Eight).is_ok());
+        assert!(ItemBuffer::new(16_385, 1, Supersampling::One).is_err());
+        assert!(ItemBuffer::new(16_384, 16_384, Supersampling::Two).is_err());
+        assert!(ItemBuffer::new(0, 0, Supersampling::Eight).is_ok());
     }
 
-    fn any_samples() -> impl Strategy<Value = Samples> {
+    fn any_samples() -> impl Strategy<Value = Supersampling> {
         prop::sample::select(vec![
-            Samples::One,
-            Samples::Two,
-            Samples::Four,
-            Samples::Eight,
+            Supersampling::One,
+            Supersampling::Two,
+            Supersampling::Four,
+            Supersampling::Eight,
         ])
     }
 
@@ -676,7 +676,7 @@ mod tests {
                 Vec4::new(12.0 * depth + x * 20.0, 12.0 * depth + 9.0 + tilt * x, 1.0, depth)
             };
             let quad = [at(-4.0 + shift, 6.0), at(4.0 + shift, 6.0), at(4.0, -1.0), at(-4.0, -1.0)];
-            let mut buffer = ItemBuffer::new(24, 24, Samples::Two).unwrap();
+            let mut buffer = ItemBuffer::new(24, 24, Supersampling::Two).unwrap();
             buffer.draw(0, [quad[0], quad[1], quad[2]], Faces::Both);
             buffer.draw(1, [quad[0], quad[2], quad[3]], Faces::Both);
             let (w, h) = buffer.sample_size();

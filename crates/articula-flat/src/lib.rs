@@ -85,13 +85,13 @@ mod projection;
 mod render;
 pub mod vector;
 
-pub use appearance::{Appearance, Undecoded};
+pub use appearance::{Appearance, UndecodedTexture};
 pub use compare::{masked_rmse, rmse, ssim};
 pub use error::PictureError;
 pub use frame::{Bounds, orbit_view, tight_view};
 pub use ground::Ground;
-pub use item_buffer::Samples;
+pub use item_buffer::Supersampling;
 pub use markup::escaped;
 pub use picture::{Picture, Rgba, linear_table};
 pub use projection::{Projection, Screen};
-pub use render::{Light, Parts, RenderOptions, render};
+pub use render::{Light, PartSelection, RenderOptions, render};

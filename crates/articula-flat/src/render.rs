@@ -7,7 +7,7 @@
 use crate::appearance::Appearance;
 use crate::error::PictureError;
 use crate::ground::{ContactShadow, Ground, grid_coverage};
-use crate::item_buffer::{Faces, ItemBuffer, Samples, barycentric};
+use crate::item_buffer::{Faces, ItemBuffer, Supersampling, barycentric};
 use crate::picture::{Picture, Rgba, linear_table, srgb_byte};
 use crate::projection::{Projection, Screen};
 use articula_core::source::Material;
@@ -16,7 +16,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 /// Which parts of a mesh are drawn, by their index in [`Mesh::parts`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum Parts {
+pub enum PartSelection {
     /// Every part.
     #[default]
     All,
@@ -26,7 +26,7 @@ pub enum Parts {
     Except(Vec<usize>),
 }
 
-impl Parts {
+impl PartSelection {
     /// Whether a part is drawn.
     pub(crate) fn contains(&self, part: usize) -> bool {
         match self {
@@ -67,7 +67,7 @@ pub struct RenderOptions {
     /// What is seen where nothing is; may be transparent.
     pub background: Rgba,
     /// Samples a pixel.
-    pub samples: Samples,
+    pub samples: Supersampling,
     /// Perspective or parallel.
     pub projection: Projection,
     /// A floor with a contact shadow.
@@ -75,18 +75,18 @@ pub struct RenderOptions {
     /// Where light comes from.
     pub light: Light,
     /// Which parts are drawn.
-    pub parts: Parts,
+    pub parts: PartSelection,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
         Self {
             background: [234, 237, 242, 255],
-            samples: Samples::Two,
+            samples: Supersampling::Two,
             projection: Projection::Perspective,
             ground: None,
             light: Light::default(),
-            parts: Parts::All,
+            parts: PartSelection::All,
         }
     }
 }
@@ -657,13 +657,13 @@ mod tests {
         let parallel = Projection::Parallel {
             pixels_per_metre: 20.0,
         };
-        assert_eq!(area(Parts::Only(vec![0]), parallel), 400);
-        assert_eq!(area(Parts::Except(vec![0]), parallel), 400);
-        let near = area(Parts::Only(vec![0]), Projection::Perspective);
-        let far = area(Parts::Only(vec![1]), Projection::Perspective);
+        assert_eq!(area(PartSelection::Only(vec![0]), parallel), 400);
+        assert_eq!(area(PartSelection::Except(vec![0]), parallel), 400);
+        let near = area(PartSelection::Only(vec![0]), Projection::Perspective);
+        let far = area(PartSelection::Only(vec![1]), Projection::Perspective);
         assert!(near > 5 * far && far > 0, "{near} and {far}");
-        assert_eq!(area(Parts::All, Projection::Perspective), near);
-        assert_eq!(area(Parts::Only(vec![]), parallel), 0);
+        assert_eq!(area(PartSelection::All, Projection::Perspective), near);
+        assert_eq!(area(PartSelection::Only(vec![]), parallel), 0);
     }
 
     #[test]
@@ -712,7 +712,7 @@ mod tests {
             let options = RenderOptions { samples, ..even() };
             render(&mesh, &skinned, &look, &camera, &options).unwrap()
         };
-        let (coarse, fine) = (with(Samples::Two), with(Samples::Eight));
+        let (coarse, fine) = (with(Supersampling::Two), with(Supersampling::Eight));
         // The plate's outline is about 100 pixels long.
         let pairs = coarse.pixels().iter().zip(fine.pixels());
         let changed = pairs.filter(|(a, b)| a != b).count();

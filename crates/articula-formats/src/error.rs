@@ -1,6 +1,6 @@
 //! What can be wrong with a file, sorted by blame, and what was odd about a good one.
 
-use articula_core::BadBytes;
+use articula_core::MalformedBytes;
 use thiserror::Error;
 
 /// Why a file could not be read. The text names what was found, what was expected and where.
@@ -70,8 +70,8 @@ impl ReadError {
     }
 }
 
-impl From<BadBytes> for ReadError {
-    fn from(bad: BadBytes) -> Self {
+impl From<MalformedBytes> for ReadError {
+    fn from(bad: MalformedBytes) -> Self {
         Self::malformed(format!("byte {}", bad.at), bad.what)
     }
 }
@@ -84,12 +84,12 @@ pub struct Warning {
     /// What was found and what was done about it.
     pub what: String,
     /// What was guessed, where the caller could have said it.
-    pub guess: Option<Guess>,
+    pub guess: Option<Assumption>,
 }
 
 /// What a file does not say and a reader has to guess; options of the reader say it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Guess {
+pub enum Assumption {
     /// The scale to metres.
     Unit,
     /// The axis that points up.
@@ -111,7 +111,7 @@ impl Warning {
     }
 
     /// Says what was guessed at a place, and by which signs.
-    pub(crate) fn guess(at: impl Into<String>, what: impl Into<String>, guess: Guess) -> Self {
+    pub(crate) fn guess(at: impl Into<String>, what: impl Into<String>, guess: Assumption) -> Self {
         Self {
             guess: Some(guess),
             ..Self::new(at, what)

@@ -16,7 +16,7 @@
 //! - [`write_segs`], [`write_pose_keys`]: motion-error tables as bytes
 //! - [`Limits`], [`ReadError`], [`Warning`]: how much is too much, what can be wrong, what was odd
 //! - [`ReadOptions`], [`MotionFile`]: what files of motion do not say, and what they hold
-//! - [`Written`], [`WriteError`]: what writers give
+//! - [`WrittenFile`], [`WriteError`]: what writers give
 //!
 //! ```
 //! use articula_formats::gltf::{self, Document};
@@ -61,12 +61,12 @@ mod words;
 mod written;
 pub mod x3d;
 
-pub use error::{Guess, Read, ReadError, Warning};
+pub use error::{Assumption, Read, ReadError, Warning};
 pub use limits::Limits;
 pub use motion_file::{MotionFile, ReadOptions};
 pub use motion_table::{read_pose_keys, read_segs, write_pose_keys, write_segs};
-pub use units::Up;
-pub use written::{WriteError, Written};
+pub use units::UpAxis;
+pub use written::{WriteError, WrittenFile};
 
 /// Fetches what lies beside a file by its relative URI (already percent-decoded).
 pub type Resolver<'a> = dyn FnMut(&str) -> Result<Vec<u8>, String> + 'a;

@@ -1,6 +1,6 @@
 //! What files of motion hold (BVH, BVA, Acclaim), and what they do not say.
 
-use crate::units::Up;
+use crate::units::UpAxis;
 use articula_core::source::Character;
 use glam::Vec3;
 
@@ -10,8 +10,8 @@ pub struct ReadOptions {
     /// Metres of one unit. Without it what the file says (BVA, and ASF where it does), else told
     /// from the figure's height.
     pub scale_to_metres: Option<f32>,
-    /// The axis that points up; of BVA files, [`Up::Auto`] is +Y, as the format has it.
-    pub up: Up,
+    /// The axis that points up; of BVA files, [`UpAxis::Auto`] is +Y, as the format has it.
+    pub up: UpAxis,
     /// AMC: frames a second; without it what the motion says, or 120. The others say their own.
     pub rate_hz: Option<f32>,
 }

@@ -2,7 +2,7 @@
 //!
 //! Source: measured on the files of five families of writers; see `docs/formats/bvh.md`.
 
-use crate::error::{Guess, ReadError, Warning};
+use crate::error::{Assumption, ReadError, Warning};
 use glam::{Quat, Vec3};
 use std::f32::consts::FRAC_PI_2;
 
@@ -14,7 +14,7 @@ const FRAMES_LOOKED_AT: usize = 32;
 
 /// The axis that points up in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Up {
+pub enum UpAxis {
     /// Told from where the head is.
     #[default]
     Auto,
@@ -56,7 +56,7 @@ pub(crate) fn scale_to_metres(
         }
         None => {
             let (scale, how) = guess();
-            warnings.extend(how.map(|what| Warning::guess("file", what, Guess::Unit)));
+            warnings.extend(how.map(|what| Warning::guess("file", what, Assumption::Unit)));
             Ok(scale)
         }
     }
@@ -108,17 +108,17 @@ pub(crate) struct Motion<'a> {
 
 impl Figure<'_> {
     /// Whether the rest figure, and whether the motion, has +Z up; `up` decides unless it is
-    /// [`Up::Auto`], and a turn that was found is said in a warning.
+    /// [`UpAxis::Auto`], and a turn that was found is said in a warning.
     pub(crate) fn has_z_up(
         &self,
-        up: Up,
+        up: UpAxis,
         motion: Option<Motion<'_>>,
         warnings: &mut Vec<Warning>,
     ) -> (bool, bool) {
         let (figure, world) = match up {
-            Up::Y => return (false, false),
-            Up::Z => return (true, true),
-            Up::Auto => self.stands_along_z(motion),
+            UpAxis::Y => return (false, false),
+            UpAxis::Z => return (true, true),
+            UpAxis::Auto => self.stands_along_z(motion),
         };
         if world {
             let which = if figure {
@@ -127,7 +127,7 @@ impl Figure<'_> {
                 "the world of the motion"
             };
             let what = format!("+Z is up; {which} were turned to +Y");
-            warnings.push(Warning::guess("file", what, Guess::UpAxis));
+            warnings.push(Warning::guess("file", what, Assumption::UpAxis));
         }
         (figure, world)
     }

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 /// A written figure, and what the format could not hold of it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Written {
+pub struct WrittenFile {
     /// The whole file; of Acclaim files the skeleton.
     pub bytes: Vec<u8>,
     /// The motion, where the format keeps it in a file of its own and a clip was asked for.

@@ -5,7 +5,7 @@
 //! their border is kept as a seam of it. The open rim of a half surface stays in its plane.
 
 use crate::polygonise::Surface;
-use articula_build::{SimplifyOptions, Weighting, simplify};
+use articula_build::{SimplifyOptions, ErrorWeighting, simplify};
 use articula_core::{Mesh, Part};
 use glam::{Vec2, Vec3, Vec4};
 
@@ -31,7 +31,7 @@ pub(crate) fn thinned(surface: &Surface, options: &Options<'_>) -> Surface {
         std::slice::from_ref(&mesh.positions),
         &SimplifyOptions {
             targets: vec![1.0, options.target as f64 / count as f64],
-            weighting: Weighting::Rest,
+            weighting: ErrorWeighting::Rest,
             vertex_weights: mesh
                 .positions
                 .iter()

@@ -2,14 +2,14 @@
 
 use anyhow::{Context, Result, anyhow};
 use articula::convert::write_data;
-use articula::{Data, DataFormat, Format, OpenOptions, Opened, fs, open_data};
-use articula_formats::{Guess, Up, Warning};
+use articula::{Data, DataFormat, Format, OpenOptions, CharacterFile, fs, open_data};
+use articula_formats::{Assumption, UpAxis, Warning};
 use std::path::Path;
 
 /// What a file turned out to be.
 pub(crate) enum Content {
     /// A character, or a motion with its skeleton.
-    Figure(Box<Opened>),
+    Figure(Box<CharacterFile>),
     /// Numbers that move no joint by themselves.
     Data(Parameters),
 }
@@ -81,8 +81,8 @@ pub(crate) fn open(path: &Path) -> Result<Content> {
 }
 
 /// What was odd about a file. Which skeleton a motion was read with is not the file's doing.
-pub(crate) fn warnings(opened: &Opened) -> usize {
-    let own = |w: &&Warning| w.guess != Some(Guess::Skeleton);
+pub(crate) fn warnings(opened: &CharacterFile) -> usize {
+    let own = |w: &&Warning| w.guess != Some(Assumption::Skeleton);
     opened.warnings.iter().filter(own).count()
 }
 
@@ -102,11 +102,11 @@ pub(crate) fn figure(
     format: Format,
     path: &Path,
     told: Told,
-) -> Result<Opened> {
+) -> Result<CharacterFile> {
     let is_told = told == Told::AsWritten;
     let options = OpenOptions {
         unit_metres: (is_told && format == Format::Bvh).then_some(0.01),
-        up: if is_told { Up::Y } else { Up::Auto },
+        up: if is_told { UpAxis::Y } else { UpAxis::Auto },
         skeleton,
         ..OpenOptions::default()
     };

@@ -22,7 +22,7 @@ const ROW_LABEL: u32 = 200;
 
 /// One picture with a line of text below it.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Tile {
+pub struct SheetTile {
     /// The picture.
     pub picture: Picture,
     /// What it shows; may be empty.
@@ -32,18 +32,18 @@ pub struct Tile {
 /// The tiles of one row and column, side by side: such as a reference, the reduced character
 /// and their difference.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Cell {
+pub struct SheetCell {
     /// The tiles; a cell without any stays blank.
-    pub tiles: Vec<Tile>,
+    pub tiles: Vec<SheetTile>,
 }
 
 /// A row of cells.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Row {
+pub struct SheetRow {
     /// What its cells have in common.
     pub label: String,
     /// One cell for each column; missing ones stay blank.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<SheetCell>,
 }
 
 /// A page of pictures.
@@ -56,7 +56,7 @@ pub struct ContactSheet {
     /// What each column's cells have in common.
     pub columns: Vec<String>,
     /// The rows.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SheetRow>,
     /// Whether a line says what the joint marks mean ([`JointMark`]).
     pub explains_joints: bool,
 }
@@ -134,19 +134,19 @@ impl ContactSheet {
     }
 }
 
-impl Cell {
+impl SheetCell {
     /// A cell of one picture.
     pub fn of(picture: Picture, caption: impl Into<String>) -> Self {
         let caption = caption.into();
         Self {
-            tiles: vec![Tile { picture, caption }],
+            tiles: vec![SheetTile { picture, caption }],
         }
     }
 
     fn size(&self) -> (u32, u32) {
         let gaps = TILE_GAP * (self.tiles.len() as u32).saturating_sub(1);
         let width = self.tiles.iter().map(|t| t.picture.width()).sum::<u32>();
-        let height = self.tiles.iter().map(Tile::height).max().unwrap_or(0);
+        let height = self.tiles.iter().map(SheetTile::height).max().unwrap_or(0);
         (width + gaps, height)
     }
 
@@ -159,7 +159,7 @@ impl Cell {
     }
 }
 
-impl Tile {
+impl SheetTile {
     fn height(&self) -> u32 {
         let caption = match self.caption.is_empty() {
             true => 0,
@@ -202,7 +202,7 @@ struct Layout {
 
 impl Layout {
     fn new(sheet: &ContactSheet) -> Self {
-        let label = |row: &Row| TextStyle::Strong.width(&row.label).min(ROW_LABEL);
+        let label = |row: &SheetRow| TextStyle::Strong.width(&row.label).min(ROW_LABEL);
         let labels_width = sheet.rows.iter().map(label).max().unwrap_or(0);
         let mut x = MARGIN + labels_width + if labels_width > 0 { GAP } else { 0 };
         let cells = sheet.rows.iter().map(|r| r.cells.len()).max().unwrap_or(0);
@@ -258,8 +258,8 @@ impl Layout {
 mod tests {
     use super::*;
 
-    fn tile(width: u32, height: u32, color: Rgba) -> Tile {
-        Tile {
+    fn tile(width: u32, height: u32, color: Rgba) -> SheetTile {
+        SheetTile {
             picture: Picture::new(width, height, color).unwrap(),
             caption: String::new(),
         }
@@ -268,18 +268,18 @@ mod tests {
     #[test]
     fn every_tile_is_on_the_page_unharmed() {
         let red = |level: u8| [200, level, 0, 255];
-        let cell = |level: u8, width| Cell {
+        let cell = |level: u8, width| SheetCell {
             tiles: vec![tile(width, 50, red(level)), tile(30, 40, red(level + 1))],
         };
         let sheet = ContactSheet {
             title: "T".into(),
             columns: vec!["a".into(), "b".into()],
             rows: vec![
-                Row {
+                SheetRow {
                     label: "first".into(),
                     cells: vec![cell(10, 40), cell(20, 60)],
                 },
-                Row {
+                SheetRow {
                     label: "second".into(),
                     cells: vec![cell(30, 20)],
                 },
@@ -300,12 +300,12 @@ mod tests {
     fn an_empty_sheet_is_a_small_page_and_a_huge_one_an_error() {
         let page = ContactSheet::default().draw().unwrap();
         assert!(page.width() >= 2 * MARGIN && page.height() >= 2 * MARGIN);
-        let wide = Cell {
+        let wide = SheetCell {
             tiles: vec![tile(16_000, 1, PAPER), tile(16_000, 1, PAPER)],
         };
-        let row = Row {
+        let row = SheetRow {
             cells: vec![wide],
-            ..Row::default()
+            ..SheetRow::default()
         };
         let sheet = ContactSheet {
             rows: vec![row],

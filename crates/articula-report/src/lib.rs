@@ -12,14 +12,14 @@
 //!
 //! ```
 //! use articula_flat::{Picture, PictureError};
-//! use articula_report::{Cell, ContactSheet, PlotOptions, Row, Series, line_plot};
+//! use articula_report::{SheetCell, ContactSheet, PlotOptions, SheetRow, Series, line_plot};
 //!
 //! let options = PlotOptions { title: "Error".into(), ..PlotOptions::default() };
 //! let series = Series { points: vec![(1.0, 3.0), (2.0, 1.5)], ..Series::default() };
 //! assert!(line_plot(&options, &[series]).starts_with("<svg"));
 //!
 //! let red = Picture::new(60, 40, [200, 30, 30, 255])?;
-//! let row = Row { label: "near".into(), cells: vec![Cell::of(red, "5 m")] };
+//! let row = SheetRow { label: "near".into(), cells: vec![SheetCell::of(red, "5 m")] };
 //! let sheet = ContactSheet { title: "Levels".into(), rows: vec![row], ..ContactSheet::default() };
 //! assert!(sheet.draw()?.width() > 60);
 //! # Ok::<(), PictureError>(())
@@ -38,7 +38,7 @@ mod plot;
 mod skeleton;
 
 pub use artist::{Artist, close_up, middles};
-pub use contact_sheet::{Cell, ContactSheet, Row, Tile};
+pub use contact_sheet::{SheetCell, ContactSheet, SheetRow, SheetTile};
 pub use crowd::CrowdPicture;
 pub use motion_sheet::{MotionLine, camera_path_sheet, motion_sheet, rest_sheet};
 pub use plot::{BarSeries, Plot, PlotOptions, Scale, Series, Values, bar_plot, line_plot, stacked};

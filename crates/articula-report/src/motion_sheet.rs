@@ -4,10 +4,10 @@
 //! shows, drawn large; the small figure in the corner has the true size on the screen.
 
 use crate::artist::{Artist, middles};
-use crate::contact_sheet::{Cell, ContactSheet, Row, Tile};
+use crate::contact_sheet::{SheetCell, ContactSheet, SheetRow, SheetTile};
 use crate::skeleton::JointMark;
 use articula_build::Asset;
-use articula_build::evaluate::{Method, PathFrame, PathRun, Playback, Stage, play};
+use articula_build::evaluate::{Method, PathFrame, PathRun, Playback, ClipEvaluator, play};
 use articula_core::joint_state::JointState;
 use articula_core::{LocalPose, Wrap, sample, sample_morphs};
 use articula_flat::{Picture, PictureError};
@@ -30,7 +30,7 @@ pub struct MotionLine<'a> {
 /// # Errors
 /// [`PictureError`] if the page is too large.
 pub fn motion_sheet(
-    stage: &Stage<'_>,
+    stage: &ClipEvaluator<'_>,
     artist: &mut Artist<'_>,
     lines: &[MotionLine<'_>],
     frames: usize,
@@ -62,7 +62,7 @@ pub fn motion_sheet(
             let caption = caption(stage, playback, *frame);
             cells.push(cell(reference.clone(), reduced, caption));
         }
-        rows.push(Row {
+        rows.push(SheetRow {
             label: line.label.clone(),
             cells,
         });
@@ -77,7 +77,7 @@ pub fn motion_sheet(
 /// # Errors
 /// [`PictureError`] if the page is too large.
 pub fn camera_path_sheet(
-    stage: &Stage<'_>,
+    stage: &ClipEvaluator<'_>,
     artist: &mut Artist<'_>,
     run: &PathRun,
     title: &str,
@@ -100,7 +100,7 @@ pub fn camera_path_sheet(
         cell.tiles[0].caption = format!("{:.2} s, {:.1} m", frame.secs, frame.distance_m);
         cells.push(cell);
     }
-    let row = |cells: &[Cell]| Row {
+    let row = |cells: &[SheetCell]| SheetRow {
         label: String::new(),
         cells: cells.to_vec(),
     };
@@ -128,7 +128,7 @@ pub fn rest_sheet(
         let joints = artist.articulated(rest, morphs.clone(), &marks, 0.0)?;
         cells.push(cell(figure, joints, "joints at rest".into()));
     }
-    let row = Row {
+    let row = SheetRow {
         label: String::new(),
         cells,
     };
@@ -141,7 +141,7 @@ fn sheet(
     title: &str,
     notes: Vec<String>,
     columns: Vec<String>,
-    rows: Vec<Row>,
+    rows: Vec<SheetRow>,
 ) -> Result<Picture, PictureError> {
     let sheet = ContactSheet {
         title: title.to_owned(),
@@ -153,26 +153,26 @@ fn sheet(
     sheet.draw()
 }
 
-fn cell(reference: Picture, reduced: Picture, caption: String) -> Cell {
-    let tile = |picture, caption| Tile { picture, caption };
-    Cell {
+fn cell(reference: Picture, reduced: Picture, caption: String) -> SheetCell {
+    let tile = |picture, caption| SheetTile { picture, caption };
+    SheetCell {
         tiles: vec![tile(reference, "reference".into()), tile(reduced, caption)],
     }
 }
 
-fn caption(stage: &Stage<'_>, playback: &Playback, frame: usize) -> String {
+fn caption(stage: &ClipEvaluator<'_>, playback: &Playback, frame: usize) -> String {
     let updated = playback.updated[frame].len();
     format!("{updated} of {} updated", stage.moving.len())
 }
 
-fn shown_pose(stage: &Stage<'_>, playback: &Playback, frame: usize) -> LocalPose {
+fn shown_pose(stage: &ClipEvaluator<'_>, playback: &Playback, frame: usize) -> LocalPose {
     let mut pose = stage.truth[frame].clone();
     pose.rotations.copy_from_slice(&playback.shown[frame]);
     pose
 }
 
 /// Morph weights at a frame of the stage's clip.
-fn morphs(stage: &Stage<'_>, frame: usize) -> Vec<f32> {
+fn morphs(stage: &ClipEvaluator<'_>, frame: usize) -> Vec<f32> {
     let mut weights = stage.asset.mesh.morph_weights.clone();
     let secs = frame as f64 / f64::from(stage.clip.rate_hz());
     sample_morphs(&stage.clip, secs, Wrap::Clamp, &mut weights);
@@ -181,7 +181,7 @@ fn morphs(stage: &Stage<'_>, frame: usize) -> Vec<f32> {
 
 /// What each joint does at a frame: the root always follows the clip.
 fn marks(
-    stage: &Stage<'_>,
+    stage: &ClipEvaluator<'_>,
     line: &MotionLine<'_>,
     playback: &Playback,
     frame: usize,

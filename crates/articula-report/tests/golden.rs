@@ -10,7 +10,7 @@ mod figure;
 use articula_core::Viewport;
 use articula_core::source::{Image, Material};
 use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render, rmse};
-use articula_report::{Cell, ContactSheet, JointMark, Row, Tile, draw_skeleton};
+use articula_report::{SheetCell, ContactSheet, JointMark, SheetRow, SheetTile, draw_skeleton};
 use glam::Vec4;
 use std::path::PathBuf;
 
@@ -108,7 +108,7 @@ fn figure_skeleton_and_sheet_look_as_before() {
     let (body, skeleton) = drawn();
     check("figure", &body);
     check("skeleton", &skeleton);
-    let tile = |picture: &Picture, caption: &str| Tile {
+    let tile = |picture: &Picture, caption: &str| SheetTile {
         picture: picture.clone(),
         caption: caption.to_owned(),
     };
@@ -117,9 +117,9 @@ fn figure_skeleton_and_sheet_look_as_before() {
         title: "Figure".into(),
         notes: vec!["a knee and an elbow bent".into()],
         columns: vec!["frame 0".into()],
-        rows: vec![Row {
+        rows: vec![SheetRow {
             label: "3.5 m".into(),
-            cells: vec![Cell { tiles }],
+            cells: vec![SheetCell { tiles }],
         }],
         explains_joints: true,
     };

@@ -1,6 +1,6 @@
 //! What can be wrong with a stream, sorted by blame.
 
-use articula_core::{BadBytes, Mismatch};
+use articula_core::{MalformedBytes, Mismatch};
 use thiserror::Error;
 
 /// Why a stream could not be read. The text names what was found, what was expected and where.
@@ -51,8 +51,8 @@ impl StreamError {
     }
 }
 
-impl From<BadBytes> for StreamError {
-    fn from(bad: BadBytes) -> Self {
+impl From<MalformedBytes> for StreamError {
+    fn from(bad: MalformedBytes) -> Self {
         Self::malformed(format!("byte {}", bad.at), bad.what)
     }
 }

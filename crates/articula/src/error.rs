@@ -134,7 +134,7 @@ macro_rules! boxed {
 
 boxed! {
     articula_formats::WriteError => Write,
-    articula_formats::mpeg4::bap::SampleError => Write,
+    articula_formats::mpeg4::bap::BapError => Write,
     articula_flat::PictureError => Picture,
 }
 

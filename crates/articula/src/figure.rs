@@ -1,7 +1,7 @@
 //! A character ready to be played: rig, mesh and clips built from what was opened.
 
 use crate::error::{Context, Error, Result};
-use crate::open::{Opened, choose};
+use crate::open::{CharacterFile, choose};
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 
@@ -9,7 +9,7 @@ use articula_build::{Asset, character};
 #[derive(Debug)]
 pub struct Figure {
     /// The file as it was opened.
-    pub opened: Opened,
+    pub opened: CharacterFile,
     /// Rig, mesh and clips at a uniform rate.
     pub asset: Asset,
 }
@@ -20,7 +20,7 @@ impl Figure {
     /// # Errors
     /// An [`Error`] that names the file and what of it does not fit: no joint and no mesh, a tree
     /// with circles, more motion than memory should hold.
-    pub fn new(opened: Opened) -> Result<Self> {
+    pub fn new(opened: CharacterFile) -> Result<Self> {
         if opened.character.skeleton.joints.is_empty() {
             let what = "nodes: no joint and no mesh; give a file that shows a character";
             return Err(Error::unsuited(what)).context(&opened.name);

@@ -15,9 +15,9 @@
 //!
 //! What there is:
 //!
-//! - [`fs::open`], [`open()`], [`Opened`]: GLB, glTF, VRM, VRMA, BVH, ASF and AMC, BVA, X3D and BAP files as
+//! - [`fs::open`], [`open()`], [`CharacterFile`]: GLB, glTF, VRM, VRMA, BVH, ASF and AMC, BVA, X3D and BAP files as
 //!   one editable [`Character`](articula_core::source::Character), with what is needed to write
-//!   them back; [`Opened::add_clips`] puts the motions of other files onto it
+//!   them back; [`CharacterFile::add_clips`] puts the motions of other files onto it
 //! - [`Figure`]: rig, mesh and clips, as a frame needs them
 //! - [`crowd`]: thousands of one character, each at the level of detail that its viewer can see
 //! - [`prepare()`]: what is made once of a character goes into its GLB: mesh levels, motion tables
@@ -57,11 +57,11 @@ pub use figure::Figure;
 pub use mesh_levels::{CodedMeshLevels, MeshLevelOptions, MeshLevelStream};
 pub use motion_tables::{ClipTables, StoredTables, stored_tables};
 pub use open::{
-    Data, DataFormat, Format, GltfSource, OpenOptions, Opened, OpenedData, Writes, choose,
+    Data, DataFormat, Format, GltfSource, OpenOptions, CharacterFile, DataFile, WriteSupport, choose,
     conversions, open, open_data, readable, reference_human,
 };
-pub use prepare::{PrepareOptions, Prepared, prepare};
-pub use work::{Job, OnStep, RunJobs, Step, Executor};
+pub use prepare::{PrepareOptions, PreparedAsset, prepare};
+pub use work::{Job, StepCallback, JobRunner, Step, Executor};
 
 pub use articula_core::{Camera, PosedMesh, SkinnedMesh, Viewport, Wrap, sample, sample_morphs};
 pub use glam;

@@ -4,7 +4,7 @@ use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::mesh_levels::{self, CodedMeshLevels, MeshLevelOptions};
 use crate::motion_tables::{ClipTables, POSE_KEYS, SEGS, TableMaker};
-use crate::open::{GltfSource, Opened};
+use crate::open::{GltfSource, CharacterFile};
 use crate::work::Executor;
 use articula_core::Mesh;
 use articula_formats::Limits;
@@ -30,7 +30,7 @@ impl Default for PrepareOptions {
 
 /// An asset, and what went into it.
 #[derive(Debug)]
-pub struct Prepared {
+pub struct PreparedAsset {
     /// The asset as a GLB that every glTF viewer opens.
     pub glb: Vec<u8>,
     /// The character as the asset has it. Its document went into the asset: `opened.gltf` is
@@ -52,7 +52,7 @@ pub struct Prepared {
 /// # Errors
 /// An [`Error`](crate::Error) that names the file and what of it does not fit, or
 /// [`Error::Cancelled`](crate::Error::Cancelled).
-pub fn prepare(opened: Opened, options: &PrepareOptions, work: &Executor<'_>) -> Result<Prepared> {
+pub fn prepare(opened: CharacterFile, options: &PrepareOptions, work: &Executor<'_>) -> Result<PreparedAsset> {
     let name = opened.name.clone();
     let (opened, mut gltf) = with_document(opened).with_context(|| &name)?;
     let mut figure = Figure::new(opened)?;
@@ -70,7 +70,7 @@ pub fn prepare(opened: Opened, options: &PrepareOptions, work: &Executor<'_>) ->
     let clips: Vec<usize> = (0..figure.asset.clips.len()).collect();
     let tables = work.map("making motion tables", clips, |clip| Ok(maker.tables(clip)))?;
     let (glb, mesh_bytes) = written(&figure, gltf, &tables).with_context(|| &name)?;
-    Ok(Prepared {
+    Ok(PreparedAsset {
         glb,
         figure,
         tables,
@@ -81,7 +81,7 @@ pub fn prepare(opened: Opened, options: &PrepareOptions, work: &Executor<'_>) ->
 
 /// A character with the document that shows it: its own, with the clips that it has by now, or
 /// the one that a character of another format will be.
-fn with_document(mut opened: Opened) -> Result<(Opened, GltfSource)> {
+fn with_document(mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource)> {
     let Some(mut gltf) = opened.gltf.take() else {
         let document = Document::from_character(&opened.character)?;
         return shown_by(document, opened);
@@ -104,7 +104,7 @@ fn with_document(mut opened: Opened) -> Result<(Opened, GltfSource)> {
 }
 
 /// A character as a document shows it: joints, meshes and clips in the document's order.
-fn shown_by(document: Document, mut opened: Opened) -> Result<(Opened, GltfSource)> {
+fn shown_by(document: Document, mut opened: CharacterFile) -> Result<(CharacterFile, GltfSource)> {
     let file = gltf::read_document(document, &Limits::default())?.value;
     let (character, gltf) = GltfSource::split(file);
     opened.character = character;

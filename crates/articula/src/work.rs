@@ -42,10 +42,10 @@ impl fmt::Debug for Job<'_> {
 }
 
 /// What is called after every part of a step; `Break` stops the work with [`Error::Cancelled`].
-pub type OnStep<'a> = &'a (dyn Fn(Step) -> ControlFlow<()> + Sync);
+pub type StepCallback<'a> = &'a (dyn Fn(Step) -> ControlFlow<()> + Sync);
 
 /// Runs every job it is given, on whatever threads it likes.
-pub type RunJobs<'a> = &'a (dyn Fn(&mut [Job<'_>]) + Sync);
+pub type JobRunner<'a> = &'a (dyn Fn(&mut [Job<'_>]) + Sync);
 
 /// How a long work reports, whether it may go on, and who runs its jobs.
 ///
@@ -69,8 +69,8 @@ pub type RunJobs<'a> = &'a (dyn Fn(&mut [Job<'_>]) + Sync);
 /// ```
 #[derive(Clone, Copy, Default)]
 pub struct Executor<'a> {
-    on_step: Option<OnStep<'a>>,
-    run_jobs: Option<RunJobs<'a>>,
+    on_step: Option<StepCallback<'a>>,
+    run_jobs: Option<JobRunner<'a>>,
 }
 
 impl fmt::Debug for Executor<'_> {
@@ -85,7 +85,7 @@ impl fmt::Debug for Executor<'_> {
 impl<'a> Executor<'a> {
     /// Reports every part of a step.
     #[must_use]
-    pub fn on_step(self, on_step: OnStep<'a>) -> Self {
+    pub fn on_step(self, on_step: StepCallback<'a>) -> Self {
         Self {
             on_step: Some(on_step),
             ..self
@@ -94,7 +94,7 @@ impl<'a> Executor<'a> {
 
     /// Has the caller run the jobs; without it they run one after the other.
     #[must_use]
-    pub fn run_jobs(self, run_jobs: RunJobs<'a>) -> Self {
+    pub fn run_jobs(self, run_jobs: JobRunner<'a>) -> Self {
         Self {
             run_jobs: Some(run_jobs),
             ..self

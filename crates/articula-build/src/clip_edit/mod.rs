@@ -22,9 +22,9 @@ mod rate;
 mod root_motion;
 mod trim;
 
-pub use cycle::{CloseOptions, Closed, Cycle, LEAST_SCORE, close, find};
-pub use key_reduction::{ReduceOptions, Reduced, reduce_keys};
+pub use cycle::{CloseOptions, ClosedLoop, LoopCycle, LEAST_SCORE, close, find};
+pub use key_reduction::{ReduceOptions, ReducedClip, reduce_keys};
 pub use rate::resample;
 pub use root_motion::{RootMotion, RootMotionMode, RootMotionOptions, TrajectoryKey, split};
-pub use subject::Subject;
+pub use subject::EditSubject;
 pub use trim::trim;

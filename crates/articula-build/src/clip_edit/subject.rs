@@ -8,7 +8,7 @@ use glam::Vec3;
 
 /// Joints, skin and the names that an edit needs to know where a motion shows.
 #[derive(Debug, Clone)]
-pub struct Subject<'a> {
+pub struct EditSubject<'a> {
     pub(super) skeleton: &'a Skeleton,
     pub(super) rig: Rig,
     pub(super) mesh: Mesh,
@@ -17,7 +17,7 @@ pub struct Subject<'a> {
     rest: Posed,
 }
 
-impl<'a> Subject<'a> {
+impl<'a> EditSubject<'a> {
     /// Looks at a character; `articulation` says which joint is which. `ends` are points that
     /// hang from joints besides the skin, such as the end sites of a BVH file.
     ///

@@ -8,14 +8,14 @@
 //!
 //! Source: thesis 3.1.2, `spec/clustered-mesh.md` 3 to 5. Different: lives instead of the
 //! thesis' sets (its `C(k,j)` lives from `k` to `j - 1`), so levels need not be chained; lists of
-//! the written form lie in a serpentine order that needs half the ranges ([`Order::Store`]).
+//! the written form lie in a serpentine order that needs half the ranges ([`ClusterOrder::Store`]).
 //! Level 0 is the finest for every caller; inside, a *step* counts levels from the coarsest, as
 //! the thesis does and as everything is stored.
 
 mod order;
 mod vertex_cache;
 
-pub use order::Order;
+pub use order::ClusterOrder;
 
 use articula_core::{Cluster, Clusters, Mismatch};
 use std::cmp::Reverse;
@@ -53,7 +53,7 @@ pub fn cluster<L: AsRef<[[u32; 3]]>>(
     levels: &[L],
     vertex_count: usize,
     regions: &[u16],
-    order: Order,
+    order: ClusterOrder,
 ) -> Result<Clustered, Mismatch> {
     check(levels, vertex_count, regions)?;
     let (lives, copies) = lives(levels);
@@ -279,7 +279,7 @@ mod tests {
 
     #[test]
     fn worked_example_in_chunks() {
-        let c = cluster(&example(), 6, &[], Order::Chunks).unwrap();
+        let c = cluster(&example(), 6, &[], ClusterOrder::Chunks).unwrap();
         assert_eq!(c.triangles.len(), 10);
         assert_eq!(named(&c, 0..2), set(&[[1, 2, 0], [2, 3, 0]]), "C(0,1)");
         assert_eq!(named(&c, 2..4), set(&[[1, 2, 4], [2, 3, 4]]), "C(1,2)");
@@ -298,7 +298,7 @@ mod tests {
 
     #[test]
     fn worked_example_as_stored() {
-        let c = cluster(&example(), 6, &[], Order::Store).unwrap();
+        let c = cluster(&example(), 6, &[], ClusterOrder::Store).unwrap();
         assert_eq!(
             named(&c, 0..6),
             set(&example()[0]),
@@ -323,7 +323,7 @@ mod tests {
             vec![[0, 1, 3], [0, 1, 3]],
             vec![[0, 1, 2]],
         ];
-        let c = cluster(&levels, 9, &[], Order::Chunks).unwrap();
+        let c = cluster(&levels, 9, &[], ClusterOrder::Chunks).unwrap();
         assert_eq!(c.copies, 1);
         assert_eq!(c.triangles.len(), 5);
         for (level, triangles) in levels.iter().enumerate() {
@@ -344,19 +344,19 @@ mod tests {
     #[test]
     fn levels_without_triangles() {
         let levels: [Vec<[u32; 3]>; 3] = [vec![], vec![[0, 1, 2]], vec![]];
-        let c = cluster(&levels, 3, &[], Order::Store).unwrap();
+        let c = cluster(&levels, 3, &[], ClusterOrder::Store).unwrap();
         assert_eq!(c.clusters.vertex_counts(), [3, 3, 0]);
         assert_eq!([0, 1, 2].map(|i| c.clusters.triangles(i)), [0, 1, 0]);
         assert_eq!(
-            cluster::<Vec<_>>(&[], 0, &[], Order::Store).unwrap_err().at,
+            cluster::<Vec<_>>(&[], 0, &[], ClusterOrder::Store).unwrap_err().at,
             "levels"
         );
         assert_eq!(
-            cluster(&levels, 2, &[], Order::Store).unwrap_err().at,
+            cluster(&levels, 2, &[], ClusterOrder::Store).unwrap_err().at,
             "levels[1][0]"
         );
         assert_eq!(
-            cluster(&levels, 3, &[0], Order::Store).unwrap_err().at,
+            cluster(&levels, 3, &[0], ClusterOrder::Store).unwrap_err().at,
             "regions"
         );
     }
@@ -371,7 +371,7 @@ mod tests {
             vec![[0, 1, 4]],
         ];
         let regions = [0, 0, 0, 1, 1, 1, 0];
-        let c = cluster(&levels, 7, &regions, Order::Store).unwrap();
+        let c = cluster(&levels, 7, &regions, ClusterOrder::Store).unwrap();
         assert_eq!(c.mixable_to, 1);
         assert_eq!(c.clusters.regions(), 2);
         let count = |levels: &[u16]| {

@@ -8,7 +8,7 @@ pub(super) type Place = (u8, u16, u16, u16);
 /// Steps count from the coarsest level, 0, to the finest, `n`. `C(k,j)` are the triangles that
 /// steps `k` to `j - 1` show, `C(k,k)` those that live to the finest. Inside each, regions rise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Order {
+pub enum ClusterOrder {
     /// What each step adds: `C(0,1) .. C(0,n) C(0,0) | C(1,2) .. C(1,1) | ..`.
     /// Any first chunks make a mesh; of chunk `k` a step shows one suffix, so step `i` has at
     /// most `i + 1` ranges.
@@ -22,7 +22,7 @@ pub enum Order {
     Store,
 }
 
-impl Order {
+impl ClusterOrder {
     /// Where triangles lie that live from step `first` to `last` of `finest`.
     pub(super) fn place(self, first: u16, last: u16, region: u16, finest: u16) -> Place {
         match self {

@@ -2,7 +2,7 @@
 
 use super::method::Method;
 use super::playbacks::play;
-use super::stage::{Stage, Trial};
+use super::stage::{ClipEvaluator, MethodRun};
 
 /// Parameters that a sweep tries, from gentle to harsh: 24 or 26 geometric steps, as in the
 /// published numbers; every whole number of frames up to 26; every level.
@@ -21,7 +21,7 @@ fn parameters(method: &Method) -> Vec<f32> {
 }
 
 /// Plays a method over its whole range of parameters.
-pub fn sweep(stage: &Stage<'_>, method: &Method) -> Vec<Trial> {
+pub fn sweep(stage: &ClipEvaluator<'_>, method: &Method) -> Vec<MethodRun> {
     parameters(method)
         .into_iter()
         .map(|p| play(stage, method, p).0)
@@ -31,14 +31,14 @@ pub fn sweep(stage: &Stage<'_>, method: &Method) -> Vec<Trial> {
 /// The swept trial with the greatest gain whose p95 error at a distance is at most `limit_px`.
 /// Where none meets it, the one that errs least; `None` only of an empty sweep.
 pub fn calibrate(
-    stage: &Stage<'_>,
-    swept: &[Trial],
+    stage: &ClipEvaluator<'_>,
+    swept: &[MethodRun],
     distance_m: f32,
     limit_px: f32,
-) -> Option<Trial> {
+) -> Option<MethodRun> {
     let limit = limit_px / stage.setup.viewport.pixels_per_metre(distance_m);
-    let by_gain = |a: &&Trial, b: &&Trial| a.joint_update_gain.total_cmp(&b.joint_update_gain);
-    let by_error = |a: &&Trial, b: &&Trial| a.error.p95.total_cmp(&b.error.p95);
+    let by_gain = |a: &&MethodRun, b: &&MethodRun| a.joint_update_gain.total_cmp(&b.joint_update_gain);
+    let by_error = |a: &&MethodRun, b: &&MethodRun| a.error.p95.total_cmp(&b.error.p95);
     let meeting = swept
         .iter()
         .filter(|t| t.error.p95 <= limit)

@@ -3,13 +3,13 @@
 //! Source: `spec/motion-lod.md` 4.5 and 12. What is measured here is the controller that runs
 //! in a frame, not a table: its bound holds while the view moves.
 
-use super::stage::{FrameErrors, Stage};
+use super::stage::{FrameErrors, ClipEvaluator};
 use crate::motion_error::bounds::joint_bounds;
 use crate::motion_error::contacts::attention;
 use articula_core::joint_state::JointState;
 use articula_core::percentile;
 use articula_core::{
-    Camera, Drift, DriftOptions, JointSet, JointViews, LocalPose, ModelPose, Viewport, Wrap,
+    Camera, DriftController, DriftOptions, JointSet, JointViews, LocalPose, ModelPose, Viewport, Wrap,
     angle_between, frame_position, local_to_model, sample,
 };
 use glam::Vec3;
@@ -67,7 +67,7 @@ pub struct PathRun {
 
 /// Plays a clip (looping) along a camera path at a display rate. `None` without a key.
 pub fn play_camera_path(
-    stage: &Stage<'_>,
+    stage: &ClipEvaluator<'_>,
     path: &[CameraKey],
     display_hz: f64,
     opts: DriftOptions,
@@ -76,7 +76,7 @@ pub fn play_camera_path(
     let (asset, clip) = (stage.asset, &stage.clip);
     let levers_metres: Vec<f32> = stage.levers.iter().map(|l| l.rest_metres).collect();
     let bounds = joint_bounds(asset, clip, &levers_metres, stage.options.chain);
-    let mut drift = Drift::new(asset.rig.rest_pose(), bounds, opts);
+    let mut drift = DriftController::new(asset.rig.rest_pose(), bounds, opts);
     let mut wanted = asset.rig.rest_pose().clone();
     let mut truth = wanted.clone();
     let mut model = ModelPose::new(asset.rig.len());
@@ -134,7 +134,7 @@ pub fn play_camera_path(
     Some(summary(stage, frames))
 }
 
-fn changed(stage: &Stage<'_>, before: Option<&LocalPose>, shown: &LocalPose) -> JointSet {
+fn changed(stage: &ClipEvaluator<'_>, before: Option<&LocalPose>, shown: &LocalPose) -> JointSet {
     let Some(before) = before else {
         return JointSet::EMPTY;
     };
@@ -145,7 +145,7 @@ fn changed(stage: &Stage<'_>, before: Option<&LocalPose>, shown: &LocalPose) -> 
     moved.collect()
 }
 
-fn summary(stage: &Stage<'_>, frames: Vec<PathFrame>) -> PathRun {
+fn summary(stage: &ClipEvaluator<'_>, frames: Vec<PathFrame>) -> PathRun {
     let after = frames.len().saturating_sub(1).max(1) as f32;
     let updates: usize = frames.iter().map(|f| f.updated.len()).sum();
     let free = frames
@@ -186,7 +186,7 @@ pub(crate) fn camera_at(path: &[CameraKey], secs: f64, viewport: Viewport) -> Op
     ))
 }
 
-impl Stage<'_> {
+impl ClipEvaluator<'_> {
     /// 95th percentile over the watched vertices of the distance between the projections of
     /// two poses, pixels. Vertices at or behind the camera are left out.
     fn projected_error(&self, camera: &Camera, shown: &LocalPose, truth: &LocalPose) -> f32 {

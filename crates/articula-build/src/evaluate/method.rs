@@ -2,9 +2,9 @@
 //!
 //! Source: `spec/motion-lod.md` 3 (thesis, Ahn), 4 (ours), 11 (baselines).
 
-use super::baselines::thesis::ThesisOptions;
+use super::baselines::thesis::ThesisMetricOptions;
 use super::baselines::thesis_metric::Threshold;
-use crate::motion_error::bounds::ChainShare;
+use crate::motion_error::bounds::ChainTolerance;
 use articula_core::JointSet;
 use articula_core::joint_state::{PassivePolicy, TransitionOptions};
 use glam::Quat;
@@ -60,13 +60,13 @@ impl Method {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MethodOptions {
     /// The formula of the thesis' first step.
-    pub thesis: ThesisOptions,
+    pub thesis: ThesisMetricOptions,
     /// The threshold of its second step, used where no parameter is given.
     pub threshold: Threshold,
     /// Transitions of the thesis' joints, and what passive joints of a fixed level show.
     pub transition: TransitionOptions,
     /// How the drift controller shares its tolerance along a chain of joints (4.4).
-    pub chain: ChainShare,
+    pub chain: ChainTolerance,
     /// Whether joints on the way to a standing foot get a quarter of the tolerance (4.6).
     pub contact_care: bool,
 }
@@ -74,14 +74,14 @@ pub struct MethodOptions {
 impl Default for MethodOptions {
     fn default() -> Self {
         Self {
-            thesis: ThesisOptions::default(),
+            thesis: ThesisMetricOptions::default(),
             threshold: Threshold::default(),
             transition: TransitionOptions {
                 secs: 0.0,
                 policy: PassivePolicy::KeyPose,
                 ..TransitionOptions::default()
             },
-            chain: ChainShare::Root,
+            chain: ChainTolerance::Root,
             contact_care: false,
         }
     }

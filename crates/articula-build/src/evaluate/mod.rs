@@ -16,7 +16,7 @@ mod playbacks;
 mod pose_keys;
 mod stage;
 
-pub use baselines::thesis::{Direction, Radius, ThesisOptions};
+pub use baselines::thesis::{BoneDirection, SegmentRadius, ThesisMetricOptions};
 pub use baselines::thesis_metric::{Threshold, ThresholdCurve};
 pub use calibrate::{calibrate, sweep};
 pub(crate) use camera_path::camera_at;
@@ -24,4 +24,4 @@ pub use camera_path::{CameraKey, PathFrame, PathRun, play_camera_path};
 pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use playbacks::play;
 pub use pose_keys::{pose_key_frames, uniform_key_frames};
-pub use stage::{FrameErrors, Row, Setup, Stage, Trial};
+pub use stage::{FrameErrors, DistanceRow, EvaluationSetup, ClipEvaluator, MethodRun};

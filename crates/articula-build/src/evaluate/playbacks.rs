@@ -6,7 +6,7 @@ use super::baselines::ahn;
 use super::baselines::thesis::radii;
 use super::baselines::thesis_metric::{ErrorMatrix, switch};
 use super::method::{Method, Playback, SkinPxVariant};
-use super::stage::{Stage, Trial};
+use super::stage::{ClipEvaluator, MethodRun};
 use crate::motion_error::closed_loop;
 use crate::motion_error::contacts::attention;
 use crate::motion_error::keys::{Segment, central_rotation, linear_keys, pose_segments};
@@ -15,13 +15,13 @@ use articula_core::{JointSet, nlerp};
 use glam::{Quat, Vec3};
 
 /// Plays a method at one parameter.
-pub fn play(stage: &Stage<'_>, method: &Method, parameter: f32) -> (Trial, Vec<Playback>) {
+pub fn play(stage: &ClipEvaluator<'_>, method: &Method, parameter: f32) -> (MethodRun, Vec<Playback>) {
     let playbacks = playbacks(stage, method, parameter);
     (stage.trial(parameter, &playbacks), playbacks)
 }
 
 /// Plays a method: one pass, or one for each azimuth where the view decides.
-fn playbacks(stage: &Stage<'_>, method: &Method, parameter: f32) -> Vec<Playback> {
+fn playbacks(stage: &ClipEvaluator<'_>, method: &Method, parameter: f32) -> Vec<Playback> {
     match method {
         Method::SkinPx(SkinPxVariant::View) => stage
             .view_directions()
@@ -46,7 +46,7 @@ fn playbacks(stage: &Stage<'_>, method: &Method, parameter: f32) -> Vec<Playback
     }
 }
 
-fn skin_px(stage: &Stage<'_>, variant: SkinPxVariant, tolerance: f32) -> Playback {
+fn skin_px(stage: &ClipEvaluator<'_>, variant: SkinPxVariant, tolerance: f32) -> Playback {
     let radians = |joint: usize| tolerance / stage.levers[joint].rest_metres;
     match variant {
         SkinPxVariant::Hold | SkinPxVariant::View => held(stage, tolerance),
@@ -69,7 +69,7 @@ fn skin_px(stage: &Stage<'_>, variant: SkinPxVariant, tolerance: f32) -> Playbac
 
 /// Starts from the truth; `per_joint` then rewrites the moving joints one by one.
 fn per_joint(
-    stage: &Stage<'_>,
+    stage: &ClipEvaluator<'_>,
     mut rewrite: impl FnMut(usize, &[Quat], &mut Playback),
 ) -> Playback {
     let mut out = stage.true_playback();
@@ -80,7 +80,7 @@ fn per_joint(
     out
 }
 
-fn held(stage: &Stage<'_>, tolerance: f32) -> Playback {
+fn held(stage: &ClipEvaluator<'_>, tolerance: f32) -> Playback {
     let mut care = vec![1.0; stage.asset.rig.len()];
     let mut out = stage.true_playback();
     for frame in 1..stage.truth.len() {
@@ -99,7 +99,7 @@ fn held(stage: &Stage<'_>, tolerance: f32) -> Playback {
     out
 }
 
-fn held_in_view(stage: &Stage<'_>, tolerance: f32, view: Vec3) -> Playback {
+fn held_in_view(stage: &ClipEvaluator<'_>, tolerance: f32, view: Vec3) -> Playback {
     let mut out = stage.true_playback();
     for frame in 1..stage.truth.len() {
         for joint in stage.moving.iter() {
@@ -117,7 +117,7 @@ fn held_in_view(stage: &Stage<'_>, tolerance: f32, view: Vec3) -> Playback {
     out
 }
 
-fn segmented(stage: &Stage<'_>, mut cut: impl FnMut(usize, &[Quat]) -> Vec<Segment>) -> Playback {
+fn segmented(stage: &ClipEvaluator<'_>, mut cut: impl FnMut(usize, &[Quat]) -> Vec<Segment>) -> Playback {
     per_joint(stage, |joint, values, out| {
         let segments = cut(joint, values);
         for (s, segment) in segments.iter().enumerate() {
@@ -132,7 +132,7 @@ fn segmented(stage: &Stage<'_>, mut cut: impl FnMut(usize, &[Quat]) -> Vec<Segme
     })
 }
 
-fn linear(stage: &Stage<'_>, tolerance: f32) -> Playback {
+fn linear(stage: &ClipEvaluator<'_>, tolerance: f32) -> Playback {
     per_joint(stage, |joint, values, out| {
         let all: Vec<u32> = (0..values.len() as u32).collect();
         let keys = linear_keys(values, tolerance / stage.levers[joint].rest_metres, &all);
@@ -147,7 +147,7 @@ fn linear(stage: &Stage<'_>, tolerance: f32) -> Playback {
     })
 }
 
-fn thesis(stage: &Stage<'_>, threshold: f32) -> Playback {
+fn thesis(stage: &ClipEvaluator<'_>, threshold: f32) -> Playback {
     let matrix: &ErrorMatrix = stage.thesis_matrix();
     let hold_last = TransitionOptions {
         policy: PassivePolicy::HoldLast,
@@ -177,7 +177,7 @@ fn thesis(stage: &Stage<'_>, threshold: f32) -> Playback {
     out
 }
 
-fn skipped(stage: &Stage<'_>, every: f32, blended: bool) -> Playback {
+fn skipped(stage: &ClipEvaluator<'_>, every: f32, blended: bool) -> Playback {
     let every = (every.max(1.0) as usize).min(stage.truth.len());
     let last = stage.truth.len() - 1;
     let mut out = stage.true_playback();
@@ -201,7 +201,7 @@ fn skipped(stage: &Stage<'_>, every: f32, blended: bool) -> Playback {
     out
 }
 
-fn fixed(stage: &Stage<'_>, level: &JointSet) -> Playback {
+fn fixed(stage: &ClipEvaluator<'_>, level: &JointSet) -> Playback {
     let mut out = per_joint(stage, |joint, values, out| {
         if level.contains(joint) {
             return;

@@ -9,13 +9,13 @@
 //! [`crate::motion_error::pose_keys`]: in metres, for the farthest vertex, and also tested
 //! between the clip's own frames.
 
-use super::stage::Stage;
+use super::stage::ClipEvaluator;
 use articula_core::percentile;
 use glam::Vec3;
 
 /// Frames at which the pose is evaluated, the first and the last among them; all others are the
 /// straight line between their neighbours. `limit_metres` is the limit as projected.
-pub fn pose_key_frames(stage: &Stage<'_>, limit_metres: f32) -> Vec<usize> {
+pub fn pose_key_frames(stage: &ClipEvaluator<'_>, limit_metres: f32) -> Vec<usize> {
     let seen = Seen::new(stage);
     let last = seen.places.len() - 1;
     let mut keys = vec![0];
@@ -29,7 +29,7 @@ pub fn pose_key_frames(stage: &Stage<'_>, limit_metres: f32) -> Vec<usize> {
 
 /// The same with a key at every n-th frame and at the last one, for the greatest n whose spans
 /// are all within the limit.
-pub fn uniform_key_frames(stage: &Stage<'_>, limit_metres: f32) -> Vec<usize> {
+pub fn uniform_key_frames(stage: &ClipEvaluator<'_>, limit_metres: f32) -> Vec<usize> {
     let seen = Seen::new(stage);
     let last = seen.places.len() - 1;
     let keys = |n: usize| -> Vec<usize> { (0..last).step_by(n).chain([last]).collect() };
@@ -49,7 +49,7 @@ struct Seen {
 }
 
 impl Seen {
-    fn new(stage: &Stage<'_>) -> Self {
+    fn new(stage: &ClipEvaluator<'_>) -> Self {
         Self {
             views: stage.view_directions().collect(),
             places: stage.places_around_root(),

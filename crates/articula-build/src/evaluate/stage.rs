@@ -17,7 +17,7 @@ use std::cell::OnceCell;
 
 /// Where the viewers stand and which skin is watched.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Setup {
+pub struct EvaluationSetup {
     /// Picture size and opening.
     pub viewport: Viewport,
     /// Directions of the level cameras, degrees from the front.
@@ -28,7 +28,7 @@ pub struct Setup {
     pub seed: u64,
 }
 
-impl Default for Setup {
+impl Default for EvaluationSetup {
     /// 1280 x 720 at 45 degrees; 0, 45 and 90 degrees; 700 vertices.
     fn default() -> Self {
         Self {
@@ -41,14 +41,14 @@ impl Default for Setup {
 }
 
 /// A clip ready to be played under methods: its truth is worked out once.
-pub struct Stage<'a> {
+pub struct ClipEvaluator<'a> {
     /// The character.
     pub asset: &'a Asset,
     /// The clip at the rate of its keys: frames that were added between them would count as
     /// saved.
     pub clip: Clip,
     /// The viewers.
-    pub setup: Setup,
+    pub setup: EvaluationSetup,
     /// Parameters of the methods.
     pub options: MethodOptions,
     /// Joints that move, the root left out.
@@ -81,7 +81,7 @@ pub struct FrameErrors {
 /// One run of a method at one parameter. Under weak perspective it is the same from every
 /// distance, but for the scale of its error.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Trial {
+pub struct MethodRun {
     /// The method's parameter.
     pub parameter: f32,
     /// Share of joint updates saved, of moving joints times frames after the first.
@@ -98,20 +98,20 @@ pub struct Trial {
     pub foot_slide_metres: f32,
 }
 
-/// A [`Trial`] as seen from a distance.
+/// A [`MethodRun`] as seen from a distance.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
+pub struct DistanceRow {
     /// Distance of the camera to the root, metres.
     pub distance_m: f32,
     /// What was saved, and the parameter.
-    pub trial: Trial,
+    pub trial: MethodRun,
     /// What it cost, pixels.
     pub error_px: FrameErrors,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> ClipEvaluator<'a> {
     /// Works out the truth of a clip.
-    pub fn new(asset: &'a Asset, clip: &Clip, setup: Setup, options: MethodOptions) -> Self {
+    pub fn new(asset: &'a Asset, clip: &Clip, setup: EvaluationSetup, options: MethodOptions) -> Self {
         let clip = clip.at_key_rate();
         let mut pose = asset.rig.rest_pose().clone();
         let truth: Vec<LocalPose> = (0..clip.frames())
@@ -164,7 +164,7 @@ impl<'a> Stage<'a> {
     }
 
     /// The row of a trial at a distance.
-    pub fn row(&self, trial: Trial, distance_m: f32) -> Row {
+    pub fn row(&self, trial: MethodRun, distance_m: f32) -> DistanceRow {
         let ppm = self.setup.viewport.pixels_per_metre(distance_m);
         let FrameErrors { p50, p95, max } = trial.error;
         let error_px = FrameErrors {
@@ -172,7 +172,7 @@ impl<'a> Stage<'a> {
             p95: p95 * ppm,
             max: max * ppm,
         };
-        Row {
+        DistanceRow {
             distance_m,
             trial,
             error_px,
@@ -206,7 +206,7 @@ impl<'a> Stage<'a> {
         }
     }
 
-    pub(super) fn trial(&self, parameter: f32, playbacks: &[Playback]) -> Trial {
+    pub(super) fn trial(&self, parameter: f32, playbacks: &[Playback]) -> MethodRun {
         let count = playbacks.len().max(1) as f32;
         let frames = (self.truth.len() - 1).max(1) as f32;
         let mean = |of: &dyn Fn(&Playback) -> usize| {
@@ -215,7 +215,7 @@ impl<'a> Stage<'a> {
         let sampled = mean(&|p| p.updated.iter().map(JointSet::len).sum());
         let moving = self.moving.len() as f32;
         let free = |p: &Playback| p.updated.iter().skip(1).filter(|u| u.is_empty()).count();
-        Trial {
+        MethodRun {
             parameter,
             joint_update_gain: if moving > 0.0 {
                 1.0 - sampled / moving

@@ -18,7 +18,7 @@ use crate::ladder::{
 };
 use crate::surface_distance::{SkinPoint, attach};
 use articula_core::{
-    ClipErrors, Ladder, LevelErrors, LocalPose, Mesh, Mismatch, PaletteMap, judged_metres,
+    ClipLodErrors, JointLods, LodErrors, LocalPose, Mesh, Mismatch, PaletteMap, judged_metres,
 };
 use chain::Candidate;
 use glam::{Affine3A, Vec3};
@@ -116,7 +116,7 @@ pub fn figure_levels(
     let chosen = chain::choose(
         candidates,
         opts.first_metres,
-        opts.most_levels.min(Ladder::MAX_LEVELS),
+        opts.most_levels.min(JointLods::MAX_LEVELS),
     );
     let shown: Vec<Shown> = chosen.iter().map(Shown::of).collect();
     let errors = table(merged, &scene.measure(&shown, MOST_FRAMES));
@@ -236,14 +236,14 @@ fn limited(skin: &LevelSkin, mut mesh: Mesh, most: usize) -> LevelSkin {
 }
 
 /// Errors of the levels in each clip, rising; speed and seam are the full character's.
-fn table(merged: &MergedLevels, tallies: &[Vec<Tally>]) -> LevelErrors {
+fn table(merged: &MergedLevels, tallies: &[Vec<Tally>]) -> LodErrors {
     let clips = merged.errors.clips.iter().zip(tallies);
-    let clips = clips.map(|(own, levels)| ClipErrors {
+    let clips = clips.map(|(own, levels)| ClipLodErrors {
         levels_metres: rising(levels[1..].iter().map(|t| t.percentile_metres)),
         worst_metres: rising(levels[1..].iter().map(|t| t.worst_metres)),
         ..own.clone()
     });
-    LevelErrors {
+    LodErrors {
         clips: clips.collect(),
     }
 }
@@ -254,14 +254,14 @@ fn stacked(
     merged: &MergedLevels,
     levels: &[FigureLevel],
     skins: Vec<LevelSkin>,
-    errors: LevelErrors,
+    errors: LodErrors,
 ) -> Result<MergedLevels, Mismatch> {
     let from = &merged.ladder;
     let mean: LocalPose = (0..asset.rig.len())
         .map(|j| from.mean()[from.place(j)])
         .collect();
     let kept = levels.iter().map(|l| l.joints as u16).collect();
-    let ladder = Ladder::new(&asset.rig, from.joints().to_vec(), kept, &mean)?;
+    let ladder = JointLods::new(&asset.rig, from.joints().to_vec(), kept, &mean)?;
     let bindings = &merged.skins.bindings;
     let place = |joint: u16| from.place(usize::from(joint)) as u16;
     let placed = bindings.iter().map(|b| (place(b.joint), b.inverse_bind));

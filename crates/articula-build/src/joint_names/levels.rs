@@ -7,7 +7,7 @@
 //! level too.
 
 use super::gap::GapReason;
-use articula_core::joint_names::Target;
+use articula_core::joint_names::JointTarget;
 use articula_core::loa::MAX_LEVEL;
 use articula_core::source::Skeleton;
 use articula_core::{JointArticulation, Region};
@@ -15,7 +15,7 @@ use articula_core::{JointArticulation, Region};
 /// Fills in every joint from what the mapped ones are.
 pub(super) fn articulated(
     skeleton: &Skeleton,
-    meanings: &[Result<Target, GapReason>],
+    meanings: &[Result<JointTarget, GapReason>],
 ) -> Vec<JointArticulation> {
     let above_mapped = above_mapped(skeleton, meanings);
     let mut joints: Vec<JointArticulation> = Vec::with_capacity(meanings.len());
@@ -24,8 +24,8 @@ pub(super) fn articulated(
         let parent = skeleton.joints[index].parent;
         let below_human = parent.is_some_and(|p| on_human[p]);
         let (hanim, level, region) = match (meaning, parent) {
-            (Ok(Target::Joint(joint)), _) => (Some(joint.name.clone()), joint.level, joint.region),
-            (Ok(Target::Helper(region)), _) => (None, MAX_LEVEL, *region),
+            (Ok(JointTarget::Joint(joint)), _) => (Some(joint.name.clone()), joint.level, joint.region),
+            (Ok(JointTarget::Helper(region)), _) => (None, MAX_LEVEL, *region),
             (_, Some(p)) if below_human => {
                 (None, MAX_LEVEL.min(joints[p].level + 1), joints[p].region)
             }
@@ -58,10 +58,10 @@ pub(super) fn by_depth(skeleton: &Skeleton) -> Vec<JointArticulation> {
     joints
 }
 
-fn above_mapped(skeleton: &Skeleton, meanings: &[Result<Target, GapReason>]) -> Vec<bool> {
+fn above_mapped(skeleton: &Skeleton, meanings: &[Result<JointTarget, GapReason>]) -> Vec<bool> {
     let mut above = vec![false; meanings.len()];
     for index in (0..meanings.len()).rev() {
-        let mapped = matches!(meanings[index], Ok(Target::Joint(_)));
+        let mapped = matches!(meanings[index], Ok(JointTarget::Joint(_)));
         if let Some(parent) = skeleton.joints[index].parent {
             above[parent] |= mapped || above[index];
         }

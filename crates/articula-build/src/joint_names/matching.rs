@@ -7,7 +7,7 @@
 
 use super::gap::GapReason;
 use super::spine;
-use articula_core::joint_names::{Profile, Scope, Side, Target};
+use articula_core::joint_names::{JointMap, RigScope, Side, JointTarget};
 use articula_core::source::Skeleton;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -27,14 +27,14 @@ const HAND_FINGER_JOINTS: usize = 5;
 pub(super) struct Candidate {
     pub(super) profile: String,
     /// One for each joint: what it is, or why it is nothing.
-    pub(super) meanings: Vec<Result<Target, GapReason>>,
+    pub(super) meanings: Vec<Result<JointTarget, GapReason>>,
     /// Joints whose name says the wrong side.
     pub(super) crossed: Vec<usize>,
 }
 
 impl Candidate {
     /// Matches a skeleton's names; `None` if the profile does not fit.
-    pub(super) fn by_name(skeleton: &Skeleton, profile: &Profile, lone_hand: Side) -> Option<Self> {
+    pub(super) fn by_name(skeleton: &Skeleton, profile: &JointMap, lone_hand: Side) -> Option<Self> {
         let eligible = eligible(skeleton);
         let found = skeleton
             .joints
@@ -43,7 +43,7 @@ impl Candidate {
             .map(|(joint, eligible)| {
                 let target = profile.target(&joint.name).filter(|_| eligible)?;
                 Some(match target {
-                    Target::HandJoint(left) => Target::Joint(match lone_hand {
+                    JointTarget::HandJoint(left) => JointTarget::Joint(match lone_hand {
                         Side::Left => left.clone(),
                         Side::Right => left.mirrored(),
                     }),
@@ -57,8 +57,8 @@ impl Candidate {
     pub(super) fn new(
         skeleton: &Skeleton,
         profile: &str,
-        found: Vec<Option<Target>>,
-        scope: Scope,
+        found: Vec<Option<JointTarget>>,
+        scope: RigScope,
     ) -> Option<Self> {
         let mut found = found;
         let crossed = uncross(skeleton, &mut found);
@@ -80,16 +80,16 @@ impl Candidate {
 
     pub(super) fn names(&self) -> impl Iterator<Item = &str> {
         self.meanings.iter().filter_map(|m| match m {
-            Ok(Target::Joint(joint)) => Some(joint.name.as_str()),
+            Ok(JointTarget::Joint(joint)) => Some(joint.name.as_str()),
             _ => None,
         })
     }
 
-    fn fits(&self, scope: Scope) -> bool {
+    fn fits(&self, scope: RigScope) -> bool {
         let names: BTreeSet<&str> = self.names().collect();
         match scope {
-            Scope::Body => BODY.iter().all(|b| names.contains(b)),
-            Scope::Hand => {
+            RigScope::Body => BODY.iter().all(|b| names.contains(b)),
+            RigScope::Hand => {
                 let wrist = names.iter().any(|n| n.ends_with("_wrist"));
                 wrist && names.len() > HAND_FINGER_JOINTS
             }
@@ -115,19 +115,19 @@ fn eligible(skeleton: &Skeleton) -> Vec<bool> {
 }
 
 /// Gives each sided joint the side of the nearest sided joint above it.
-fn uncross(skeleton: &Skeleton, found: &mut [Option<Target>]) -> Vec<usize> {
+fn uncross(skeleton: &Skeleton, found: &mut [Option<JointTarget>]) -> Vec<usize> {
     let mut limb: Vec<Option<Side>> = Vec::with_capacity(found.len());
     let mut crossed = Vec::new();
     for (index, joint) in skeleton.joints.iter().enumerate() {
         let above = joint.parent.and_then(|p| limb[p]);
         let own = match &found[index] {
-            Some(Target::Joint(joint)) => Side::of(&joint.name),
+            Some(JointTarget::Joint(joint)) => Side::of(&joint.name),
             _ => None,
         };
-        if let (Some(above), Some(own), Some(Target::Joint(j))) = (above, own, &found[index])
+        if let (Some(above), Some(own), Some(JointTarget::Joint(j))) = (above, own, &found[index])
             && above != own
         {
-            found[index] = Some(Target::Joint(j.mirrored()));
+            found[index] = Some(JointTarget::Joint(j.mirrored()));
             crossed.push(index);
         }
         limb.push(above.or(own));
@@ -138,12 +138,12 @@ fn uncross(skeleton: &Skeleton, found: &mut [Option<Target>]) -> Vec<usize> {
 /// Keeps the first joint of each standard name; joints of a skin go before other nodes.
 fn without_duplicates(
     skeleton: &Skeleton,
-    found: Vec<Option<Target>>,
-) -> Vec<Result<Target, GapReason>> {
+    found: Vec<Option<JointTarget>>,
+) -> Vec<Result<JointTarget, GapReason>> {
     let mut first: BTreeMap<&str, usize> = BTreeMap::new();
     for in_skin in [true, false] {
         for (index, target) in found.iter().enumerate() {
-            if let Some(Target::Joint(joint)) = target
+            if let Some(JointTarget::Joint(joint)) = target
                 && skeleton.joints[index].in_skin == in_skin
             {
                 first.entry(&joint.name).or_insert(index);
@@ -151,9 +151,9 @@ fn without_duplicates(
         }
     }
     let kept: BTreeSet<usize> = first.into_values().collect();
-    let keep = |(index, target): (usize, Option<Target>)| match target {
+    let keep = |(index, target): (usize, Option<JointTarget>)| match target {
         None => Err(GapReason::NoEntry),
-        Some(Target::Joint(_)) if !kept.contains(&index) => Err(GapReason::Duplicate),
+        Some(JointTarget::Joint(_)) if !kept.contains(&index) => Err(GapReason::Duplicate),
         Some(target) => Ok(target),
     };
     found.into_iter().enumerate().map(keep).collect()

@@ -18,7 +18,7 @@ pub use gap::{Gap, GapReason};
 
 use articula_core::Articulation;
 use articula_core::hanim_table::{self, JOINTS};
-use articula_core::joint_names::{Profile, Scope, Segments, Target};
+use articula_core::joint_names::{JointMap, RigScope, Segments, JointTarget};
 use articula_core::source::Skeleton;
 use matching::Candidate;
 use std::collections::BTreeSet;
@@ -53,24 +53,24 @@ pub struct Mapping {
 /// its tree at rest, if it is a plain human one; the profile's name is then `shape`.
 pub fn map(
     skeleton: &Skeleton,
-    profiles: &[Profile],
+    profiles: &[JointMap],
     given: Option<&[(usize, String)]>,
 ) -> Mapping {
     let candidate = given
         .and_then(|bones| by_humanoid_map(skeleton, profiles, bones))
-        .or_else(|| best(skeleton, profiles, Scope::Body))
+        .or_else(|| best(skeleton, profiles, RigScope::Body))
         .or_else(|| by_shape(skeleton));
     if let Some(candidate) = candidate {
         return mapping(skeleton, candidate, true);
     }
-    match best(skeleton, profiles, Scope::Hand) {
+    match best(skeleton, profiles, RigScope::Hand) {
         Some(candidate) => mapping(skeleton, candidate, false),
         None => unmapped(skeleton),
     }
 }
 
 /// Tells segments side by side by their names; `None` if no profile knows them as a human.
-pub fn segments(skeleton: &Skeleton, profiles: &[Profile]) -> Option<Segments> {
+pub fn segments(skeleton: &Skeleton, profiles: &[JointMap]) -> Option<Segments> {
     let mapping = map(skeleton, profiles, None);
     let name = mapping.articulation.profile;
     let profile = profiles.iter().find(|p| p.name == name);
@@ -80,7 +80,7 @@ pub fn segments(skeleton: &Skeleton, profiles: &[Profile]) -> Option<Segments> {
         .map(|j| hanim_table::find(j.hanim.as_deref()?))
         .collect();
     let is_spine = |s: &usize| {
-        joints[*s].is_none() && profile.target(&skeleton.joints[*s].name) == Some(&Target::Spine)
+        joints[*s].is_none() && profile.target(&skeleton.joints[*s].name) == Some(&JointTarget::Spine)
     };
     let spine: Vec<usize> = (0..joints.len()).filter(is_spine).collect();
     Some(Segments {
@@ -91,7 +91,7 @@ pub fn segments(skeleton: &Skeleton, profiles: &[Profile]) -> Option<Segments> {
     })
 }
 
-fn best(skeleton: &Skeleton, profiles: &[Profile], scope: Scope) -> Option<Candidate> {
+fn best(skeleton: &Skeleton, profiles: &[JointMap], scope: RigScope) -> Option<Candidate> {
     let side = hand::side(skeleton);
     let mut best: Option<Candidate> = None;
     for profile in profiles.iter().filter(|p| p.scope == scope) {
@@ -107,7 +107,7 @@ fn best(skeleton: &Skeleton, profiles: &[Profile], scope: Scope) -> Option<Candi
 
 fn by_humanoid_map(
     skeleton: &Skeleton,
-    profiles: &[Profile],
+    profiles: &[JointMap],
     bones: &[(usize, String)],
 ) -> Option<Candidate> {
     let name = profile_of(bones);
@@ -119,7 +119,7 @@ fn by_humanoid_map(
             *slot = profile.target(bone).cloned();
         }
     }
-    Candidate::new(skeleton, name, found, Scope::Body)
+    Candidate::new(skeleton, name, found, RigScope::Body)
 }
 
 /// Name of the profile that explains the bones of a humanoid map: the two versions
@@ -133,7 +133,7 @@ fn profile_of(bones: &[(usize, String)]) -> &'static str {
 
 fn by_shape(skeleton: &Skeleton) -> Option<Candidate> {
     let found = shape::human(skeleton)?;
-    Candidate::new(skeleton, "shape", found, Scope::Body)
+    Candidate::new(skeleton, "shape", found, RigScope::Body)
 }
 
 fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> Mapping {
@@ -141,10 +141,10 @@ fn mapping(skeleton: &Skeleton, candidate: Candidate, humanoid: bool) -> Mapping
     let expected = JOINTS.iter().filter(|j| j.level <= EXPECTED_LEVEL);
     let missing = expected.map(|j| j.name).filter(|n| !present.contains(n));
     let missing = missing.collect();
-    let gap = |(joint, meaning): (usize, &Result<Target, GapReason>)| {
+    let gap = |(joint, meaning): (usize, &Result<JointTarget, GapReason>)| {
         let reason = match meaning {
-            Ok(Target::Joint(_)) => return None,
-            Ok(Target::Helper(_)) => GapReason::Helper,
+            Ok(JointTarget::Joint(_)) => return None,
+            Ok(JointTarget::Helper(_)) => GapReason::Helper,
             Ok(_) => GapReason::Ignored,
             Err(reason) => *reason,
         };

@@ -7,7 +7,7 @@
 
 use super::rest;
 use articula_core::hanim_table;
-use articula_core::joint_names::{StandardJoint, Target};
+use articula_core::joint_names::{StandardJoint, JointTarget};
 use articula_core::source::Skeleton;
 use glam::Vec3;
 
@@ -25,7 +25,7 @@ struct Tree {
 }
 
 /// What each joint is, if the tree has the shape of a human.
-pub(super) fn human(skeleton: &Skeleton) -> Option<Vec<Option<Target>>> {
+pub(super) fn human(skeleton: &Skeleton) -> Option<Vec<Option<JointTarget>>> {
     let tree = Tree::new(skeleton)?;
     (0..tree.places.len()).find_map(|joint| tree.human_from_hips(joint))
 }
@@ -61,7 +61,7 @@ impl Tree {
         })
     }
 
-    fn human_from_hips(&self, hips: usize) -> Option<Vec<Option<Target>>> {
+    fn human_from_hips(&self, hips: usize) -> Option<Vec<Option<JointTarget>>> {
         let below = |joint: usize| self.places[joint].y < self.places[hips].y;
         let floor = self.low + NEAR_FLOOR * (self.high - self.low);
         let branches = || self.children[hips].iter().map(|&c| self.chain(c));
@@ -92,7 +92,7 @@ impl Tree {
         let mut found = vec![None; self.places.len()];
         name(&mut found, hips, "humanoid_root");
         for joint in spine {
-            found[joint] = Some(Target::Spine);
+            found[joint] = Some(JointTarget::Spine);
         }
         for (&joint, title) in neck.iter().rev().zip(["skullbase", "vc4"]) {
             name(&mut found, joint, title);
@@ -138,7 +138,7 @@ impl Tree {
 
     fn limbs<'a>(
         &self,
-        found: &mut [Option<Target>],
+        found: &mut [Option<JointTarget>],
         pair: [&Vec<usize>; 2],
         left: Vec3,
         titles: impl Fn(&[usize]) -> &'a [&'a str],
@@ -154,7 +154,7 @@ impl Tree {
     }
 }
 
-fn name(found: &mut [Option<Target>], joint: usize, title: &str) {
+fn name(found: &mut [Option<JointTarget>], joint: usize, title: &str) {
     let row = hanim_table::find(title).map(|row| &hanim_table::JOINTS[row]);
-    found[joint] = row.map(|row| Target::Joint(StandardJoint::from(row)));
+    found[joint] = row.map(|row| JointTarget::Joint(StandardJoint::from(row)));
 }

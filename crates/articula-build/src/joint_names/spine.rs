@@ -8,7 +8,7 @@
 use super::gap::GapReason;
 use super::rest;
 use articula_core::hanim_table::{self, JOINTS};
-use articula_core::joint_names::{StandardJoint, Target};
+use articula_core::joint_names::{StandardJoint, JointTarget};
 use articula_core::source::Skeleton;
 
 /// Most telling vertebra first.
@@ -19,14 +19,14 @@ const PREFERENCE: [&str; 9] = [
 /// Names that end the spine of a rig, lowest first.
 const NECK: [&str; 4] = ["vc7", "vc4", "vc2", "skullbase"];
 
-/// Replaces [`Target::Spine`] by vertebrae along the chain from the root to the neck; spine
+/// Replaces [`JointTarget::Spine`] by vertebrae along the chain from the root to the neck; spine
 /// joints beside that chain become duplicates.
-pub(super) fn name_by_arc_length(skeleton: &Skeleton, meanings: &mut [Result<Target, GapReason>]) {
+pub(super) fn name_by_arc_length(skeleton: &Skeleton, meanings: &mut [Result<JointTarget, GapReason>]) {
     let chain = chain(skeleton, meanings);
     let spine: Vec<usize> = chain
         .iter()
         .copied()
-        .filter(|&j| meanings[j] == Ok(Target::Spine))
+        .filter(|&j| meanings[j] == Ok(JointTarget::Spine))
         .collect();
     let vertebrae = vertebrae(spine.len());
     let picked = pick(
@@ -34,9 +34,9 @@ pub(super) fn name_by_arc_length(skeleton: &Skeleton, meanings: &mut [Result<Tar
         &standard_fractions(&vertebrae),
     );
     for (slot, vertebra) in picked.into_iter().zip(vertebrae) {
-        meanings[spine[slot]] = Ok(Target::Joint(StandardJoint::from(&JOINTS[vertebra])));
+        meanings[spine[slot]] = Ok(JointTarget::Joint(StandardJoint::from(&JOINTS[vertebra])));
     }
-    for meaning in meanings.iter_mut().filter(|m| **m == Ok(Target::Spine)) {
+    for meaning in meanings.iter_mut().filter(|m| **m == Ok(JointTarget::Spine)) {
         *meaning = Err(GapReason::Duplicate);
     }
 }
@@ -50,13 +50,13 @@ pub(super) fn vertebrae(count: usize) -> Vec<usize> {
 }
 
 /// Joints from the root joint (or the tree's root) to the neck, both included.
-fn chain(skeleton: &Skeleton, meanings: &[Result<Target, GapReason>]) -> Vec<usize> {
+fn chain(skeleton: &Skeleton, meanings: &[Result<JointTarget, GapReason>]) -> Vec<usize> {
     let named = |wanted: &str| {
         meanings
             .iter()
-            .position(|m| matches!(m, Ok(Target::Joint(j)) if j.name == wanted))
+            .position(|m| matches!(m, Ok(JointTarget::Joint(j)) if j.name == wanted))
     };
-    let last_spine = || meanings.iter().rposition(|m| *m == Ok(Target::Spine));
+    let last_spine = || meanings.iter().rposition(|m| *m == Ok(JointTarget::Spine));
     let Some(top) = NECK.iter().find_map(|n| named(n)).or_else(last_spine) else {
         return Vec::new();
     };

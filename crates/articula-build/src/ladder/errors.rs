@@ -10,7 +10,7 @@ use super::watch::{Watched, skin_of};
 use super::{LevelOptions, check, check_ladder};
 use crate::character::Asset;
 use articula_core::percentile;
-use articula_core::{Binding, Clip, ClipErrors, Ladder, LevelErrors, Mesh, Mismatch};
+use articula_core::{Binding, Clip, ClipLodErrors, JointLods, LodErrors, Mesh, Mismatch};
 use glam::Vec3;
 
 /// Frames of all clips that errors are measured at; shorter clips are seen frame by frame.
@@ -26,10 +26,10 @@ pub(crate) const MOST_FRAMES: usize = 3000;
 /// A [`Mismatch`] if a clip, the mesh, the ladder or the skins are of another character.
 pub fn level_errors(
     asset: &Asset,
-    ladder: &Ladder,
+    ladder: &JointLods,
     skins: &LevelSkins,
     opts: &LevelOptions,
-) -> Result<LevelErrors, Mismatch> {
+) -> Result<LodErrors, Mismatch> {
     check(asset)?;
     check_ladder(asset, ladder)?;
     let full = skin_of(asset);
@@ -54,7 +54,7 @@ pub(super) fn table(
     skins: &[LevelSkin],
     bindings: &[Binding],
     opts: &LevelOptions,
-) -> Result<LevelErrors, Mismatch> {
+) -> Result<LodErrors, Mismatch> {
     let watched = Watched::draw(full, asset.rig.len(), opts.vertices, opts.seed);
     let reduced: Vec<Mesh> = skins
         .iter()
@@ -64,13 +64,13 @@ pub(super) fn table(
     let mut poser = Poser::new(full, drawn(&watched));
     let counts = share_frames(&asset.clips, MOST_FRAMES);
     let clips = asset.clips.iter().zip(tallies).zip(counts);
-    let clips = clips.map(|((clip, tallies), count)| ClipErrors {
+    let clips = clips.map(|((clip, tallies), count)| ClipLodErrors {
         levels_metres: rising(tallies.iter().map(|t| t.percentile_metres)),
         worst_metres: rising(tallies.iter().map(|t| t.worst_metres)),
         speed_metres_per_sec: speed(asset, clip, &mut poser, count),
         seam_metres: seam(asset, clip, &mut poser),
     });
-    let errors = LevelErrors {
+    let errors = LodErrors {
         clips: clips.collect(),
     };
     errors.check(asset.clips.len(), reduced.len() + 1)?;
@@ -78,7 +78,7 @@ pub(super) fn table(
 }
 
 /// Adds an error of each clip to all levels but the full one.
-pub(super) fn add(errors: &mut LevelErrors, metres: &[f32]) {
+pub(super) fn add(errors: &mut LodErrors, metres: &[f32]) {
     for (clip, extra) in errors.clips.iter_mut().zip(metres) {
         let percentiles = clip.levels_metres.iter_mut().skip(1);
         let all = percentiles.chain(clip.worst_metres.iter_mut().skip(1));
@@ -87,15 +87,15 @@ pub(super) fn add(errors: &mut LevelErrors, metres: &[f32]) {
 }
 
 /// The errors of near levels and, after them, of far ones.
-pub(super) fn joined(near: LevelErrors, far: &LevelErrors) -> LevelErrors {
+pub(super) fn joined(near: LodErrors, far: &LodErrors) -> LodErrors {
     let after = |near: &[f32], far: &[f32]| rising(near.iter().chain(&far[1..]).copied().skip(1));
     let clips = near.clips.into_iter().zip(&far.clips);
-    let clips = clips.map(|(n, f)| ClipErrors {
+    let clips = clips.map(|(n, f)| ClipLodErrors {
         levels_metres: after(&n.levels_metres, &f.levels_metres),
         worst_metres: after(&n.worst_metres, &f.worst_metres),
         ..n
     });
-    LevelErrors {
+    LodErrors {
         clips: clips.collect(),
     }
 }

@@ -17,7 +17,7 @@ use super::{LevelOptions, check};
 use crate::character::Asset;
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{
-    Articulation, Binding, Clip, JointSet, Ladder, LevelErrors, LocalPose, Mismatch, ModelPose,
+    Articulation, Binding, Clip, JointSet, JointLods, LodErrors, LocalPose, Mismatch, ModelPose,
     Rig, Track, Tracks, Transform, Wrap, angle_between, local_to_model, same_hemisphere, sample,
 };
 use glam::{Affine3A, Quat, Vec3};
@@ -45,7 +45,7 @@ pub struct FarLevels {
     /// frames for one.
     pub clips: Vec<Clip>,
     /// Its levels: the first is the finest far one.
-    pub ladder: Ladder,
+    pub ladder: JointLods,
     /// Skins of its levels; bindings name joints of this rig.
     pub skins: LevelSkins,
 }
@@ -63,7 +63,7 @@ pub fn far_levels(
     kept: &[u16],
     mean: &LocalPose,
     opts: &LevelOptions,
-) -> Result<Option<(FarLevels, LevelErrors)>, Mismatch> {
+) -> Result<Option<(FarLevels, LodErrors)>, Mismatch> {
     check(asset)?;
     check_order(&asset.rig, order, kept, mean)?;
     let prefixes = Prefixes::new(&asset.rig, order, kept, mean);
@@ -88,7 +88,7 @@ pub fn far_levels(
         chords_metres.push(chord);
     }
     let places = (0..joints.len() as u16).collect();
-    let ladder = Ladder::new(&rig, places, kept.to_vec(), &far_mean)?;
+    let ladder = JointLods::new(&rig, places, kept.to_vec(), &far_mean)?;
     let skin = skin_of(asset);
     let placed = placed_skins(asset, &skin, &prefixes, opts)?;
     let skins = if asset.mesh.is_empty() {
@@ -350,7 +350,7 @@ mod tests {
     use super::*;
 
     /// An arm of three joints whose shoulder swings; the hand outlasts the elbow.
-    fn swung(turn: f32) -> (FarLevels, LevelErrors) {
+    fn swung(turn: f32) -> (FarLevels, LodErrors) {
         let mut asset = arm(3);
         let angles = (0..5).map(|i| Quat::from_rotation_z(turn * i as f32));
         asset.clips = vec![moving(3, 1, &angles.collect::<Vec<Quat>>())];

@@ -8,8 +8,8 @@
 //! [`merged_levels`] does it all; its steps stand alone too:
 //!
 //! - [`mean_pose`]: where merged joints stand
-//! - [`joint_ladder`]: the greedy joint order and the levels chosen from it
-//! - [`named_ladder`]: levels that a user names, such as `loa(Medium)`
+//! - [`joint_lods`]: the greedy joint order and the levels chosen from it
+//! - [`named_joint_lods`]: levels that a user names, such as `loa(Medium)`
 //! - [`far_order`], [`far_levels`]: coarse levels that keep hands and heads, on a rig of their own
 //! - [`level_skins`]: the skin of every level, all on one palette
 //! - [`level_errors`]: what each level costs in each clip
@@ -43,8 +43,8 @@ pub(crate) use watch::Watched;
 pub use watch::skin_of;
 
 use crate::character::Asset;
-use articula_core::loa::Expression;
-use articula_core::{JointSet, Ladder, LevelErrors, LocalPose, Mismatch};
+use articula_core::loa::LoaExpression;
+use articula_core::{JointSet, JointLods, LodErrors, LocalPose, Mismatch};
 use choose::Choice;
 use order::Folds;
 
@@ -54,7 +54,7 @@ pub struct LevelOptions {
     /// Joints that every level keeps, such as those that carry attachments; their ancestors
     /// stay with them.
     pub protected: JointSet,
-    /// Most levels, the full character counted; at most [`Ladder::MAX_LEVELS`].
+    /// Most levels, the full character counted; at most [`JointLods::MAX_LEVELS`].
     pub most_levels: usize,
     /// Fewest joints that the coarsest level keeps.
     pub fewest_joints: usize,
@@ -93,13 +93,13 @@ impl Default for LevelOptions {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MergedLevels {
     /// Joint order, levels and mean pose.
-    pub ladder: Ladder,
+    pub ladder: JointLods,
     /// Skins of the levels and their palette.
     pub skins: LevelSkins,
     /// Levels beyond those of the ladder, on a rig of their own.
     pub far: Option<FarLevels>,
     /// What each level costs in each clip: those of the ladder first, then the far ones.
-    pub errors: LevelErrors,
+    pub errors: LodErrors,
 }
 
 /// Prepares a character for crowds: joint order by data, levels, skins, errors.
@@ -110,7 +110,7 @@ pub fn merged_levels(asset: &Asset, opts: &LevelOptions) -> Result<MergedLevels,
     check(asset)?;
     let mean = mean_pose(asset);
     if opts.far_from_metres == f32::INFINITY {
-        return levels_of(asset, joint_ladder(asset, &mean, opts)?, opts);
+        return levels_of(asset, joint_lods(asset, &mean, opts)?, opts);
     }
     let near = order::order(asset, &mean, Folds::Leaves, opts);
     let far = order::order(asset, &mean, Folds::Any, &far_options(asset, opts));
@@ -128,9 +128,9 @@ pub fn merged_levels(asset: &Asset, opts: &LevelOptions) -> Result<MergedLevels,
         counts => far_levels(asset, &far.joints, counts, &mean, opts)?,
     };
     let Some((far, far_errors)) = found else {
-        return levels_of(asset, joint_ladder(asset, &mean, opts)?, opts);
+        return levels_of(asset, joint_lods(asset, &mean, opts)?, opts);
     };
-    let ladder = Ladder::new(&asset.rig, near.joints, kept.near, &mean)?;
+    let ladder = JointLods::new(&asset.rig, near.joints, kept.near, &mean)?;
     let near = levels_of(asset, ladder, opts)?;
     Ok(MergedLevels {
         errors: errors::joined(near.errors, &far_errors),
@@ -162,7 +162,7 @@ fn far_options(asset: &Asset, opts: &LevelOptions) -> LevelOptions {
 
 fn capped(opts: &LevelOptions) -> LevelOptions {
     LevelOptions {
-        most_levels: opts.most_levels.min(Ladder::MAX_LEVELS),
+        most_levels: opts.most_levels.min(JointLods::MAX_LEVELS),
         ..*opts
     }
 }
@@ -173,7 +173,7 @@ fn capped(opts: &LevelOptions) -> LevelOptions {
 /// A [`Mismatch`] if a clip, the mesh or the ladder is of another rig.
 pub fn levels_of(
     asset: &Asset,
-    ladder: Ladder,
+    ladder: JointLods,
     opts: &LevelOptions,
 ) -> Result<MergedLevels, Mismatch> {
     let skins = level_skins(asset, &ladder, opts)?;
@@ -190,11 +190,11 @@ pub fn levels_of(
 ///
 /// # Errors
 /// A [`Mismatch`] if a clip or the mesh is of another rig.
-pub fn joint_ladder(
+pub fn joint_lods(
     asset: &Asset,
     mean: &LocalPose,
     opts: &LevelOptions,
-) -> Result<Ladder, Mismatch> {
+) -> Result<JointLods, Mismatch> {
     check(asset)?;
     let order = order::order(asset, mean, Folds::Leaves, opts);
     let never = order::never_merged(asset, &skin_of(asset), &opts.protected);
@@ -203,7 +203,7 @@ pub fn joint_ladder(
         floor: never.len(),
     };
     let kept = choose::levels(&choice, None, &capped(opts)).near;
-    Ladder::new(&asset.rig, order.joints, kept, mean)
+    JointLods::new(&asset.rig, order.joints, kept, mean)
 }
 
 /// The ladder of levels that a user names, finest first, such as `loa(High)`, `loa(Low)`. The
@@ -212,11 +212,11 @@ pub fn joint_ladder(
 /// # Errors
 /// A [`Mismatch`] if an expression names an unknown joint or keeps one that the expression
 /// before has merged.
-pub fn named_ladder(
+pub fn named_joint_lods(
     asset: &Asset,
     mean: &LocalPose,
-    levels: &[Expression],
-) -> Result<Ladder, Mismatch> {
+    levels: &[LoaExpression],
+) -> Result<JointLods, Mismatch> {
     check(asset)?;
     let never = order::never_merged(asset, &asset.mesh, &JointSet::EMPTY);
     let mut sets = Vec::with_capacity(levels.len());
@@ -226,7 +226,7 @@ pub fn named_ladder(
             .map_err(|unknown| Mismatch::new(format!("levels[{e}]"), unknown.to_string()))?;
         sets.push(set.union(&never));
     }
-    Ladder::of_sets(&asset.rig, &sets, mean)
+    JointLods::of_sets(&asset.rig, &sets, mean)
 }
 
 /// Checks that clips and mesh are of the rig.
@@ -245,7 +245,7 @@ pub(crate) fn check(asset: &Asset) -> Result<(), Mismatch> {
 }
 
 /// Checks that a ladder is of the rig.
-pub(crate) fn check_ladder(asset: &Asset, ladder: &Ladder) -> Result<(), Mismatch> {
+pub(crate) fn check_ladder(asset: &Asset, ladder: &JointLods) -> Result<(), Mismatch> {
     let parent = |j: usize| asset.rig.parent(j).map(|p| ladder.place(p));
     let stored = |j: usize| ladder.parents()[ladder.place(j)].map(usize::from);
     let joints = asset.rig.len();

@@ -3,7 +3,7 @@
 //! A near level holds the ancestors of what it holds, a far one need not. Either way a level
 //! keeps the first places of one order, and a merged joint moves with its nearest kept ancestor.
 
-use articula_core::{Ladder, LocalPose, Rig};
+use articula_core::{JointLods, LocalPose, Rig};
 use glam::DAffine3;
 
 /// Levels as prefixes of an order of a rig's joints, and the mean pose.
@@ -43,7 +43,7 @@ impl<'a> Prefixes<'a> {
         }
     }
 
-    pub(super) fn of(rig: &'a Rig, ladder: &Ladder) -> Self {
+    pub(super) fn of(rig: &'a Rig, ladder: &JointLods) -> Self {
         let kept: Vec<u16> = (0..ladder.levels())
             .map(|l| ladder.kept(l) as u16)
             .collect();

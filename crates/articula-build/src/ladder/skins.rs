@@ -7,7 +7,7 @@ use super::prefixes::Prefixes;
 use super::watch::Watched;
 use super::{LevelOptions, check, check_ladder};
 use crate::character::Asset;
-use articula_core::{Binding, Ladder, Mesh, Mismatch, Morph, PaletteMap};
+use articula_core::{Binding, JointLods, Mesh, Mismatch, Morph, PaletteMap};
 use glam::{Affine3A, Vec3};
 
 /// Influences that a coarser level may try, besides all.
@@ -54,7 +54,7 @@ pub struct LevelSkins {
 
 impl LevelSkins {
     /// Those of a character without mesh.
-    pub(super) fn none(ladder: &Ladder) -> Result<Self, Mismatch> {
+    pub(super) fn none(ladder: &JointLods) -> Result<Self, Mismatch> {
         Ok(Self {
             bindings: Vec::new(),
             palette: PaletteMap::skin(ladder, &[])?,
@@ -122,7 +122,7 @@ pub(crate) fn skin_part(skin: &LevelSkin, bindings: &[Binding], vertices: &[u32]
 /// bindings would be needed.
 pub fn level_skins(
     asset: &Asset,
-    ladder: &Ladder,
+    ladder: &JointLods,
     opts: &LevelOptions,
 ) -> Result<LevelSkins, Mismatch> {
     check(asset)?;
@@ -146,7 +146,7 @@ impl PlacedSkins {
     /// The skins for a ladder, bindings named as it names joints.
     pub(super) fn on(
         &self,
-        ladder: &Ladder,
+        ladder: &JointLods,
         named: impl Fn(Binding, u16) -> Binding,
     ) -> Result<LevelSkins, Mismatch> {
         let matrices = self.bindings.iter().map(|b| b.inverse_bind);

@@ -8,8 +8,8 @@
 mod reordered;
 
 use crate::character::Asset;
-use crate::clusters::{Clustered, Order, cluster};
-use crate::poses::{Origin, PoseOptions, Poses, SkinPose, poses, positions};
+use crate::clusters::{Clustered, ClusterOrder, cluster};
+use crate::poses::{PoseOrigin, PoseOptions, Poses, SkinPose, poses, positions};
 use crate::simplify::{Simplified, SimplifyOptions, simplify};
 use crate::surface_distance::{DistanceOptions, LevelDistances, surface_distances};
 use articula_core::source::Character;
@@ -36,12 +36,12 @@ pub struct MeshLevels {
     /// Triangles of each part at each level, vertices numbered within the part.
     pub parts: Vec<Vec<Vec<[u32; 3]>>>,
     /// What errors in motion were measured on.
-    pub measured: MeasuredOn,
+    pub measured: MeasurementPoses,
 }
 
 /// Poses that errors in motion were measured on; those at rest alone if there is none.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct MeasuredOn {
+pub struct MeasurementPoses {
     /// Moments of the character's clips.
     pub clips: usize,
     /// Bends of its joints.
@@ -50,15 +50,15 @@ pub struct MeasuredOn {
     pub morphs: usize,
 }
 
-impl MeasuredOn {
+impl MeasurementPoses {
     fn new(poses: &[SkinPose]) -> Self {
         let mut out = Self::default();
         for pose in poses {
             match pose.origin {
-                Origin::Rest => {}
-                Origin::Clip { .. } => out.clips += 1,
-                Origin::Bend { .. } => out.bends += 1,
-                Origin::Morph { .. } => out.morphs += 1,
+                PoseOrigin::Rest => {}
+                PoseOrigin::Clip { .. } => out.clips += 1,
+                PoseOrigin::Bend { .. } => out.bends += 1,
+                PoseOrigin::Morph { .. } => out.morphs += 1,
             }
         }
         out
@@ -102,7 +102,7 @@ pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels,
             &levels,
             part.vertices.len(),
             &regions,
-            Order::Store,
+            ClusterOrder::Store,
         )?);
         parts.push(levels);
     }
@@ -124,7 +124,7 @@ pub fn mesh_levels(asset: &Asset, opts: &MeshLevelOptions) -> Result<MeshLevels,
         table,
         objects,
         parts,
-        measured: MeasuredOn::new(&poses.measuring),
+        measured: MeasurementPoses::new(&poses.measuring),
     })
 }
 

@@ -2,11 +2,11 @@
 
 use super::levers::chain_counts;
 use crate::character::Asset;
-use articula_core::{Clip, JointBounds, JointSet, angle_between};
+use articula_core::{Clip, JointErrorBounds, JointSet, angle_between};
 
 /// How a tolerance is shared along a chain of joints.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum ChainShare {
+pub enum ChainTolerance {
     /// Every joint has the whole tolerance; errors of a chain may add up.
     #[default]
     Whole,
@@ -49,10 +49,10 @@ pub fn joint_bounds(
     asset: &Asset,
     clip: &Clip,
     levers_metres: &[f32],
-    share: ChainShare,
-) -> Vec<JointBounds> {
+    share: ChainTolerance,
+) -> Vec<JointErrorBounds> {
     let counts = match share {
-        ChainShare::Whole => vec![1; asset.rig.len()],
+        ChainTolerance::Whole => vec![1; asset.rig.len()],
         _ => {
             // Whatever turns adds to the chain's error, the root too.
             let turning = clip
@@ -64,16 +64,16 @@ pub fn joint_bounds(
             chain_counts(&asset.rig, &asset.mesh, &turning)
         }
     };
-    let mut bounds: Vec<JointBounds> = levers_metres
+    let mut bounds: Vec<JointErrorBounds> = levers_metres
         .iter()
         .zip(&counts)
-        .map(|(lever, count)| JointBounds {
+        .map(|(lever, count)| JointErrorBounds {
             lever_metres: *lever,
             speed_metres_per_sec: 0.0,
             share: match share {
-                ChainShare::Whole => 1.0,
-                ChainShare::Root => 1.0 / (*count as f32).sqrt(),
-                ChainShare::Split => 1.0 / *count as f32,
+                ChainTolerance::Whole => 1.0,
+                ChainTolerance::Root => 1.0 / (*count as f32).sqrt(),
+                ChainTolerance::Split => 1.0 / *count as f32,
             },
         })
         .collect();

@@ -4,7 +4,7 @@
 //! lowest height of the clip, for 80 ms or more.
 
 use crate::character::Asset;
-use articula_core::{Clip, Interval, ModelPose, Wrap, local_to_model, sample};
+use articula_core::{Clip, AttentionInterval, ModelPose, Wrap, local_to_model, sample};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -84,13 +84,13 @@ pub(crate) fn attention(asset: &Asset, contacts: &[Contact], frame: usize, out: 
 
 /// When feet stand still in a clip, as intervals in which less is tolerated of the whole body;
 /// with `hands`, when hands do too.
-pub fn contact_intervals(asset: &Asset, clip: &Clip, hands: bool) -> Vec<Interval> {
+pub fn contact_intervals(asset: &Asset, clip: &Clip, hands: bool) -> Vec<AttentionInterval> {
     intervals(&contacts(asset, clip, hands), clip)
 }
 
 /// The contacts of a clip as intervals.
-fn intervals(contacts: &[Contact], clip: &Clip) -> Vec<Interval> {
-    let interval = |contact: &Contact| Interval {
+fn intervals(contacts: &[Contact], clip: &Clip) -> Vec<AttentionInterval> {
+    let interval = |contact: &Contact| AttentionInterval {
         start_secs: contact.frames.start as f32 / clip.rate_hz(),
         // Up to the first frame that moves: a pose between the two is still half of the contact.
         end_secs: (contact.frames.end as f32 / clip.rate_hz()).min(clip.duration_secs()),

@@ -16,7 +16,7 @@ pub(crate) mod pose_keys;
 pub(crate) mod runs;
 pub(crate) mod tables;
 
-pub use bounds::{ChainShare, joint_bounds, moving_joints};
+pub use bounds::{ChainTolerance, joint_bounds, moving_joints};
 pub use contacts::contact_intervals;
 pub use joint_lever::JointLever;
 pub use levers::levers;

@@ -2,7 +2,7 @@
 
 use super::skins::Skins;
 use crate::motion_error::runs::long_runs;
-use articula_core::batch::{BatchEvaluator, LANES, Shown};
+use articula_core::batch::{BatchEvaluator, LANES, BatchPose};
 use articula_core::{Backend, ClipSet, Mismatch, PaletteForm, PaletteMap, PaletteRows};
 use glam::Vec3;
 
@@ -78,7 +78,7 @@ pub(super) fn evaluated(
     let mut scratch = evaluator.scratch();
     let stride = evaluator.rows(0);
     let mut rows = vec![[0.0; 4]; halves.len() * stride];
-    let shown: Vec<Shown> = halves
+    let shown: Vec<BatchPose> = halves
         .map(|half| clips.cursor(clip, ticks.secs(half)).into())
         .collect();
     for (shown, rows) in shown

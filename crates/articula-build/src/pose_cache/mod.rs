@@ -13,7 +13,7 @@ mod skins;
 
 use crate::character::Asset;
 use crate::ladder::MergedLevels;
-use articula_core::batch::{BatchEvaluator, LANES, Shown};
+use articula_core::batch::{BatchEvaluator, LANES, BatchPose};
 use articula_core::{
     Backend, CachedKeys, CachedRows, ClipSet, Mismatch, PaletteForm, PaletteRows, PoseCache,
 };
@@ -75,7 +75,7 @@ impl CacheOptions {
 
 /// What became of a clip at a level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Fate {
+pub enum CacheDecision {
     /// It is in the cache.
     Cached,
     /// Evaluate: keys would stand two display frames apart or less, or the clip jumps.
@@ -92,7 +92,7 @@ pub struct CacheReport {
     /// The level.
     pub level: usize,
     /// What became of it.
-    pub fate: Fate,
+    pub fate: CacheDecision,
     /// Keys that the tolerance asks for.
     pub keys: usize,
     /// Bytes of their palettes.
@@ -241,7 +241,7 @@ fn planned(
         let report = CacheReport {
             clip,
             level,
-            fate: if pays { Fate::Cached } else { Fate::TooFast },
+            fate: if pays { CacheDecision::Cached } else { CacheDecision::TooFast },
             keys,
             bytes: keys * matrices * opts.form.bytes(),
             tolerance_metres,
@@ -262,10 +262,10 @@ fn allot(plans: &mut [Vec<Plan>], most_bytes: usize) {
     let levels = plans.first().map_or(0, Vec::len);
     for level in (0..levels).rev() {
         for report in plans.iter_mut().map(|of_clip| &mut of_clip[level].report) {
-            if report.fate == Fate::Cached {
+            if report.fate == CacheDecision::Cached {
                 match left.checked_sub(report.bytes) {
                     Some(rest) => left = rest,
-                    None => report.fate = Fate::NoRoom,
+                    None => report.fate = CacheDecision::NoRoom,
                 }
             }
         }
@@ -289,7 +289,7 @@ fn bake(
     let mut written = 0;
     for level in (0..levels).rev() {
         for (clip, plan) in plans.iter().map(|of_clip| &of_clip[level]).enumerate() {
-            if plan.report.fate != Fate::Cached {
+            if plan.report.fate != CacheDecision::Cached {
                 continue;
             }
             keys[clip][level] = Some(CachedKeys {
@@ -298,7 +298,7 @@ fn bake(
                 error_metres: 0.0,
             });
             for times in plan.times_secs.chunks(LANES) {
-                let shown: Vec<Shown> = times
+                let shown: Vec<BatchPose> = times
                     .iter()
                     .map(|t| clips.cursor(clip, *t).into())
                     .collect();

@@ -4,7 +4,7 @@
 //! (American Academy of Orthopaedic Surgeons, Joint Motion, 1965), so that most poses look
 //! possible. Elbows and knees bend about their hinge and to one side only; a character faces +Z.
 
-use super::skin_pose::{Origin, SkinPose};
+use super::skin_pose::{PoseOrigin, SkinPose};
 use crate::character::Asset;
 use crate::split_mix::SplitMix;
 use articula_core::{JointArticulation, ModelPose, Region, local_to_model};
@@ -70,7 +70,7 @@ impl Bends {
     pub(super) fn next(&mut self, asset: &Asset) -> SkinPose {
         let mut pose = SkinPose::rest(asset);
         let number = self.count;
-        pose.origin = Origin::Bend { number };
+        pose.origin = PoseOrigin::Bend { number };
         self.count += 1;
         for (rotation, bend) in pose.joints.rotations.iter_mut().zip(&self.joints) {
             let turn = match bend {

@@ -2,7 +2,7 @@
 
 use super::bends::Bends;
 use super::shape::{Sample, Shape};
-use super::skin_pose::{Origin, SkinPose};
+use super::skin_pose::{PoseOrigin, SkinPose};
 use crate::character::Asset;
 use crate::ladder::{share_frames, spread_frames};
 use articula_core::Morph;
@@ -73,7 +73,7 @@ impl Candidates {
         for (slot, size) in sizes.iter().enumerate() {
             if largest > 0.0 && *size >= SMALL_MORPH * largest {
                 let mut pose = SkinPose::rest(asset);
-                pose.origin = Origin::Morph { slot: slot as u16 };
+                pose.origin = PoseOrigin::Morph { slot: slot as u16 };
                 pose.morphs[slot] = 1.0;
                 all.push(asset, sample, pose);
             }

@@ -16,7 +16,7 @@ mod shape;
 mod skin_pose;
 mod spread;
 
-pub use skin_pose::{Origin, SkinPose, positions};
+pub use skin_pose::{PoseOrigin, SkinPose, positions};
 
 use crate::character::Asset;
 use crate::ladder;
@@ -55,7 +55,7 @@ impl Default for PoseOptions {
 
 /// Where the poses of a character come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PoseSource {
+pub enum SkinPoseSource {
     /// Its clips.
     Clips,
     /// Random bends of its joints within what a human can do, since no clip changes its shape.
@@ -70,7 +70,7 @@ pub enum PoseSource {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Poses {
     /// Where they come from.
-    pub source: PoseSource,
+    pub source: SkinPoseSource,
     /// What a mesh is simplified by: the rest pose, then those that differ most in shape.
     pub shaping: Vec<SkinPose>,
     /// What it is measured on: spread over all clips, none of them like one of `shaping`.
@@ -99,15 +99,15 @@ pub fn poses(asset: &Asset, opts: &PoseOptions) -> Result<Poses, Mismatch> {
     picked.least_metres = least_metres;
 
     let mut moving = Candidates::of_clips(asset, &sample);
-    let mut source = PoseSource::Clips;
+    let mut source = SkinPoseSource::Clips;
     if !moving.differ(least_metres) {
         moving = Candidates::of_bends(asset, &sample, opts.seed);
-        source = PoseSource::Bends;
+        source = SkinPoseSource::Bends;
     }
     let morphs = Candidates::of_morphs(asset, &sample);
     let mut shaping = picked.farthest(&moving, opts.shaping);
     if shaping.is_empty() {
-        source = PoseSource::Morphs;
+        source = SkinPoseSource::Morphs;
     }
     let most = if shaping.is_empty() {
         opts.shaping.max(opts.morphs)
@@ -118,7 +118,7 @@ pub fn poses(asset: &Asset, opts: &PoseOptions) -> Result<Poses, Mismatch> {
 
     let all = moving.and(morphs);
     let mut measuring = picked.held_out(&all, opts.measuring);
-    if measuring.is_empty() && source == PoseSource::Clips {
+    if measuring.is_empty() && source == SkinPoseSource::Clips {
         let bends = Candidates::of_bends(asset, &sample, opts.seed);
         measuring = picked.held_out(&bends, opts.measuring);
     }
@@ -136,7 +136,7 @@ pub fn poses(asset: &Asset, opts: &PoseOptions) -> Result<Poses, Mismatch> {
 
 fn alone(rest: SkinPose) -> Poses {
     Poses {
-        source: PoseSource::Rest,
+        source: SkinPoseSource::Rest,
         shaping: vec![rest],
         measuring: Vec::new(),
         apart_metres: f32::INFINITY,
@@ -172,7 +172,7 @@ mod tests {
 
     fn secs(pose: &SkinPose) -> f64 {
         match pose.origin {
-            Origin::Clip { secs, .. } => secs,
+            PoseOrigin::Clip { secs, .. } => secs,
             _ => panic!("{:?}", pose.origin),
         }
     }
@@ -180,7 +180,7 @@ mod tests {
     /// Number of different clips that are measured on.
     fn clips_measured(found: &Poses) -> usize {
         let clips = found.measuring.iter().filter_map(|p| match p.origin {
-            Origin::Clip { clip, .. } => Some(clip),
+            PoseOrigin::Clip { clip, .. } => Some(clip),
             _ => None,
         });
         clips.collect::<std::collections::BTreeSet<_>>().len()
@@ -190,8 +190,8 @@ mod tests {
     fn the_farthest_frame_comes_first_and_then_the_middle() {
         let asset = swinging(2.0);
         let found = poses(&asset, &PoseOptions::default()).unwrap();
-        assert_eq!(found.source, PoseSource::Clips);
-        assert_eq!(found.shaping[0].origin, Origin::Rest);
+        assert_eq!(found.source, SkinPoseSource::Clips);
+        assert_eq!(found.shaping[0].origin, PoseOrigin::Rest);
         assert_eq!(found.shaping.len(), 6);
         assert_eq!(secs(&found.shaping[1]), 2.0, "the last frame bends most");
         assert!((secs(&found.shaping[2]) - 1.0).abs() < 0.2);
@@ -239,7 +239,7 @@ mod tests {
         };
         asset.clips = vec![Clip::new("walk", 30.0, 50, 3, tracks).unwrap()];
         let found = poses(&asset, &PoseOptions::default()).unwrap();
-        assert_eq!(found.source, PoseSource::Bends, "the clip bends nothing");
+        assert_eq!(found.source, SkinPoseSource::Bends, "the clip bends nothing");
         assert_eq!((found.shaping.len(), found.measuring.len()), (6, 24));
         let root = asset.rig.root();
         for pose in found.shaping.iter().chain(&found.measuring) {
@@ -271,9 +271,9 @@ mod tests {
             ..PoseOptions::default()
         };
         let found = poses(&asset, &opts).unwrap();
-        assert_eq!(found.source, PoseSource::Morphs);
-        let origins: Vec<Origin> = found.shaping.iter().map(|p| p.origin).collect();
-        assert_eq!(origins[1], Origin::Morph { slot: 1 }, "the largest");
+        assert_eq!(found.source, SkinPoseSource::Morphs);
+        let origins: Vec<PoseOrigin> = found.shaping.iter().map(|p| p.origin).collect();
+        assert_eq!(origins[1], PoseOrigin::Morph { slot: 1 }, "the largest");
         assert_eq!((found.shaping.len(), found.measuring.len()), (4, 2));
         let moved = found.shaping[1].positions(&asset)[1] - asset.mesh.positions[1];
         assert!((moved - Vec3::X * 0.3).length() < 1e-6);
@@ -283,7 +283,7 @@ mod tests {
     fn what_cannot_move_has_its_rest_pose() {
         let mut asset = arm(1);
         let rest = poses(&asset, &PoseOptions::default()).unwrap();
-        assert_eq!(rest.source, PoseSource::Rest);
+        assert_eq!(rest.source, SkinPoseSource::Rest);
         assert_eq!((rest.shaping.len(), rest.measuring.len()), (1, 0));
         asset.mesh = articula_core::Mesh::default();
         let empty = poses(&asset, &PoseOptions::default()).unwrap();
@@ -301,7 +301,7 @@ mod tests {
         assert!(clips.clone().all(|p| p.joints.rotations[1].is_finite()));
         asset.mesh.positions.fill(Vec3::NAN);
         let nothing = poses(&asset, &PoseOptions::default()).unwrap();
-        assert_eq!(nothing.source, PoseSource::Rest);
+        assert_eq!(nothing.source, SkinPoseSource::Rest);
         let other = Asset {
             clips: vec![moving(4, 1, &[Quat::IDENTITY])],
             ..arm(3)

@@ -9,7 +9,7 @@ use glam::{Affine3A, Vec3, Vec3A};
 
 /// Where a pose comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Origin {
+pub enum PoseOrigin {
     /// The rest pose, morph weights at rest.
     Rest,
     /// A frame of a clip.
@@ -35,7 +35,7 @@ pub enum Origin {
 #[derive(Debug, Clone, PartialEq)]
 pub struct SkinPose {
     /// Where it comes from.
-    pub origin: Origin,
+    pub origin: PoseOrigin,
     /// Local transforms of all joints.
     pub joints: LocalPose,
     /// Weight of each morph slot.
@@ -46,7 +46,7 @@ impl SkinPose {
     /// The rest pose.
     pub(crate) fn rest(asset: &Asset) -> Self {
         Self {
-            origin: Origin::Rest,
+            origin: PoseOrigin::Rest,
             joints: asset.rig.rest_pose().clone(),
             morphs: asset.mesh.morph_weights.clone(),
         }
@@ -63,7 +63,7 @@ impl SkinPose {
         let all = asset.rig.all();
         sample(motion, secs, Wrap::Clamp, &all, &mut pose.joints);
         sample_morphs(motion, secs, Wrap::Clamp, &mut pose.morphs);
-        pose.origin = Origin::Clip { clip, secs };
+        pose.origin = PoseOrigin::Clip { clip, secs };
         pose
     }
 

@@ -36,16 +36,16 @@ mod transfer;
 mod twist;
 
 pub use pair::Retargeter;
-pub use planted::Pinning;
-pub use quality::{EndError, Quality, Slide};
-pub use report::{JointReport, Origin, RetargetReport};
+pub use planted::ContactPinning;
+pub use quality::{EndEffectorError, RetargetQuality, FootSlide};
+pub use report::{JointReport, RotationOrigin, RetargetReport};
 
 use articula_core::Articulation;
 use articula_core::source::{Clip, Skeleton};
 
 /// A skeleton and what its joints are.
 #[derive(Debug, Clone, Copy)]
-pub struct Figure<'a> {
+pub struct RetargetFigure<'a> {
     /// The joints at rest.
     pub skeleton: &'a Skeleton,
     /// Their twins in the standard, one entry for each joint.
@@ -58,7 +58,7 @@ pub struct RetargetOptions {
     /// Frames per second of the result; `None` takes the rate of the source's keys.
     pub rate_hz: Option<f32>,
     /// What is kept in place while it rests.
-    pub pinning: Pinning,
+    pub pinning: ContactPinning,
     /// Height of the floor in the source's world, metres; `None` finds it.
     pub floor_metres: Option<f32>,
 }

@@ -14,14 +14,14 @@ use super::steps::Steps;
 use super::tracks::Tracks;
 use super::transfer::Transfer;
 use super::twist::Twists;
-use super::{Figure, RetargetOptions, RetargetReport, Retargeted};
+use super::{RetargetFigure, RetargetOptions, RetargetReport, Retargeted};
 use articula_core::Mismatch;
 use articula_core::source::Clip;
 
 /// Two figures that were compared once, for any number of clips.
 #[derive(Debug, Clone)]
 pub struct Retargeter<'a> {
-    figure: Figure<'a>,
+    figure: RetargetFigure<'a>,
     source: Side,
     target: Side,
 }
@@ -32,7 +32,7 @@ impl<'a> Retargeter<'a> {
     /// # Errors
     /// A [`Mismatch`] if a figure's map is not of its skeleton, if no joint stands for the root
     /// or a hip, or if a rest transform is not finite.
-    pub fn new(source: Figure<'a>, target: Figure<'_>) -> Result<Self, Mismatch> {
+    pub fn new(source: RetargetFigure<'a>, target: RetargetFigure<'_>) -> Result<Self, Mismatch> {
         let figure = source;
         let source = Side::new(&source, "source")?;
         let target = Side::new(&target, "target")?;

@@ -19,7 +19,7 @@ const STRETCH: f32 = 0.999;
 
 /// Which ends of limbs are kept in place while the source's rest.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Pinning {
+pub enum ContactPinning {
     /// None.
     Nothing,
     /// The feet, which also stay above the floor.
@@ -74,14 +74,14 @@ pub(super) struct Goals {
 
 impl Goals {
     /// Plans over a whole clip.
-    pub(super) fn new(transfer: &Transfer<'_>, limbs: &[Planted], pinning: Pinning) -> Self {
+    pub(super) fn new(transfer: &Transfer<'_>, limbs: &[Planted], pinning: ContactPinning) -> Self {
         let frames = transfer.motion.frames();
         let rate_hz = transfer.motion.rate_hz;
         let floor = rest_floor(transfer.target);
         let pins = |l: &Planted| match pinning {
-            Pinning::Nothing => false,
-            Pinning::Feet => l.is_leg,
-            Pinning::FeetAndHands => true,
+            ContactPinning::Nothing => false,
+            ContactPinning::Feet => l.is_leg,
+            ContactPinning::FeetAndHands => true,
         };
         let chosen: Vec<usize> = (0..limbs.len()).filter(|l| pins(&limbs[*l])).collect();
         let mut paths = vec![Path::default(); chosen.len()];

@@ -14,7 +14,7 @@ const WRONG_SINE: f32 = 0.1;
 
 /// Distances over which resting feet moved.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Slide {
+pub struct FootSlide {
     /// Number of contacts of heels and toes.
     pub contacts: usize,
     /// Mean over the contacts of the farthest that a point came from where it began, metres.
@@ -26,7 +26,7 @@ pub struct Slide {
 /// How far ends of limbs are from where the source has them, relative to where the limb begins
 /// and in lengths of the limb.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct EndError {
+pub struct EndEffectorError {
     /// Mean over frames and sides.
     pub mean: f32,
     /// Largest.
@@ -35,23 +35,23 @@ pub struct EndError {
 
 /// Numbers of quality of one clip.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Quality {
+pub struct RetargetQuality {
     /// Slide of the feet as the rotations alone give it.
-    pub slide_before: Slide,
+    pub slide_before: FootSlide,
     /// Slide of the feet in the result.
-    pub slide: Slide,
+    pub slide: FootSlide,
     /// Slide of the source's own feet, scaled to the target.
-    pub slide_source: Slide,
+    pub slide_source: FootSlide,
     /// Deepest that a sole is below the floor as the rotations alone give it, metres.
     pub below_floor_before_metres: f32,
     /// Deepest that a sole is below the floor in the result, metres.
     pub below_floor_metres: f32,
     /// Wrists, from the shoulders.
-    pub hands: EndError,
+    pub hands: EndEffectorError,
     /// Ankles, from the hips.
-    pub feet: EndError,
+    pub feet: EndEffectorError,
     /// Head, from the hips.
-    pub head: EndError,
+    pub head: EndEffectorError,
     /// Share of frames and sides in which a knee bends forward or an elbow backward.
     pub hinge_wrong_share: f32,
 }
@@ -121,9 +121,9 @@ impl Feet {
         }
     }
 
-    fn slide(&self, scale: f32) -> Slide {
+    fn slide(&self, scale: f32) -> FootSlide {
         let contacts = self.slides.len();
-        Slide {
+        FootSlide {
             contacts,
             mean_metres: scale * self.slides.iter().sum::<f32>() / contacts.max(1) as f32,
             max_metres: scale * self.slides.iter().copied().fold(0.0, f32::max),
@@ -188,14 +188,14 @@ impl<'a> Gauge<'a> {
     }
 
     /// The numbers.
-    pub(super) fn quality(&self, scale: f32) -> Quality {
-        let error = |e: &Error| EndError {
+    pub(super) fn quality(&self, scale: f32) -> RetargetQuality {
+        let error = |e: &Error| EndEffectorError {
             mean: e.sum / e.count.max(1) as f32,
             max: e.max,
         };
         let [hands, feet, head] = &self.errors;
         let hinges = self.hinges.len() * self.frames;
-        Quality {
+        RetargetQuality {
             slide_before: self.before.slide(1.0),
             slide: self.after.slide(1.0),
             slide_source: self.source.slide(scale),

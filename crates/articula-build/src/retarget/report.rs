@@ -1,13 +1,13 @@
 //! What became of each joint, and how good a retargeted motion is.
 
 use super::plan::{Drive, Plan};
-use super::quality::Quality;
+use super::quality::RetargetQuality;
 use super::side::Side;
 use super::twist::Twists;
 
 /// Where a target joint's rotation comes from.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Origin {
+pub enum RotationOrigin {
     /// One source joint that stands for the same joint.
     Mapped {
         /// Index in the source skeleton.
@@ -29,7 +29,7 @@ pub struct JointReport {
     /// Index in the target skeleton.
     pub joint: usize,
     /// Where its rotation comes from.
-    pub origin: Origin,
+    pub origin: RotationOrigin,
     /// Whether it is moved as well as turned.
     pub moved: bool,
 }
@@ -48,7 +48,7 @@ pub struct RetargetReport {
     /// The same of the source's mapped joints: joint of the source, radians a second.
     pub fastest_source: Option<(usize, f32)>,
     /// How good it is.
-    pub quality: Quality,
+    pub quality: RetargetQuality,
 }
 
 /// The report without what the frames tell.
@@ -61,8 +61,8 @@ pub(super) fn report(source: &Side, target: &Side, plan: &Plan, twists: &Twists)
         .map(|(joint, drive)| {
             let origin = match drive {
                 Drive::Held => held_or_twisted(plan, twists, joint),
-                Drive::Twin(s) => Origin::Mapped { source: s.joint },
-                Drive::Between(a, b, share) => Origin::Shared {
+                Drive::Twin(s) => RotationOrigin::Mapped { source: s.joint },
+                Drive::Between(a, b, share) => RotationOrigin::Shared {
                     sources: vec![(a.joint, 1.0 - share), (b.joint, *share)],
                 },
             };
@@ -91,17 +91,17 @@ pub(super) fn report(source: &Side, target: &Side, plan: &Plan, twists: &Twists)
         scale: plan.scale,
         fastest: None,
         fastest_source: None,
-        quality: Quality::default(),
+        quality: RetargetQuality::default(),
     }
 }
 
 /// What a joint is that the plan holds: twist may be spread to it.
-fn held_or_twisted(plan: &Plan, twists: &Twists, joint: usize) -> Origin {
+fn held_or_twisted(plan: &Plan, twists: &Twists, joint: usize) -> RotationOrigin {
     let share = twists.shares().find(|s| s.0 == joint);
     match share.map(|(_, turns, share)| (&plan.drives[turns], share)) {
-        Some((Drive::Twin(s), share)) => Origin::Shared {
+        Some((Drive::Twin(s), share)) => RotationOrigin::Shared {
             sources: vec![(s.joint, share)],
         },
-        _ => Origin::Held,
+        _ => RotationOrigin::Held,
     }
 }

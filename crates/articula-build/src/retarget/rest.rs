@@ -1,6 +1,6 @@
 //! A skeleton at rest, as retargeting reads it: where each joint is and which way it stands.
 
-use super::Figure;
+use super::RetargetFigure;
 use articula_core::Mismatch;
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use std::collections::BTreeMap;
@@ -27,7 +27,7 @@ pub(super) struct Rest {
 
 impl Rest {
     /// Reads a figure.
-    pub(super) fn new(figure: &Figure<'_>, which: &str) -> Result<Self, Mismatch> {
+    pub(super) fn new(figure: &RetargetFigure<'_>, which: &str) -> Result<Self, Mismatch> {
         let joints = &figure.skeleton.joints;
         let known = &figure.articulation.joints;
         if known.len() != joints.len() {

@@ -1,6 +1,6 @@
 //! One of the two rigs, measured.
 
-use super::Figure;
+use super::RetargetFigure;
 use super::body::Body;
 use super::chain::Chain;
 use super::frames::{Frames, Fronts, frames};
@@ -17,7 +17,7 @@ pub(super) struct Side {
 }
 
 impl Side {
-    pub(super) fn new(figure: &Figure<'_>, which: &str) -> Result<Self, Mismatch> {
+    pub(super) fn new(figure: &RetargetFigure<'_>, which: &str) -> Result<Self, Mismatch> {
         let rest = Rest::new(figure, which)?;
         let body = Body::new(&rest, which)?;
         Ok(Self {

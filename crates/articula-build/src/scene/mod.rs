@@ -12,20 +12,20 @@ use glam::{Affine3A, Quat, Vec3};
 
 /// One character of a scene; it is animated in place.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Member {
+pub struct SceneCharacter {
     /// Where it stands, metres in the world.
     pub position: Vec3,
     /// Turn about +Y; at 0 it faces +Z.
     pub yaw_radians: f32,
     /// What it plays.
-    pub play: Play,
+    pub play: ClipPlayback,
     /// A second clip that it goes over to and back from, again and again.
     pub cross_fade: Option<CrossFade>,
 }
 
 /// A looping clip at a speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Play {
+pub struct ClipPlayback {
     /// Index of the clip among those of the character.
     pub clip: usize,
     /// Where in the clip it starts: 0 is the first frame, 1 the last.
@@ -34,7 +34,7 @@ pub struct Play {
     pub speed: f32,
 }
 
-impl Play {
+impl ClipPlayback {
     /// Clip time at a time of the scene, not wrapped.
     pub fn clip_secs(&self, secs: f64, duration_secs: f32) -> f64 {
         secs * f64::from(self.speed) + f64::from(self.phase) * f64::from(duration_secs)
@@ -45,7 +45,7 @@ impl Play {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CrossFade {
     /// The clip that is blended in.
-    pub other: Play,
+    pub other: ClipPlayback,
     /// Time from one clip to the other.
     pub fade_secs: f32,
     /// How far it is at the scene's beginning, 0 to 1 of the way there and back.
@@ -66,7 +66,7 @@ impl CrossFade {
     }
 }
 
-impl Member {
+impl SceneCharacter {
     /// Its place as a matrix.
     pub fn world_from_model(&self) -> Affine3A {
         let turn = Quat::from_rotation_y(self.yaw_radians);
@@ -78,7 +78,7 @@ impl Member {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// The characters.
-    pub members: Vec<Member>,
+    pub members: Vec<SceneCharacter>,
     /// Size and opening of the picture.
     pub viewport: Viewport,
     /// Where the camera goes, in the order of time from 0 on.
@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn a_cross_fade_goes_there_and_back() {
-        let other = Play {
+        let other = ClipPlayback {
             clip: 1,
             phase: 0.0,
             speed: 1.0,
@@ -134,12 +134,12 @@ mod tests {
 
     #[test]
     fn a_member_faces_where_its_yaw_says() {
-        let play = Play {
+        let play = ClipPlayback {
             clip: 0,
             phase: 0.5,
             speed: 2.0,
         };
-        let member = Member {
+        let member = SceneCharacter {
             position: Vec3::new(1.0, 0.0, 2.0),
             yaw_radians: std::f32::consts::FRAC_PI_2,
             play,

@@ -5,7 +5,7 @@
 //! again, so that a lap closes; every fifth character, drawn by the seed, is in a cross-fade all
 //! the time.
 
-use super::{CrossFade, Member, Play, Scene};
+use super::{CrossFade, SceneCharacter, ClipPlayback, Scene};
 use crate::evaluate::CameraKey;
 use crate::split_mix::SplitMix;
 use articula_core::Viewport;
@@ -116,12 +116,12 @@ fn half_metres(side: usize) -> f32 {
     0.5 * SPACING_METRES * side.saturating_sub(1) as f32
 }
 
-fn member(index: usize, side: usize, clips: usize, random: &mut SplitMix) -> Member {
+fn member(index: usize, side: usize, clips: usize, random: &mut SplitMix) -> SceneCharacter {
     let (row, column) = (index / side, index % side);
     let half = half_metres(side);
     let x = SPACING_METRES * column as f32 - half;
     let z = half - SPACING_METRES * row as f32;
-    Member {
+    SceneCharacter {
         position: Vec3::new(x, 0.0, z),
         yaw_radians: TAU * random.unit(),
         play: play(random.below(clips), random),
@@ -129,8 +129,8 @@ fn member(index: usize, side: usize, clips: usize, random: &mut SplitMix) -> Mem
     }
 }
 
-fn play(clip: usize, random: &mut SplitMix) -> Play {
-    Play {
+fn play(clip: usize, random: &mut SplitMix) -> ClipPlayback {
+    ClipPlayback {
         clip,
         phase: random.unit(),
         speed: 1.0,
@@ -138,7 +138,7 @@ fn play(clip: usize, random: &mut SplitMix) -> Play {
 }
 
 /// A fade from the member's own clip to another one.
-fn cross_fade(member: Option<&Member>, clips: usize, random: &mut SplitMix) -> CrossFade {
+fn cross_fade(member: Option<&SceneCharacter>, clips: usize, random: &mut SplitMix) -> CrossFade {
     let own = member.map_or(0, |m| m.play.clip);
     let further = 1 + random.below(clips.saturating_sub(1));
     CrossFade {
@@ -220,7 +220,7 @@ mod tests {
         assert_eq!(fades.len(), PLAZA_COUNT / 5);
         assert!(fades.iter().all(|(own, other)| own != other && *other < 3));
         let still = plaza(PLAZA_COUNT, 3, 5, Plaza::Still);
-        let same = |(a, b): (&Member, &Member)| a.play == b.play && a.position == b.position;
+        let same = |(a, b): (&SceneCharacter, &SceneCharacter)| a.play == b.play && a.position == b.position;
         assert!(scene.members.iter().zip(&still.members).all(same));
     }
 

@@ -9,7 +9,7 @@ use super::components::Components;
 use super::cost::{Costs, MOST_FACES, area_vector};
 use super::levels::Sources;
 use super::ring::Ring;
-use super::strays::Strays;
+use super::strays::RemovedVertices;
 use super::topology::Surface;
 use super::wedges::{Images, Wedges};
 use super::{LevelTriangles, classes};
@@ -62,7 +62,7 @@ pub(super) struct Simplifier<'a> {
     ring: Ring,
     images: Images,
     /// Removed vertices; none if their distances do not count.
-    strays: Option<Strays>,
+    strays: Option<RemovedVertices>,
     /// Stamps of neighbours of the target that is looked at.
     stamps: Vec<u32>,
     stamp: u32,
@@ -101,7 +101,7 @@ impl<'a> Simplifier<'a> {
             images: Images::default(),
             strays: options
                 .measured
-                .then(|| Strays::new(sources.triangles.len(), classes.len())),
+                .then(|| RemovedVertices::new(sources.triangles.len(), classes.len())),
             stamps: vec![0; classes.len()],
             stamp: 0,
             components: Components::new(&surface, &costs, &kept, extent),

@@ -4,7 +4,7 @@ use super::classes::Classes;
 use super::quadric::Quadric;
 use super::ring::Ring;
 use super::topology::Surface;
-use super::{SimplifyOptions, Weighting};
+use super::{SimplifyOptions, ErrorWeighting};
 use articula_core::Mesh;
 use glam::{DVec3, Vec3};
 
@@ -118,7 +118,7 @@ impl Costs {
         let mut factors = vec![0.0f32; classes.len()];
         for (v, class) in classes.of_vertex.iter().enumerate() {
             let mut factor = options.vertex_weights.get(v).copied().unwrap_or(1.0);
-            if let Weighting::Joint { strength } = options.weighting {
+            if let ErrorWeighting::Joint { strength } = options.weighting {
                 let most = mesh.influences_of(v).map(|i| i.1).fold(0.0, f32::max);
                 factor *= 1.0 + strength * (1.0 - most);
             }

@@ -31,7 +31,7 @@ use std::ops::Range;
 
 /// Which errors count how much.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Weighting {
+pub enum ErrorWeighting {
     /// The errors of all poses, summed.
     #[default]
     PoseSummed,
@@ -51,7 +51,7 @@ pub struct SimplifyOptions {
     /// Shares of the triangle count, finest first; the first is 1.
     pub targets: Vec<f64>,
     /// Which errors count.
-    pub weighting: Weighting,
+    pub weighting: ErrorWeighting,
     /// How much an error at each vertex counts; all 1 if empty.
     pub vertex_weights: Vec<f32>,
     /// Vertices that no level removes, such as facial feature points.
@@ -76,7 +76,7 @@ impl Default for SimplifyOptions {
     fn default() -> Self {
         Self {
             targets: vec![1.0, 0.5, 0.25, 0.1, 0.015],
-            weighting: Weighting::PoseSummed,
+            weighting: ErrorWeighting::PoseSummed,
             vertex_weights: Vec::new(),
             locked: Vec::new(),
             regions: Vec::new(),
@@ -126,8 +126,8 @@ pub fn simplify(
 ) -> Result<Simplified, Mismatch> {
     check(mesh, poses, options)?;
     let used = match options.weighting {
-        Weighting::PoseSummed => poses,
-        Weighting::Rest | Weighting::Joint { .. } => &poses[..1],
+        ErrorWeighting::PoseSummed => poses,
+        ErrorWeighting::Rest | ErrorWeighting::Joint { .. } => &poses[..1],
     };
     let classes = classes::Classes::new(mesh, poses, &options.wedges);
     let sources = levels::faces(mesh, &classes);

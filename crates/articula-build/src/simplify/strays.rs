@@ -14,7 +14,7 @@ const NONE: u32 = u32::MAX;
 
 /// The removed vertices of each face, as lists.
 #[derive(Debug, Default)]
-pub(super) struct Strays {
+pub(super) struct RemovedVertices {
     /// First one of each face.
     head: Vec<u32>,
     next: Vec<u32>,
@@ -26,7 +26,7 @@ pub(super) struct Strays {
     closest: Vec<u32>,
 }
 
-impl Strays {
+impl RemovedVertices {
     pub(super) fn new(faces: usize, classes: usize) -> Self {
         Self {
             head: vec![NONE; faces],

@@ -5,9 +5,9 @@ use crate::random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
 use articula_build::levers;
 use articula_build::{Asset, character};
-use articula_build::{ChainShare, joint_bounds};
+use articula_build::{ChainTolerance, joint_bounds};
 use articula_core::{
-    Drift, DriftOptions, JointViews, LocalPose, PosedMesh, Wrap, angle_between, sample,
+    DriftController, DriftOptions, JointViews, LocalPose, PosedMesh, Wrap, angle_between, sample,
 };
 use glam::Vec3;
 use proptest::prelude::*;
@@ -78,13 +78,13 @@ fn whole_body_under_split(asset: &Asset, epsilon_px: f32) -> Result<(), TestCase
         let clip = &asset.clips[0];
         let levers = levers(&asset.rig, &asset.mesh);
         let reach_metres: Vec<f32> = levers.iter().map(|l| l.reach_metres).collect();
-        let bounds = joint_bounds(asset, clip, &reach_metres, ChainShare::Split);
+        let bounds = joint_bounds(asset, clip, &reach_metres, ChainTolerance::Split);
         let opts = DriftOptions {
             epsilon_px,
             pop_px: f32::INFINITY,
             ..DriftOptions::default()
         };
-        let mut drift = Drift::new(asset.rig.rest_pose(), bounds, opts);
+        let mut drift = DriftController::new(asset.rig.rest_pose(), bounds, opts);
         let ppm = vec![100.0; asset.rig.len()];
         let attention = vec![1.0; asset.rig.len()];
         let views = JointViews {

@@ -1,9 +1,9 @@
 //! Edited clips on random figures: key reduction moves nothing farther than it says.
 
 use crate::random_figure::{Row, character_of, flat, rows};
-use articula_build::clip_edit::Subject;
+use articula_build::clip_edit::EditSubject;
 use articula_build::clip_edit::{CloseOptions, close};
-use articula_build::clip_edit::{ReduceOptions, Reduced, reduce_keys};
+use articula_build::clip_edit::{ReduceOptions, ReducedClip, reduce_keys};
 use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, split};
 use articula_core::source::{
     Channel, Character, Clip, Interpolation, Joint, MorphTarget, Property, evaluate,
@@ -107,7 +107,7 @@ fn shown(character: &Character, rig: &Rig, mesh: &Mesh, clip: &Clip, secs: f32) 
 
 /// The greatest distance of any joint or vertex between two clips, at times that none of the
 /// grids of the reduction has.
-fn worst(character: &Character, reduced: &Reduced) -> f32 {
+fn worst(character: &Character, reduced: &ReducedClip) -> f32 {
     let rig = Rig::new(&character.skeleton, flat(character.skeleton.joints.len())).unwrap();
     let mesh = Mesh::new(&character.meshes, rig.len()).unwrap();
     let clip = &character.clips[0];
@@ -209,7 +209,7 @@ proptest! {
     ) {
         let character = traveller(&rows, armature, how);
         let count = character.skeleton.joints.len();
-        let subject = Subject::new(&character, flat(count), &[]).unwrap();
+        let subject = EditSubject::new(&character, flat(count), &[]).unwrap();
         let mode = RootMotionMode::Extract;
         let out = split(&subject, &character.clips[0], &RootMotionOptions { mode, smooth_secs }).unwrap();
         prop_assert_eq!(out.carrier, Some(0));
@@ -244,7 +244,7 @@ proptest! {
     ) {
         let character = traveller(&rows, armature, how);
         let count = character.skeleton.joints.len();
-        let subject = Subject::new(&character, flat(count), &[]).unwrap();
+        let subject = EditSubject::new(&character, flat(count), &[]).unwrap();
         let clip = &character.clips[0];
         let out = close(&subject, clip, &CloseOptions { window_secs }).unwrap();
         prop_assert!(out.seam_radians <= 1e-5, "{}", out.seam_radians);
@@ -282,7 +282,7 @@ proptest! {
     ) {
         let character = traveller(&rows, armature, how);
         let count = character.skeleton.joints.len();
-        let subject = Subject::new(&character, flat(count), &[]).unwrap();
+        let subject = EditSubject::new(&character, flat(count), &[]).unwrap();
         let mode = RootMotionMode::InPlace;
         let opts = RootMotionOptions { mode, smooth_secs: 0.0 };
         let out = split(&subject, &character.clips[0], &opts).unwrap();
@@ -320,7 +320,7 @@ proptest! {
         drop_rest: bool,
     ) {
         let character = figure_of(&rows, armature);
-        let subject = Subject::new(&character, flat(rows.len() + 1), &[]).unwrap();
+        let subject = EditSubject::new(&character, flat(rows.len() + 1), &[]).unwrap();
         let opts = ReduceOptions { bound_metres, drop_rest };
         let reduced = reduce_keys(&subject, &character.clips[0], &opts).unwrap();
         prop_assert!(reduced.worst_metres <= bound_metres);

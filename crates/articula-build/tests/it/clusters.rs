@@ -1,6 +1,6 @@
 //! Laws of clustered levels (`spec/clustered-mesh.md` 10, checks 1, 2, 3 and 5), on random levels.
 
-use articula_build::{Clustered, Order, cluster};
+use articula_build::{Clustered, ClusterOrder, cluster};
 use proptest::prelude::*;
 use std::collections::HashMap;
 
@@ -73,7 +73,7 @@ fn shown(c: &Clustered, ranges: impl Iterator<Item = std::ops::Range<u32>>) -> L
         .collect()
 }
 
-fn check(levels: &[Level], c: &Clustered, order: Order) {
+fn check(levels: &[Level], c: &Clustered, order: ClusterOrder) {
     assert_eq!(c.clusters.levels(), levels.len());
     let mut seen = vec![false; c.triangles.len()];
     for (l, level) in levels.iter().enumerate() {
@@ -90,9 +90,9 @@ fn check(levels: &[Level], c: &Clustered, order: Order) {
         // counts levels: from the coarsest.
         let i = levels.len() - 1 - l;
         let most = match order {
-            Order::Chunks => i + 1,
-            Order::Store if l == 0 => 1,
-            Order::Store => 1 + i.div_ceil(2),
+            ClusterOrder::Chunks => i + 1,
+            ClusterOrder::Store if l == 0 => 1,
+            ClusterOrder::Store => 1 + i.div_ceil(2),
         };
         assert!(ranges.len() <= most, "{} ranges at level {l}", ranges.len());
         let shown = shown(c, ranges.into_iter());
@@ -129,7 +129,7 @@ proptest! {
             None => vec![],
             Some(n) => (0..vertices).map(|v| (v % (usize::from(*n) + 1)) as u16).collect(),
         };
-        for order in [Order::Chunks, Order::Store] {
+        for order in [ClusterOrder::Chunks, ClusterOrder::Store] {
             let c = cluster(&levels, vertices, &stripes, order).unwrap();
             check(&levels, &c, order);
             if chained {
@@ -158,7 +158,7 @@ proptest! {
             .map(|i| [parts[0][i].clone(), parts[1][i].clone(), seam.clone()].concat())
             .collect();
         let regions: Vec<u16> = (0..row * row).map(half).collect();
-        let c = cluster(&levels, regions.len(), &regions, Order::Store).unwrap();
+        let c = cluster(&levels, regions.len(), &regions, ClusterOrder::Store).unwrap();
         prop_assert_eq!(c.mixable_to, levels.len() - 1);
         prop_assume!(c.clusters.regions() == 2);
         let mix = [mix.0, mix.1].map(|l| l % levels.len() as u16);

@@ -5,7 +5,7 @@ use crate::random_figure::{RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
 use articula_build::motion_bounds;
 use articula_build::{Asset, character};
-use articula_core::visibility::{Bodies, LEAST_DEPTH_METRES, Seen, View, Visibility, see};
+use articula_core::visibility::{Bodies, LEAST_DEPTH_METRES, CullResult, View, Visibility, see};
 use articula_core::{Camera, MotionBounds, PosedMesh, Viewport, Wrap, sample};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use proptest::prelude::*;
@@ -70,7 +70,7 @@ impl Walker {
         f64::from(self.clip_speed) * f64::from(secs)
     }
 
-    fn look(&self, bounds: &MotionBounds, secs: f32, horizon: f32, views: &[View<'_>]) -> Seen {
+    fn look(&self, bounds: &MotionBounds, secs: f32, horizon: f32, views: &[View<'_>]) -> CullResult {
         let (now, speed) = (self.clip_secs(secs), self.clip_speed);
         let bound = bounds.clips[0].over(now, horizon, speed, Wrap::Loop).sphere;
         let world = bound.carried(self.position_at(secs), self.rotation_at(secs), self.scale);
@@ -78,7 +78,7 @@ impl Walker {
         turned.centre *= self.scale;
         // The way of the root and the arc of the bound's centre about it.
         let wake = (self.speed + self.turning.abs() * turned.centre.length()) * horizon;
-        let mut seen = [Seen::default()];
+        let mut seen = [CullResult::default()];
         see(views, Bodies::new(&[world], &[wake]).unwrap(), &mut seen);
         seen[0]
     }

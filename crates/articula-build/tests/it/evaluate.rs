@@ -2,13 +2,13 @@
 
 use articula_build::ClipOptions;
 use articula_build::evaluate::{
-    CameraKey, Method, MethodOptions, Setup, SkinPxVariant, Stage, Trial, calibrate, play,
+    CameraKey, Method, MethodOptions, EvaluationSetup, SkinPxVariant, ClipEvaluator, MethodRun, calibrate, play,
     play_camera_path, pose_key_frames, sweep, uniform_key_frames,
 };
 use articula_build::levers;
 use articula_build::pose_keys;
 use articula_build::{Asset, character};
-use articula_build::{ChainShare, joint_bounds};
+use articula_build::{ChainTolerance, joint_bounds};
 use articula_build::{key_table, table_hashes};
 use articula_core::source::{
     Channel, Character, Clip, Interpolation, Joint, Mesh, Primitive, Property, Skeleton, Skin,
@@ -79,13 +79,13 @@ fn asset() -> Asset {
     character(&source, Some(articulation), &ClipOptions::default()).unwrap()
 }
 
-fn run(method: &Method, parameter: f32) -> Trial {
+fn run(method: &Method, parameter: f32) -> MethodRun {
     let asset = asset();
-    let setup = Setup {
+    let setup = EvaluationSetup {
         azimuths_deg: vec![0.0],
-        ..Setup::default()
+        ..EvaluationSetup::default()
     };
-    let stage = Stage::new(&asset, &asset.clips[0], setup, MethodOptions::default());
+    let stage = ClipEvaluator::new(&asset, &asset.clips[0], setup, MethodOptions::default());
     assert_eq!(
         stage.moving,
         JointSet::from_iter([1]),
@@ -153,11 +153,11 @@ fn what_moves_along_the_line_of_sight_is_held_longer() {
     // first moves across the line of sight, from straight above it would too; seen along the
     // direction of its own motion (here: y, not a level view) it would not. Level views see
     // the vertical motion wholly, so the two forms agree.
-    let setup = Setup {
+    let setup = EvaluationSetup {
         azimuths_deg: vec![0.0, 90.0],
-        ..Setup::default()
+        ..EvaluationSetup::default()
     };
-    let stage = Stage::new(&asset, &asset.clips[0], setup, MethodOptions::default());
+    let stage = ClipEvaluator::new(&asset, &asset.clips[0], setup, MethodOptions::default());
     let (hold, _) = play(&stage, &Method::SkinPx(SkinPxVariant::Hold), 0.035);
     let (view, passes) = play(&stage, &Method::SkinPx(SkinPxVariant::View), 0.035);
     assert_eq!(passes.len(), 2, "one pass for each view");
@@ -199,10 +199,10 @@ fn fixed_levels_hold_what_is_not_in_them() {
 #[test]
 fn calibration_takes_the_greatest_gain_within_the_limit() {
     let asset = asset();
-    let stage = Stage::new(
+    let stage = ClipEvaluator::new(
         &asset,
         &asset.clips[0],
-        Setup::default(),
+        EvaluationSetup::default(),
         MethodOptions::default(),
     );
     let swept = sweep(&stage, &Method::SkipHold);
@@ -304,7 +304,7 @@ fn straight_lines_between_whole_poses_leave_an_arc_as_paper_says() {
     };
     let moved = articula_core::Clip::new("thrown", RATE, still.frames(), 2, tracks).unwrap();
     for clip in [still, &moved] {
-        let stage = Stage::new(&asset, clip, Setup::default(), MethodOptions::default());
+        let stage = ClipEvaluator::new(&asset, clip, EvaluationSetup::default(), MethodOptions::default());
         let tens: Vec<usize> = (0..=60).step_by(10).collect();
         assert_eq!(pose_key_frames(&stage, 0.0013), tens);
         assert_eq!(uniform_key_frames(&stage, 0.0013), tens);
@@ -349,11 +349,11 @@ fn a_clip_of_ten_minutes_takes_seconds() {
         2e-3 * (0.3 * i as f32).sin()
     });
     let clip = &asset.clips[0];
-    let setup = Setup {
+    let setup = EvaluationSetup {
         points: 3,
-        ..Setup::default()
+        ..EvaluationSetup::default()
     };
-    let stage = Stage::new(&asset, clip, setup, MethodOptions::default());
+    let stage = ClipEvaluator::new(&asset, clip, setup, MethodOptions::default());
     use SkinPxVariant::{ClosedLoop, Hold, KeyPose, Linear, View};
     let ours = [Hold, View, KeyPose, ClosedLoop, Linear].map(Method::SkinPx);
     let levels = Method::Loa(vec![JointSet::EMPTY]);
@@ -386,7 +386,7 @@ fn nothing_bounds_the_speed_of_a_jump() {
     let asset = with_motion(9, Interpolation::Step, |i| if i < 4 { 0.0 } else { 1.0 });
     let levers = levers(&asset.rig, &asset.mesh);
     let rest_metres: Vec<f32> = levers.iter().map(|l| l.rest_metres).collect();
-    let bounds = joint_bounds(&asset, &asset.clips[0], &rest_metres, ChainShare::Whole);
+    let bounds = joint_bounds(&asset, &asset.clips[0], &rest_metres, ChainTolerance::Whole);
     assert_eq!(bounds[1].speed_metres_per_sec, f32::INFINITY);
     assert_eq!(bounds[0].speed_metres_per_sec, 0.0);
 }
@@ -395,7 +395,7 @@ fn nothing_bounds_the_speed_of_a_jump() {
 fn an_open_loop_is_shown_at_once_from_afar_too() {
     let asset = asset();
     let clip = &asset.clips[0];
-    let stage = Stage::new(&asset, clip, Setup::default(), MethodOptions::default());
+    let stage = ClipEvaluator::new(&asset, clip, EvaluationSetup::default(), MethodOptions::default());
     let key = |secs| CameraKey {
         secs,
         eye: Vec3::Z * 100.0,
@@ -451,10 +451,10 @@ fn the_thesis_never_updates_a_slow_joint_beside_a_quick_one() {
         rate_hz: Some(RATE),
     };
     let asset = character(&source, Some(articulation), &opts).unwrap();
-    let stage = Stage::new(
+    let stage = ClipEvaluator::new(
         &asset,
         &asset.clips[0],
-        Setup::default(),
+        EvaluationSetup::default(),
         MethodOptions::default(),
     );
     let updates = |method: &Method, parameter| {
@@ -495,10 +495,10 @@ fn skeleton_of(asset: &Asset) -> Skeleton {
 #[test]
 fn a_moving_camera_keeps_the_bound_and_saves_most_from_afar() {
     let asset = asset();
-    let stage = Stage::new(
+    let stage = ClipEvaluator::new(
         &asset,
         &asset.clips[0],
-        Setup::default(),
+        EvaluationSetup::default(),
         MethodOptions::default(),
     );
     let key = |secs, z| CameraKey {

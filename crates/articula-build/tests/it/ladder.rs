@@ -4,13 +4,13 @@ use crate::random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{
-    LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
-    merged_levels, named_ladder,
+    LevelOptions, LevelSkins, MergedLevels, joint_lods, level_errors, level_skins, mean_pose,
+    merged_levels, named_joint_lods,
 };
-use articula_core::loa::Expression;
+use articula_core::loa::LoaExpression;
 use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
 use articula_core::{
-    JointSet, Ladder, LocalPose, Mesh, ModelPose, PosedMesh, SkinnedMesh, Transform, Wrap,
+    JointSet, JointLods, LocalPose, Mesh, ModelPose, PosedMesh, SkinnedMesh, Transform, Wrap,
     local_to_model, sample,
 };
 use glam::{Quat, Vec3};
@@ -65,14 +65,14 @@ fn farthest(a: &SkinnedMesh, b: &SkinnedMesh) -> f32 {
 }
 
 /// Every prefix of a ladder's order as a level, as far as levels go.
-fn all_prefixes(asset: &Asset) -> Ladder {
+fn all_prefixes(asset: &Asset) -> JointLods {
     let mean = mean_pose(asset);
-    let ladder = joint_ladder(asset, &mean, &options()).unwrap();
+    let ladder = joint_lods(asset, &mean, &options()).unwrap();
     let kept = (1..=asset.rig.len() as u16).rev().collect();
-    Ladder::new(&asset.rig, ladder.joints().to_vec(), kept, &mean).unwrap()
+    JointLods::new(&asset.rig, ladder.joints().to_vec(), kept, &mean).unwrap()
 }
 
-fn check_palette(ladder: &Ladder, skins: &LevelSkins) {
+fn check_palette(ladder: &JointLods, skins: &LevelSkins) {
     for (level, skin) in skins.levels.iter().enumerate() {
         let inside = |b: &u16| usize::from(*b) < skin.palette;
         assert!(
@@ -326,16 +326,16 @@ fn sockets_and_named_levels_are_kept() {
             assert!(far.joints[..least].contains(&19));
         }
     }
-    let named: Vec<Expression> = ["depth(3)", "depth(1)"]
+    let named: Vec<LoaExpression> = ["depth(3)", "depth(1)"]
         .iter()
-        .map(|e| e.parse::<Expression>().unwrap())
+        .map(|e| e.parse::<LoaExpression>().unwrap())
         .collect();
-    let ladder = named_ladder(&asset, &mean_pose(&asset), &named).unwrap();
+    let ladder = named_joint_lods(&asset, &mean_pose(&asset), &named).unwrap();
     let kept: Vec<usize> = (0..ladder.levels()).map(|l| ladder.kept(l)).collect();
     assert_eq!(kept[0], 20);
     assert_eq!(kept[2], 1);
-    let wrong = ["joint(nobody)".parse::<Expression>().unwrap()];
-    let at = named_ladder(&asset, &mean_pose(&asset), &wrong)
+    let wrong = ["joint(nobody)".parse::<LoaExpression>().unwrap()];
+    let at = named_joint_lods(&asset, &mean_pose(&asset), &wrong)
         .unwrap_err()
         .at;
     assert_eq!(at, "levels[0]");

@@ -1,6 +1,6 @@
 //! A moment of a crowd as its camera sees it, every character in the colour of its level.
 
-use super::stage::{Settings, Stage};
+use super::stage::{Settings, ClipEvaluator};
 use anyhow::Context;
 use articula::crowd::{FrameBudget, CrowdAsset, CrowdPlayer, DetailGoal, PoseSource};
 use articula_build::Scene;
@@ -18,7 +18,7 @@ pub(crate) fn draw(
     settings: Settings,
     size: (u32, u32),
 ) -> anyhow::Result<Picture> {
-    let mut stage = Stage::new(asset, scene, settings)?;
+    let mut stage = ClipEvaluator::new(asset, scene, settings)?;
     let allowance = match settings.detail {
         DetailGoal::Budget { ms, .. } => Some(FrameBudget::of_ns(1e6 * ms)),
         _ => None,

@@ -3,7 +3,7 @@
 //! The second pass decides every frame as the first did, so it shows the same palettes; whatever it
 //! measures takes no time and no cache from what is timed.
 
-use super::stage::{DISPLAY_HZ, Settings, Stage};
+use super::stage::{DISPLAY_HZ, Settings, ClipEvaluator};
 use super::timing::{Spread, thread_ns};
 use crate::console::Console;
 use articula::crowd::{
@@ -11,7 +11,7 @@ use articula::crowd::{
     ErrorSample, ErrorSummary, LevelTally, LevelUse, PaletteHash,
 };
 use articula_build::Scene;
-use articula_core::budget::FrameReport;
+use articula_core::budget::AllocationReport;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -144,7 +144,7 @@ fn timed(
     settings: Settings,
     console: &Console,
 ) -> anyhow::Result<(Vec<FrameTime>, Vec<FrameBudget>)> {
-    let mut stage = Stage::new(asset, scene, settings)?;
+    let mut stage = ClipEvaluator::new(asset, scene, settings)?;
     let mut budget = match settings.detail {
         DetailGoal::Budget { ms, .. } => Some(BudgetController::new(ms)),
         _ => None,
@@ -183,7 +183,7 @@ fn looked_at(
     allowances: &[FrameBudget],
     (seed, console): (u64, &Console),
 ) -> anyhow::Result<Run> {
-    let mut stage = Stage::new(asset, scene, settings)?;
+    let mut stage = ClipEvaluator::new(asset, scene, settings)?;
     let mut meter = ErrorMeter::new(asset, seed);
     let mut tally = LevelTally::new(asset);
     let mut hash = PaletteHash::default();
@@ -257,12 +257,12 @@ fn looked_at(
 
 /// What the budget made of the frames that count.
 fn budget_of(reports: &[(CrowdReport, usize)], allowances: &[FrameBudget]) -> Option<BudgetFound> {
-    let found: Vec<FrameReport> = reports.iter().filter_map(|r| r.0.budget).collect();
+    let found: Vec<AllocationReport> = reports.iter().filter_map(|r| r.0.budget).collect();
     if found.is_empty() {
         return None;
     }
     let count = found.len() as f64;
-    let mean = |value: &dyn Fn(&FrameReport) -> f64| found.iter().map(value).sum::<f64>() / count;
+    let mean = |value: &dyn Fn(&AllocationReport) -> f64| found.iter().map(value).sum::<f64>() / count;
     let allowed = allowances.iter().skip(WARM_UP_FRAMES);
     let allowed: f64 = allowed.map(|a| f64::from(a.cost_ns)).sum();
     Some(BudgetFound {

@@ -3,12 +3,12 @@
 use crate::fault;
 use anyhow::Context;
 use articula::evaluate::NamedMethod;
-use articula_build::ChainShare;
+use articula_build::ChainTolerance;
 use articula_build::evaluate::ThresholdCurve;
-use articula_build::evaluate::{Direction, Radius};
+use articula_build::evaluate::{BoneDirection, SegmentRadius};
 use articula_build::evaluate::{Method, MethodOptions, SkinPxVariant};
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::{self, Expression};
+use articula_core::loa::{self, LoaExpression};
 use articula_core::{DriftOptions, JointSet, Rig};
 use clap::{Args, ValueEnum};
 
@@ -260,12 +260,12 @@ impl MethodArgs {
         options.thesis.alpha = self.alpha;
         options.thesis.beta = self.beta;
         options.thesis.direction = match self.direction {
-            Turning::Bone => Direction::Bone,
-            Turning::Path => Direction::Path,
+            Turning::Bone => BoneDirection::Bone,
+            Turning::Path => BoneDirection::Path,
         };
         options.thesis.radius = match self.radius {
-            Lever::Mean => Radius::Mean,
-            Lever::Sum => Radius::Sum,
+            Lever::Mean => SegmentRadius::Mean,
+            Lever::Sum => SegmentRadius::Sum,
         };
         options.threshold.thr_init = self.thr_init;
         options.threshold.thr_max = self.thr_max.unwrap_or(10.0 * self.thr_init);
@@ -283,9 +283,9 @@ impl MethodArgs {
         };
         options.contact_care = self.contact_care;
         options.chain = match self.chain {
-            Chain::Whole => ChainShare::Whole,
-            Chain::Root => ChainShare::Root,
-            Chain::Split => ChainShare::Split,
+            Chain::Whole => ChainTolerance::Whole,
+            Chain::Root => ChainTolerance::Root,
+            Chain::Split => ChainTolerance::Split,
         };
         options
     }
@@ -313,7 +313,7 @@ impl MethodArgs {
 /// The joints of an expression; a mistake in it is wrong usage.
 pub(crate) fn joints(text: &str, rig: &Rig) -> anyhow::Result<JointSet> {
     let expression = text
-        .parse::<Expression>()
+        .parse::<LoaExpression>()
         .map_err(|e| fault::usage(e.to_string()))
         .with_context(|| format!("--loa \"{text}\""))?;
     expression

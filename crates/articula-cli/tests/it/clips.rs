@@ -5,7 +5,7 @@ use crate::program::{BVH, fault, folder, json, word};
 use crate::real::real_data;
 use articula_build::Asset;
 use articula_build::ClipOptions;
-use articula_build::clip_edit::Subject;
+use articula_build::clip_edit::EditSubject;
 use articula_build::clip_edit::{ReduceOptions, reduce_keys};
 use articula_core::PosedMesh;
 use articula_core::source::{Character, Clip, evaluate};
@@ -63,7 +63,7 @@ fn fewer_keys_move_no_vertex_of_real_figures_farther_than_the_bound() {
         let clip = character.clips.iter().find(|c| c.name == clip).unwrap();
         let mapping =
             articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
-        let subject = Subject::new(&character, mapping.articulation.clone(), &ends).unwrap();
+        let subject = EditSubject::new(&character, mapping.articulation.clone(), &ends).unwrap();
         let posed = articula_build::character(
             &Character {
                 clips: Vec::new(),

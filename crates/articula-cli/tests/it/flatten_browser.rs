@@ -10,16 +10,16 @@ use articula_core::Viewport;
 use articula_flat::Appearance;
 use articula_flat::Picture;
 use articula_flat::Projection;
-use articula_flat::Samples;
+use articula_flat::Supersampling;
 use articula_flat::flatten::{
-    PrepareOptions, Prepared, Profile, Quality, Settings, Truth, flatten,
+    PrepareClipOptions, PreparedClip, Profile, Quality, Settings, ReferenceFrames, flatten,
 };
 use articula_flat::planar::PlanarClip;
 use articula_flat::planar::Shading;
-use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn, bake};
+use articula_flat::planar::{BakeOptions, Lighting, PlanarSubject, Turntable, bake};
 use articula_flat::planar::{object_mask, reference};
-use articula_flat::vector::MovingSvg;
-use articula_flat::vector::player::Output;
+use articula_flat::vector::AnimatedSvg;
+use articula_flat::vector::player::PlayerOutput;
 use articula_flat::vector::raster;
 use articula_flat::{masked_rmse, ssim};
 use articula_human::{HumanOptions, human};
@@ -35,7 +35,7 @@ const MOMENTS: [f64; 10] = [0.0, 3.0, 5.25, 9.0, 12.25, 15.0, 18.4, 22.0, 25.75,
 
 /// The walking human: prepared to be written, and as it really looks at the moments.
 struct Film {
-    prepared: Prepared,
+    prepared: PreparedClip,
     fps: f64,
     truth: PlanarClip,
 }
@@ -50,13 +50,13 @@ fn film() -> &'static Film {
         let length = f64::from(asset.clips[walk].duration_secs());
         let fps = (FRAMES - 1) as f64 / length;
         let moments: Vec<f64> = (0..FRAMES).map(|f| f as f64 / fps).collect();
-        let turn = Turn {
+        let turn = Turntable {
             axis: (0.0, 0.0),
             radians_per_sec: (1.2 / length) as f32,
         };
         let keep = vec![true; asset.mesh.triangles.len()];
         let triangles = decimate(&asset, &keep, Some(walk), 500, &[]).unwrap();
-        let subject = Subject {
+        let subject = PlanarSubject {
             rig: &asset.rig,
             mesh: &asset.mesh,
             triangles: &triangles,
@@ -75,7 +75,7 @@ fn film() -> &'static Film {
         let options = BakeOptions {
             camera,
             projection: Projection::Perspective,
-            lamp: Lamp::default(),
+            lamp: Lighting::default(),
             fps: fps as f32,
             turn,
         };
@@ -83,7 +83,7 @@ fn film() -> &'static Film {
         let looks: Vec<f64> = MOMENTS.iter().map(|m| m / fps).collect();
         let truth = bake(&subject, &looks, &options).unwrap();
         let prepared =
-            Prepared::new(clip, &PrepareOptions::default(), &mut Progress::none()).unwrap();
+            PreparedClip::new(clip, &PrepareClipOptions::default(), &mut Progress::none()).unwrap();
         Film {
             prepared,
             fps,
@@ -104,7 +104,7 @@ fn file_of(profile: Profile, shading: Shading) -> Vec<u8> {
         name: "walk & <turn>".into(),
         max_bytes: None,
     };
-    let truth = Truth::new(&film.truth, &MOMENTS).unwrap();
+    let truth = ReferenceFrames::new(&film.truth, &MOMENTS).unwrap();
     flatten(&film.prepared, &settings, &truth, &mut Progress::none())
         .unwrap()
         .bytes
@@ -126,8 +126,8 @@ fn item(kind: &'static str, name: &str, bytes: &[u8]) -> Item {
 fn assert_near(what: &str, pictures: &[Picture], levels: f64, alike: f64) {
     assert_eq!(pictures.len(), MOMENTS.len());
     for (m, picture) in pictures.iter().enumerate() {
-        let truth = reference(&film().truth, m, Samples::Eight, WHITE).unwrap();
-        let mask = object_mask(&film().truth, m, Samples::Eight).unwrap();
+        let truth = reference(&film().truth, m, Supersampling::Eight, WHITE).unwrap();
+        let mask = object_mask(&film().truth, m, Supersampling::Eight).unwrap();
         let off = masked_rmse(picture, &truth, &mask).unwrap();
         let near = ssim(picture, &truth).unwrap();
         let at = MOMENTS[m];
@@ -149,7 +149,7 @@ fn chromium_plays_svg_as_the_sampler_says_and_near_the_truth() {
         ];
         let seen = shots(&items).unwrap();
         assert!(seen[1].plays, "an <img> plays it without help");
-        let moving = MovingSvg::read(std::str::from_utf8(&bytes).unwrap()).unwrap();
+        let moving = AnimatedSvg::read(std::str::from_utf8(&bytes).unwrap()).unwrap();
         for (m, time) in items[0].times_secs.iter().enumerate() {
             let own = raster(&moving.at(*time).unwrap(), WHITE).unwrap();
             let mask = vec![true; (SIDE * SIDE) as usize];
@@ -188,7 +188,7 @@ fn chromium_plays_the_flip_book() {
     let seen = shots(&[item]).unwrap();
     let mut pictures = seen[0].pictures.iter();
     for (m, at) in MOMENTS.iter().enumerate().filter(|(_, m)| whole(m)) {
-        let truth = reference(&film().truth, m, Samples::Eight, WHITE).unwrap();
+        let truth = reference(&film().truth, m, Supersampling::Eight, WHITE).unwrap();
         let near = ssim(pictures.next().unwrap(), &truth).unwrap();
         assert!(near > 0.97, "SSIM {near} at frame {at}");
     }
@@ -199,7 +199,7 @@ fn the_player_plays_near_the_truth() {
     if !is_here() {
         return;
     }
-    let bytes = file_of(Profile::Player(Output::Svg), Shading::Gouraud);
+    let bytes = file_of(Profile::Player(PlayerOutput::Svg), Shading::Gouraud);
     let seen = shots(&[item("player", "walk.svg", &bytes)]).unwrap();
     assert!(seen[0].plays);
     assert_near("player", &seen[0].pictures, 18.0, 0.97);

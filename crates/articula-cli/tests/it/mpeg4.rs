@@ -2,7 +2,7 @@
 
 use crate::program::{BVH, fault, folder, human, json, word};
 use crate::real;
-use articula_build::retarget::{Figure, RetargetOptions, Retargeter};
+use articula_build::retarget::{RetargetFigure, RetargetOptions, Retargeter};
 use articula_core::LocalPose;
 use articula_core::source::{Character, evaluate};
 use articula_formats::mpeg4::bap;
@@ -201,11 +201,11 @@ fn captured_hands_and_feet_come_to_their_places() {
         let mut figure = bap::figure();
         let standard = articula_build::joint_names::map(&figure.skeleton, profile::builtin(), None)
             .articulation;
-        let from = Figure {
+        let from = RetargetFigure {
             skeleton: &source.skeleton,
             articulation: &names,
         };
-        let onto = Figure {
+        let onto = RetargetFigure {
             skeleton: &figure.skeleton,
             articulation: &standard,
         };

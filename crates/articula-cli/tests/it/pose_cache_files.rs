@@ -3,10 +3,10 @@
 use crate::real::{data_folder, data_is_here};
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
-use articula_build::{CacheOptions, CachedPoses, Fate, cached_poses};
+use articula_build::{CacheOptions, CachedPoses, CacheDecision, cached_poses};
 use articula_build::{LevelOptions, MergedLevels, merged_levels};
 use articula_core::batch::BatchEvaluator;
-use articula_core::{Backend, ClipSet, PaletteForm, PaletteRows, Storage, skin_points};
+use articula_core::{Backend, ClipSet, PaletteForm, PaletteRows, ClipStorage, skin_points};
 use articula_formats::{Limits, gltf, profile};
 use glam::{Affine3A, Vec3};
 
@@ -75,7 +75,7 @@ fn a_walking_human_blends_within_what_its_cache_states() {
     let asset = asset();
     let levels = merged_levels(&asset, &LevelOptions::default()).unwrap();
     let ladder = levels.ladder.clone();
-    let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, Storage::Float).unwrap();
+    let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, ClipStorage::Float).unwrap();
     // Every vertex is watched, so nothing is left to the sample.
     let opts = CacheOptions {
         vertices: usize::MAX,
@@ -94,8 +94,8 @@ fn a_walking_human_blends_within_what_its_cache_states() {
             report.error_metres * 1e3,
             report.tolerance_metres * 1e3,
         );
-        assert_ne!(report.fate, Fate::NoRoom);
-        if report.fate != Fate::Cached {
+        assert_ne!(report.fate, CacheDecision::NoRoom);
+        if report.fate != CacheDecision::Cached {
             continue;
         }
         // Times that are no multiples of anything.

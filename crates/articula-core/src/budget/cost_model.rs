@@ -357,7 +357,7 @@ mod tests {
         });
         let sampled = |n| Workload {
             sampled_joints: n,
-            ..Work::default()
+            ..Workload::default()
         };
         // The first time is believed in full: 300 ns for 100 joints are 3 ns each, not 2. In shares
         // of 2 ns and of the expected 200 ns: 1 · f = 1.5.

@@ -8,9 +8,9 @@
 //! next or last upgrade lies near that key.
 
 use super::frontier::{Break, Frontier, Span};
-use super::menu::{Menu, MenuId, Offer, from_fixed, to_fixed};
-use super::report::{Change, FrameReport, survey};
-use super::seat::{ALARM, EMPTY, Policy, Request, Seat, Watch};
+use super::menu::{LodOptionSet, LodOptionSetId, LodOption, from_fixed, to_fixed};
+use super::report::{OptionChange, AllocationReport, survey};
+use super::seat::{ALARM, EMPTY, BudgetPolicy, LodRequest, CharacterEntry, Watch};
 use crate::Mismatch;
 
 /// A key for characters that must be looked at in any case; no upgrade has it.
@@ -25,10 +25,10 @@ const NOTHING: u8 = u8::MAX;
 /// Each frame: [`request`](Self::request) or [`hide`](Self::hide) for every character whose view
 /// may have changed, then [`solve`](Self::solve).
 #[derive(Debug, Clone)]
-pub struct Budget {
-    policy: Policy,
-    menus: Vec<Menu>,
-    seats: Vec<Seat>,
+pub struct BudgetAllocator {
+    policy: BudgetPolicy,
+    menus: Vec<LodOptionSet>,
+    seats: Vec<CharacterEntry>,
     watches: Vec<Watch>,
     /// Keys of the upgrade that each would take next and of the one it took last.
     next_key: Vec<u32>,
@@ -49,13 +49,13 @@ pub struct Budget {
     looked_at: Vec<u32>,
     /// Whose turn began in the frame before.
     newly_served: Vec<u32>,
-    changes: Vec<Change>,
+    changes: Vec<OptionChange>,
     per_option: Vec<u32>,
 }
 
-impl Budget {
+impl BudgetAllocator {
     /// A budget for `characters` that are all hidden.
-    pub fn new(characters: usize, policy: Policy) -> Self {
+    pub fn new(characters: usize, policy: BudgetPolicy) -> Self {
         Self {
             policy,
             menus: Vec::new(),
@@ -86,9 +86,9 @@ impl Budget {
     ///
     /// # Errors
     /// If there is none or more than 255, or a cost or an error is negative or not a number.
-    pub fn add_menu(&mut self, offers: &[Offer]) -> Result<MenuId, Mismatch> {
-        let id = MenuId(self.menus.len() as u32);
-        self.menus.push(Menu::new(offers)?);
+    pub fn add_menu(&mut self, offers: &[LodOption]) -> Result<LodOptionSetId, Mismatch> {
+        let id = LodOptionSetId(self.menus.len() as u32);
+        self.menus.push(LodOptionSet::new(offers)?);
         let most = self.per_option.len().max(offers.len());
         self.per_option.resize(most, 0);
         Ok(id)
@@ -102,7 +102,7 @@ impl Budget {
     /// # Panics
     /// If there is no such character, or the menu is of another budget with more menus.
     #[inline]
-    pub fn request(&mut self, character: usize, request: Request) {
+    pub fn request(&mut self, character: usize, request: LodRequest) {
         if self.watches[character].is_quiet(&request) {
             self.pixels_per_metre[character] = request.pixels_per_metre;
         } else {
@@ -126,23 +126,23 @@ impl Budget {
     }
 
     /// Replaces the policy; everyone is judged anew by it. O(characters), does not allocate.
-    pub fn set_policy(&mut self, policy: Policy) {
+    pub fn set_policy(&mut self, policy: BudgetPolicy) {
         self.policy = policy;
         self.rebuild();
     }
 
     /// Gives every option a new cost, by its menu and index. A cost that is no number makes the
     /// option too dear to be taken, a negative one free. Everyone is placed anew. O(characters + options), does not allocate.
-    pub fn reprice(&mut self, mut cost: impl FnMut(MenuId, usize) -> f32) {
+    pub fn reprice(&mut self, mut cost: impl FnMut(LodOptionSetId, usize) -> f32) {
         for (id, menu) in self.menus.iter_mut().enumerate() {
-            menu.reprice(|option| cost(MenuId(id as u32), option));
+            menu.reprice(|option| cost(LodOptionSetId(id as u32), option));
         }
         self.rebuild();
     }
 
     /// Chooses for everyone within `budget`, in the units of the menus; what is no number counts
     /// as 0. Does not allocate. Costs hardly more than the report if nothing changed.
-    pub fn solve(&mut self, budget: f32) -> FrameReport {
+    pub fn solve(&mut self, budget: f32) -> AllocationReport {
         self.frame = self.frame.wrapping_add(1);
         self.changes.clear();
         self.age();
@@ -163,7 +163,7 @@ impl Budget {
     }
 
     /// Who changed in the frame that was solved last, in the order of characters.
-    pub fn changes(&self) -> &[Change] {
+    pub fn changes(&self) -> &[OptionChange] {
         &self.changes
     }
 
@@ -173,7 +173,7 @@ impl Budget {
     }
 
     #[cold]
-    fn judge(&mut self, character: usize, request: &Request) {
+    fn judge(&mut self, character: usize, request: &LodRequest) {
         if self.seats[character].visible {
             self.retract(character);
         }
@@ -228,8 +228,8 @@ impl Budget {
                 (seat.ageing, seat.turn) = (1.0, false);
             }
             if seat.visible {
-                let request = Request {
-                    menu: MenuId(seat.menu),
+                let request = LodRequest {
+                    menu: LodOptionSetId(seat.menu),
                     weight: seat.weight,
                     pixels_per_metre: seat.pixels_per_metre,
                 };
@@ -384,7 +384,7 @@ impl Budget {
             if let Some(option) = option(now) {
                 self.per_option[usize::from(option)] += 1;
             }
-            self.changes.push(Change {
+            self.changes.push(OptionChange {
                 character: character as u32,
                 from: option(before),
                 to: option(now),
@@ -392,13 +392,13 @@ impl Budget {
         }
     }
 
-    fn report(&self, budget: u64) -> FrameReport {
+    fn report(&self, budget: u64) -> AllocationReport {
         let (worst_px, sum, above_cap) = survey(
             &self.error_metres,
             &self.pixels_per_metre,
             self.policy.cap_px,
         );
-        FrameReport {
+        AllocationReport {
             budget: from_fixed(budget),
             used: from_fixed(self.used),
             demand: from_fixed(self.demand),
@@ -412,10 +412,10 @@ impl Budget {
 }
 
 fn seat_and_menu<'a>(
-    seats: &'a mut [Seat],
-    menus: &'a [Menu],
+    seats: &'a mut [CharacterEntry],
+    menus: &'a [LodOptionSet],
     character: usize,
-) -> (&'a mut Seat, &'a Menu) {
+) -> (&'a mut CharacterEntry, &'a LodOptionSet) {
     let seat = &mut seats[character];
     let menu = &menus[seat.menu as usize];
     (seat, menu)

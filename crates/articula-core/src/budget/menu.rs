@@ -18,7 +18,7 @@ const MOST_OFFERS: usize = 255;
 
 /// One way to show a character: what it costs and how far the skin is off.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Offer {
+pub struct LodOption {
     /// Cost in the units of the budget, by habit nanoseconds; counted in steps of 1/64, up to
     /// 67 million.
     pub cost: f32,
@@ -28,7 +28,7 @@ pub struct Offer {
 
 /// Which menu of a budget.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct MenuId(pub(super) u32);
+pub struct LodOptionSetId(pub(super) u32);
 
 /// An option that is worth its cost.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,23 +53,23 @@ pub(super) struct Step {
 /// Offers and their lower convex hull: cost rises, error falls, and each step brings at most as
 /// much for its cost as the one before.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Menu {
-    offers: Vec<Offer>,
+pub(crate) struct LodOptionSet {
+    offers: Vec<LodOption>,
     points: Vec<Point>,
     steps: Vec<Step>,
 }
 
-impl Menu {
+impl LodOptionSet {
     /// Finds the hull of some offers.
     ///
     /// # Errors
     /// If there is none or more than 255, or a cost or an error is negative or not a number.
-    pub(crate) fn new(offers: &[Offer]) -> Result<Self, Mismatch> {
+    pub(crate) fn new(offers: &[LodOption]) -> Result<Self, Mismatch> {
         if offers.is_empty() || offers.len() > MOST_OFFERS {
             let what = format!("{} offers, not 1 to {MOST_OFFERS}", offers.len());
             return Err(Mismatch::new("offers", what));
         }
-        let odd = |o: &Offer| !(o.cost >= 0.0 && o.cost.is_finite() && o.error_metres >= 0.0);
+        let odd = |o: &LodOption| !(o.cost >= 0.0 && o.cost.is_finite() && o.error_metres >= 0.0);
         if let Some(i) = offers.iter().position(odd) {
             let what = format!("{:?} has no place in a budget", offers[i]);
             return Err(Mismatch::new(format!("offers[{i}]"), what));
@@ -164,12 +164,12 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn menu(offers: &[(f32, f32)]) -> Result<Menu, Mismatch> {
-        let offer = |&(cost, error_metres): &(f32, f32)| Offer { cost, error_metres };
-        Menu::new(&offers.iter().map(offer).collect::<Vec<_>>())
+    fn menu(offers: &[(f32, f32)]) -> Result<LodOptionSet, Mismatch> {
+        let offer = |&(cost, error_metres): &(f32, f32)| LodOption { cost, error_metres };
+        LodOptionSet::new(&offers.iter().map(offer).collect::<Vec<_>>())
     }
 
-    fn kept(menu: &Menu) -> Vec<u8> {
+    fn kept(menu: &LodOptionSet) -> Vec<u8> {
         menu.points().iter().map(|p| p.option).collect()
     }
 

@@ -4,20 +4,20 @@
 //! level: before it, what each character may cost and how wrong it would look; after it, the
 //! option that each character is shown with, and which characters changed theirs.
 //!
-//! - [`Offer`]: one way to show a kind of character; [`Budget::add_menu`] keeps those worth their cost
-//! - [`Budget`]: the choice for everyone, repaired from frame to frame
+//! - [`LodOption`]: one way to show a kind of character; [`BudgetAllocator::add_menu`] keeps those worth their cost
+//! - [`BudgetAllocator`]: the choice for everyone, repaired from frame to frame
 //! - [`CostModel`]: what an option costs, from times that the caller measured
 //!
 //! ```
-//! use articula_core::budget::{Budget, Offer, Policy, Request};
+//! use articula_core::budget::{BudgetAllocator, LodOption, BudgetPolicy, LodRequest};
 //!
 //! // Two ways to show a figure: coarse, 50 mm off, or all of its joints.
-//! let offers = [(40.0, 0.050), (200.0, 0.0)].map(|(cost, error_metres)| Offer { cost, error_metres });
-//! let mut budget = Budget::new(2, Policy::default());
+//! let offers = [(40.0, 0.050), (200.0, 0.0)].map(|(cost, error_metres)| LodOption { cost, error_metres });
+//! let mut budget = BudgetAllocator::new(2, BudgetPolicy::default());
 //! let menu = budget.add_menu(&offers)?;
 //!
 //! // The first is near, the second far; there is room for one of them in full.
-//! let request = |pixels_per_metre| Request { menu, weight: pixels_per_metre, pixels_per_metre };
+//! let request = |pixels_per_metre| LodRequest { menu, weight: pixels_per_metre, pixels_per_metre };
 //! budget.request(0, request(200.0));
 //! budget.request(1, request(10.0));
 //! let report = budget.solve(250.0);
@@ -37,7 +37,7 @@ mod report;
 mod seat;
 
 pub use cost_model::{CostModel, Workload};
-pub use knapsack::Budget;
-pub use menu::{MenuId, Offer};
-pub use report::{Change, FrameReport};
-pub use seat::{Policy, Request};
+pub use knapsack::BudgetAllocator;
+pub use menu::{LodOptionSetId, LodOption};
+pub use report::{OptionChange, AllocationReport};
+pub use seat::{BudgetPolicy, LodRequest};

@@ -2,7 +2,7 @@
 
 /// A character whose option is another one than in the frame before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Change {
+pub struct OptionChange {
     /// Which character.
     pub character: u32,
     /// Its option before; nothing if it was hidden.
@@ -13,7 +13,7 @@ pub struct Change {
 
 /// Sums over all visible characters after a frame was solved.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct FrameReport {
+pub struct AllocationReport {
     /// What could be spent.
     pub budget: f64,
     /// What is spent. More than the budget only if the cheapest options together cost more.

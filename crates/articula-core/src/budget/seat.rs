@@ -2,7 +2,7 @@
 //!
 //! Source: `spec/motion-lod.md` part 7 (what has a character judged anew, ageing).
 
-use super::menu::{Menu, MenuId, Point, Step};
+use super::menu::{LodOptionSet, LodOptionSetId, Point, Step};
 
 /// A change of scale below this factor leaves a character's judgement as it is.
 const SCALE_HYSTERESIS: f32 = 1.1;
@@ -18,7 +18,7 @@ const URGENT: u32 = 1 << 31;
 
 /// What the budget aims at.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Policy {
+pub struct BudgetPolicy {
     /// Error that no character should exceed, pixels. Upgrades of those above it come first.
     /// Infinite: there is no cap.
     pub cap_px: f32,
@@ -32,7 +32,7 @@ pub struct Policy {
     pub hold_frames: u32,
 }
 
-impl Default for Policy {
+impl Default for BudgetPolicy {
     /// A cap of one pixel, the whole budget is spent, 16 frames each to wait and to hold.
     fn default() -> Self {
         Self {
@@ -46,9 +46,9 @@ impl Default for Policy {
 
 /// What a visible character asks for.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Request {
+pub struct LodRequest {
     /// Its options.
-    pub menu: MenuId,
+    pub menu: LodOptionSetId,
     /// What a metre of its error counts: salience × pixels per metre × covered pixels. What is
     /// negative or no number counts as 0: such a character is brought to the cap, no further.
     pub weight: f32,
@@ -58,7 +58,7 @@ pub struct Request {
 
 /// How one character was judged last.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Seat {
+pub(super) struct CharacterEntry {
     pub(super) menu: u32,
     pub(super) weight: f32,
     pub(super) pixels_per_metre: f32,
@@ -79,7 +79,7 @@ pub(super) struct Seat {
 }
 
 /// Hidden.
-pub(super) const EMPTY: Seat = Seat {
+pub(super) const EMPTY: CharacterEntry = CharacterEntry {
     menu: 0,
     weight: 0.0,
     pixels_per_metre: 0.0,
@@ -94,7 +94,7 @@ pub(super) const EMPTY: Seat = Seat {
     turn: false,
 };
 
-impl Seat {
+impl CharacterEntry {
     /// Key of an upgrade from point `i`.
     pub(super) fn key(&self, i: u8, step: &Step) -> u32 {
         let urgent = i < self.target;
@@ -106,7 +106,7 @@ impl Seat {
     /// Key and cost of every wanted upgrade from point `from` on; keys fall.
     pub(super) fn upgrades<'a>(
         &'a self,
-        menu: &'a Menu,
+        menu: &'a LodOptionSet,
         from: u8,
     ) -> impl Iterator<Item = (u32, u32)> + 'a {
         let steps = &menu.steps()[usize::from(from)..usize::from(self.last)];
@@ -115,13 +115,13 @@ impl Seat {
     }
 
     /// Key of the upgrade that it would take next, 0 if there is none.
-    pub(super) fn next_key(&self, menu: &Menu) -> u32 {
+    pub(super) fn next_key(&self, menu: &LodOptionSet) -> u32 {
         let mut upgrades = self.upgrades(menu, self.chosen);
         upgrades.next().map_or(0, |u| u.0)
     }
 
     /// Takes over what is asked for, and finds what is needed and what is wanted.
-    pub(super) fn judge(&mut self, menu: &Menu, request: &Request, policy: &Policy) {
+    pub(super) fn judge(&mut self, menu: &LodOptionSet, request: &LodRequest, policy: &BudgetPolicy) {
         *self = Self {
             menu: request.menu.0,
             weight: request.weight,
@@ -138,7 +138,7 @@ impl Seat {
     }
 
     /// The factor that its wait has earned it.
-    pub(super) fn aged(&mut self, frame: u32, policy: &Policy) -> f32 {
+    pub(super) fn aged(&mut self, frame: u32, policy: &BudgetPolicy) -> f32 {
         if self.turn && frame.wrapping_sub(self.turn_since) >= policy.hold_frames {
             self.turn = false;
             self.waits_since = frame;
@@ -153,7 +153,7 @@ impl Seat {
     }
 }
 
-impl Request {
+impl LodRequest {
     /// Without what would break sums and products.
     pub(super) fn tamed(self) -> Self {
         Self {
@@ -186,7 +186,7 @@ pub(super) const ALARM: Watch = Watch {
 
 impl Watch {
     /// Within the hysteresis of how a character was judged.
-    pub(super) fn around(seat: &Seat) -> Self {
+    pub(super) fn around(seat: &CharacterEntry) -> Self {
         let least = match seat.weight > WEIGHTS.0 {
             true => seat.weight / WEIGHT_HYSTERESIS,
             // Whatever does not count.
@@ -201,7 +201,7 @@ impl Watch {
     }
 
     /// Without branches: nearly all requests are like this.
-    pub(super) fn is_quiet(&self, request: &Request) -> bool {
+    pub(super) fn is_quiet(&self, request: &LodRequest) -> bool {
         let (scale, weight) = (request.pixels_per_metre, request.weight);
         (self.menu == request.menu.0)
             & (scale >= self.scale.0)

@@ -86,11 +86,11 @@ pub(crate) fn for_events(events: &[ClipEvent], step: Step, tell: &mut dyn FnMut(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crowd::player::Voice;
+    use crate::crowd::player::ClipState;
     use crate::sample::Wrap;
     use proptest::prelude::*;
 
-    fn told(voice: &mut Voice, duration: f32, dt: f32, times: &[f32]) -> Vec<u32> {
+    fn told(voice: &mut ClipState, duration: f32, dt: f32, times: &[f32]) -> Vec<u32> {
         let events: Vec<ClipEvent> = times
             .iter()
             .zip(0..)
@@ -101,8 +101,8 @@ mod tests {
         heard
     }
 
-    fn voice(secs: f32, speed: f32, wrap: Wrap) -> Voice {
-        Voice {
+    fn voice(secs: f32, speed: f32, wrap: Wrap) -> ClipState {
+        ClipState {
             secs,
             speed,
             clip: 0,

@@ -22,7 +22,7 @@ pub struct Frame<'a> {
     /// How important each is: 1 is neutral, 2 halves its tolerance; empty: all 1.
     pub importance: &'a [f32],
     /// Who can be seen.
-    pub sight: Sight<'a>,
+    pub sight: Culling<'a>,
     /// How much detail each gets.
     pub detail: Detail,
     /// Whether characters whose poses agree within their tolerance may share one palette.
@@ -46,7 +46,7 @@ pub enum CacheUse {
 
 /// Who can be seen.
 #[derive(Debug, Clone, Copy)]
-pub enum Sight<'a> {
+pub enum Culling<'a> {
     /// Whoever meets one of these views.
     Views(&'a [View<'a>]),
     /// Everyone, in full detail.
@@ -76,7 +76,7 @@ pub enum Detail {
 
 /// What game logic is told during a tick.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Notice {
+pub enum CrowdEvent {
     /// A mark on a clip was passed.
     Event {
         /// The character.
@@ -123,7 +123,7 @@ pub struct CrowdReport {
     /// Greatest error that the chosen levels and shared poses may show, pixels.
     pub bound_px: f32,
     /// What the budget made of it, if there was one.
-    pub budget: Option<budget::FrameReport>,
+    pub budget: Option<budget::AllocationReport>,
 }
 
 impl Frame<'_> {

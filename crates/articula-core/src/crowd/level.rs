@@ -1,7 +1,7 @@
 //! The level of one character: the coarsest whose error its viewer cannot see.
 
 use super::model::CrowdModel;
-use super::player::Player;
+use super::player::CharacterState;
 use crate::attention::multiplier;
 
 /// What was chosen for a visible character.
@@ -36,7 +36,7 @@ pub(crate) fn cached_within(
 
 /// Factor of the tolerance: what the clip shows now, and how important the character is.
 #[inline]
-pub(crate) fn attention(model: &CrowdModel, player: &Player, importance: f32) -> f32 {
+pub(crate) fn attention(model: &CrowdModel, player: &CharacterState, importance: f32) -> f32 {
     let (from, to) = player.clips();
     let at = |clip: usize, secs: f32, wrap| {
         let marked = model.attention(clip);

@@ -6,8 +6,8 @@
 //! any range of batches and changes nothing, so the caller may give ranges to its threads.
 //!
 //! - [`CrowdModel`]: what all share, made once
-//! - [`Player`], [`Voice`]: what one character plays
-//! - [`ClipEvent`], [`RootPath`], [`socket`]: what is never skipped, whatever is shown
+//! - [`CharacterState`], [`ClipState`]: what one character plays
+//! - [`ClipEvent`], [`RootTrajectory`], [`socket`]: what is never skipped, whatever is shown
 //!
 //! No hidden policy: what a level may cost is in [`Detail`], and every change of level is told.
 //!
@@ -41,10 +41,10 @@ mod socket;
 mod tick;
 
 pub use events::ClipEvent;
-pub use frame::{CacheUse, CrowdReport, Detail, Frame, Notice, Sight};
+pub use frame::{CacheUse, CrowdReport, Detail, Frame, CrowdEvent, Culling};
 pub use model::{CrowdModel, CrowdParts};
-pub use plan::{Draw, DrawGroup, Drawn, RecordGroup};
-pub use player::{Player, Voice};
-pub use root_path::{RootPath, RootStep};
+pub use plan::{Draw, DrawGroup, DrawList, RecordGroup};
+pub use player::{CharacterState, ClipState};
+pub use root_path::{RootTrajectory, RootDelta};
 pub use socket::socket;
 pub use tick::Crowd;

@@ -1,12 +1,12 @@
 //! What all characters of a crowd share: one rig with its clips, levels and their errors.
 
 use super::events::{ClipEvent, sorted};
-use super::root_path::RootPath;
+use super::root_path::RootTrajectory;
 use crate::Mismatch;
 use crate::attention::Attention;
 use crate::batch::BatchEvaluator;
 use crate::clip_set::ClipSet;
-use crate::level_error::{ClipErrors, LevelErrors};
+use crate::level_error::{ClipLodErrors, LodErrors};
 use crate::motion_bounds::MotionBounds;
 use crate::palette::{PaletteForm, PaletteMap};
 use crate::pose_cache::PoseCache;
@@ -24,14 +24,14 @@ pub struct CrowdParts {
     /// The instruction set; [`Backend::best`] unless results of two are to be compared.
     pub backend: Backend,
     /// What each level costs in each clip.
-    pub errors: LevelErrors,
+    pub errors: LodErrors,
     /// Where the skin is in each clip.
     pub bounds: MotionBounds,
     /// What is told while a clip plays, a list for each clip, in any order. Empty if there is
     /// nothing to tell; so are the two lists that follow.
     pub events: Vec<Vec<ClipEvent>>,
     /// The way over the ground that each clip carries its character.
-    pub paths: Vec<Option<RootPath>>,
+    pub paths: Vec<Option<RootTrajectory>>,
     /// Stretches of each clip that a viewer looks at more closely, or less.
     pub attention: Vec<Option<Attention>>,
     /// Cached palettes of these clips, levels and matrices.
@@ -87,7 +87,7 @@ impl CrowdModel {
         let errors = parts.errors.clips.iter();
         let no_event = parts.events.iter().all(Vec::is_empty);
         Ok(Self {
-            level_errors: errors.flat_map(ClipErrors::judged).collect(),
+            level_errors: errors.flat_map(ClipLodErrors::judged).collect(),
             plain: no_event && parts.paths.iter().all(Option::is_none),
             durations,
             parts,
@@ -143,7 +143,7 @@ impl CrowdModel {
         &self.parts.events[clip]
     }
 
-    pub(crate) fn path(&self, clip: usize) -> Option<&RootPath> {
+    pub(crate) fn path(&self, clip: usize) -> Option<&RootTrajectory> {
         self.parts.paths[clip].as_ref()
     }
 

@@ -1,6 +1,6 @@
 //! What has to be evaluated in a frame, sorted into batches, and who shows what.
 
-use crate::ladder::Ladder;
+use crate::ladder::JointLods;
 use crate::palette::PaletteMap;
 use crate::pose_cache::BlendRecord;
 use crate::simd::LANES;
@@ -54,7 +54,7 @@ pub struct RecordGroup {
 
 /// Who is shown in a frame, and where the palettes are.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Drawn {
+pub struct DrawList {
     /// Who is shown, by level.
     pub groups: Vec<DrawGroup>,
     /// Who is shown, in the order of the groups.
@@ -102,7 +102,7 @@ pub(crate) struct Plan {
     /// Records as they come, with their levels.
     recorded: Vec<(u8, BlendRecord)>,
     batches: Vec<Batch>,
-    drawn: Drawn,
+    drawn: DrawList,
 }
 
 impl Plan {
@@ -115,7 +115,7 @@ impl Plan {
             following: vec![0; levels],
             recorded: Vec::with_capacity(characters),
             batches: Vec::with_capacity(characters / LANES + levels * KINDS),
-            drawn: Drawn {
+            drawn: DrawList {
                 groups: Vec::with_capacity(levels),
                 draws: Vec::with_capacity(characters),
                 record_groups: Vec::with_capacity(levels),
@@ -204,7 +204,7 @@ impl Plan {
     }
 
     fn sort_records(&mut self, palette: &PaletteMap) {
-        let mut next = [0usize; Ladder::MAX_LEVELS];
+        let mut next = [0usize; JointLods::MAX_LEVELS];
         for (level, _) in &self.recorded {
             next[usize::from(*level)] += 1;
         }
@@ -233,7 +233,7 @@ impl Plan {
         &self.batches
     }
 
-    pub(crate) fn drawn(&self) -> &Drawn {
+    pub(crate) fn drawn(&self) -> &DrawList {
         &self.drawn
     }
 

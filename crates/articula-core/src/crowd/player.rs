@@ -1,7 +1,7 @@
 //! What one character plays: a clip, or a cross-fade of two, each with its own speed and phase.
 
 use super::events::{ClipEvent, Step, for_events};
-use crate::batch::Shown;
+use crate::batch::BatchPose;
 use crate::clip_set::ClipSet;
 use crate::sample::Wrap;
 
@@ -13,7 +13,7 @@ pub(crate) const MOST_STEP_SECS: f32 = 60.0;
 
 /// One clip at a time and a speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Voice {
+pub struct ClipState {
     /// Time within the clip, 0 to its duration.
     pub(crate) secs: f32,
     /// Seconds of the clip in a second of the crowd; negative runs backwards.
@@ -24,7 +24,7 @@ pub struct Voice {
     pub(crate) wrap: Wrap,
 }
 
-impl Voice {
+impl ClipState {
     /// A looping clip from its first frame at its own speed.
     ///
     /// # Panics
@@ -121,17 +121,17 @@ impl Voice {
 
 /// What one character plays. 32 bytes.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Player {
-    pub(crate) from: Voice,
-    pub(crate) to: Voice,
+pub struct CharacterState {
+    pub(crate) from: ClipState,
+    pub(crate) to: ClipState,
     /// 0 shows `from`, 1 shows `to`.
     pub(crate) fade: f32,
     /// How fast `fade` grows; 0 if the caller sets it.
     pub(crate) fade_per_sec: f32,
 }
 
-impl From<Voice> for Player {
-    fn from(voice: Voice) -> Self {
+impl From<ClipState> for CharacterState {
+    fn from(voice: ClipState) -> Self {
         Self {
             from: voice,
             to: voice,
@@ -141,10 +141,10 @@ impl From<Voice> for Player {
     }
 }
 
-impl Player {
+impl CharacterState {
     /// A blend whose weight the caller sets: 0 shows `from`, 1 shows `to`; it is clamped, and no
     /// number counts as 0.
-    pub fn blend(from: Voice, to: Voice, weight: f32) -> Self {
+    pub fn blend(from: ClipState, to: ClipState, weight: f32) -> Self {
         let fade = if weight.is_nan() { 0.0 } else { weight };
         Self {
             from,
@@ -156,7 +156,7 @@ impl Player {
 
     /// A fade that is under way: `share` is what `to` has of the pose by now, `secs` what the whole
     /// fade takes. A time of 0 or less, or no number, shows `to` at once.
-    pub fn fading(from: Voice, to: Voice, share: f32, secs: f32) -> Self {
+    pub fn fading(from: ClipState, to: ClipState, share: f32, secs: f32) -> Self {
         let mut player = Self::from(from);
         player.fade_to(to, secs);
         if player.is_fading() {
@@ -167,7 +167,7 @@ impl Player {
 
     /// Starts to fade to another clip. A fade that is under way goes on from the clip that
     /// weighs more. A time of 0 or less, or no number, switches at once.
-    pub fn fade_to(&mut self, voice: Voice, secs: f32) {
+    pub fn fade_to(&mut self, voice: ClipState, secs: f32) {
         if self.fade >= 0.5 {
             self.from = self.to;
         }
@@ -181,12 +181,12 @@ impl Player {
     }
 
     /// The clip that it plays, or comes from.
-    pub fn voice(&self) -> &Voice {
+    pub fn voice(&self) -> &ClipState {
         &self.from
     }
 
     /// The clip that it goes to while it fades: while two count, now or as soon as time goes on.
-    pub fn next(&self) -> Option<&Voice> {
+    pub fn next(&self) -> Option<&ClipState> {
         self.is_fading().then_some(&self.to)
     }
 
@@ -224,12 +224,12 @@ impl Player {
 
     /// Where it is in its clips.
     #[inline]
-    pub(crate) fn shown(&self, clips: &ClipSet) -> Shown {
+    pub(crate) fn shown(&self, clips: &ClipSet) -> BatchPose {
         let from = clips.cursor(self.from.clip(), self.from.secs);
         if self.fade == 0.0 {
             return from.into();
         }
-        Shown {
+        BatchPose {
             from,
             to: clips.cursor(self.to.clip(), self.to.secs),
             fade: self.fade,
@@ -243,21 +243,21 @@ mod tests {
 
     #[test]
     fn a_fade_under_way_arrives_when_its_time_is_over() {
-        let voice = |clip| Voice {
+        let voice = |clip| ClipState {
             secs: 0.0,
             speed: 1.0,
             clip,
             wrap: Wrap::Loop,
         };
-        let mut player = Player::fading(voice(0), voice(1), 0.25, 2.0);
+        let mut player = CharacterState::fading(voice(0), voice(1), 0.25, 2.0);
         assert_eq!((player.fade(), player.clips()), (0.25, (0, 1)));
         player.advance_fade(1.0);
         assert_eq!(player.fade(), 0.75);
         player.advance_fade(0.5);
-        assert_eq!(player, Player::from(voice(1)));
+        assert_eq!(player, CharacterState::from(voice(1)));
         // From the very beginning it is a fade too; without a time there is nothing to fade.
-        assert!(Player::fading(voice(0), voice(1), f32::NAN, 1.0).is_fading());
-        let at_once = Player::fading(voice(0), voice(1), 0.5, 0.0);
-        assert_eq!(at_once, Player::from(voice(1)));
+        assert!(CharacterState::fading(voice(0), voice(1), f32::NAN, 1.0).is_fading());
+        let at_once = CharacterState::fading(voice(0), voice(1), 0.5, 0.0);
+        assert_eq!(at_once, CharacterState::from(voice(1)));
     }
 }

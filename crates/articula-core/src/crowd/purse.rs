@@ -1,30 +1,30 @@
 //! The levels of a crowd as options of a budget.
 
 use super::model::CrowdModel;
-use super::player::Player;
+use super::player::CharacterState;
 use crate::Mismatch;
-use crate::budget::{Budget, CostModel, FrameReport, MenuId, Offer, Policy, Request, Workload};
+use crate::budget::{BudgetAllocator, CostModel, AllocationReport, LodOptionSetId, LodOption, BudgetPolicy, LodRequest, Workload};
 use crate::sphere::Sphere;
-use crate::visibility::{Seen, Visibility};
+use crate::visibility::{CullResult, Visibility};
 use std::ops::Range;
 
 /// Options of the characters within a budget.
 #[derive(Debug, Clone)]
-pub(crate) struct Purse {
-    budget: Budget,
+pub(crate) struct CrowdBudget {
+    budget: BudgetAllocator,
     /// Menu of each clip, and of blends.
-    menus: Vec<MenuId>,
-    blends: MenuId,
+    menus: Vec<LodOptionSetId>,
+    blends: LodOptionSetId,
 }
 
-impl Purse {
+impl CrowdBudget {
     pub(crate) fn new(
         model: &CrowdModel,
         characters: usize,
-        policy: Policy,
+        policy: BudgetPolicy,
         costs: &CostModel,
     ) -> Result<Self, Mismatch> {
-        let mut budget = Budget::new(characters, policy);
+        let mut budget = BudgetAllocator::new(characters, policy);
         let count = model.parts().clips.clips();
         let menus = (0..count)
             .map(|clip| budget.add_menu(&offers(model, costs, clip..clip + 1)))
@@ -45,11 +45,11 @@ impl Purse {
     pub(crate) fn spend(
         &mut self,
         budget: f32,
-        players: &[Player],
-        seen: &[Seen],
+        players: &[CharacterState],
+        seen: &[CullResult],
         bounds: &[Sphere],
         importance: &dyn Fn(usize) -> f32,
-    ) -> FrameReport {
+    ) -> AllocationReport {
         for (character, (seen, player)) in seen.iter().zip(players).enumerate() {
             if seen.visibility != Visibility::Visible {
                 self.budget.hide(character);
@@ -62,7 +62,7 @@ impl Purse {
             };
             // A bound covers so many pixels, and each is wrong by the error.
             let side = bounds[character].radius * seen.pixels_per_metre;
-            let request = Request {
+            let request = LodRequest {
                 menu,
                 weight: importance(character) * seen.pixels_per_metre * side * side,
                 pixels_per_metre: seen.pixels_per_metre,
@@ -79,7 +79,7 @@ impl Purse {
 }
 
 /// Every level as an offer, with the greatest error over some clips.
-fn offers(model: &CrowdModel, costs: &CostModel, clips: Range<usize>) -> Vec<Offer> {
+fn offers(model: &CrowdModel, costs: &CostModel, clips: Range<usize>) -> Vec<LodOption> {
     let error = |level: usize| {
         let errors = clips
             .clone()
@@ -87,7 +87,7 @@ fn offers(model: &CrowdModel, costs: &CostModel, clips: Range<usize>) -> Vec<Off
         errors.fold(0.0, f32::max)
     };
     (0..model.levels())
-        .map(|level| Offer {
+        .map(|level| LodOption {
             cost: cost(model, costs, level),
             error_metres: error(level),
         })

@@ -8,14 +8,14 @@ use glam::Vec3;
 
 /// A place on the ground: offset and turn about +Y, seen from where the clip began.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct RootStep {
+pub struct RootDelta {
     /// Offset, metres, in the space of the place it starts from.
     pub offset: Vec3,
     /// Turn about +Y.
     pub yaw_radians: f32,
 }
 
-impl RootStep {
+impl RootDelta {
     /// First this step, then the other from where it leads.
     #[must_use]
     pub(crate) fn then(self, next: Self) -> Self {
@@ -53,24 +53,24 @@ fn turned(v: Vec3, radians: f32) -> Vec3 {
 
 /// The way of one clip, at a uniform rate from its first to its last frame.
 #[derive(Debug, Clone, PartialEq)]
-pub struct RootPath {
+pub struct RootTrajectory {
     rate_hz: f32,
-    places: Vec<RootStep>,
+    places: Vec<RootDelta>,
 }
 
-impl RootPath {
+impl RootTrajectory {
     /// Takes over the places at the frames of a clip; turns are not wrapped.
     ///
     /// # Errors
     /// A [`Mismatch`] if there is no place, one is not finite, or the rate is not positive.
-    pub fn new(rate_hz: f32, places: Vec<RootStep>) -> Result<Self, Mismatch> {
+    pub fn new(rate_hz: f32, places: Vec<RootDelta>) -> Result<Self, Mismatch> {
         if !(rate_hz.is_finite() && rate_hz > 0.0) {
             return Err(Mismatch::new(
                 "rate_hz",
                 format!("{rate_hz} is no positive rate"),
             ));
         }
-        let bad = |p: &RootStep| !(p.offset.is_finite() && p.yaw_radians.is_finite());
+        let bad = |p: &RootDelta| !(p.offset.is_finite() && p.yaw_radians.is_finite());
         if places.is_empty() || places.iter().any(bad) {
             let what = "one place at least, each of finite numbers";
             return Err(Mismatch::new("places", what));
@@ -79,7 +79,7 @@ impl RootPath {
     }
 
     /// The place at a time of the clip.
-    pub fn at(&self, secs: f32) -> RootStep {
+    pub fn at(&self, secs: f32) -> RootDelta {
         let last = self.places.len() - 1;
         let at = (secs * self.rate_hz).max(0.0).min(last as f32);
         let before = (at as usize).min(last);
@@ -88,7 +88,7 @@ impl RootPath {
     }
 
     /// The way from one time to another, passing the end so many times (negative: backwards).
-    pub fn step(&self, from_secs: f32, to_secs: f32, laps: i32) -> RootStep {
+    pub fn step(&self, from_secs: f32, to_secs: f32, laps: i32) -> RootDelta {
         let back = self.at(from_secs).inverse();
         if laps == 0 {
             return back.then(self.at(to_secs));
@@ -113,11 +113,11 @@ mod tests {
     #[test]
     fn a_lap_goes_on_from_where_it_led() {
         // A metre ahead and a quarter turn to the left in a second.
-        let end = RootStep {
+        let end = RootDelta {
             offset: Vec3::Z,
             yaw_radians: FRAC_PI_2,
         };
-        let path = RootPath::new(1.0, vec![RootStep::default(), end]).unwrap();
+        let path = RootTrajectory::new(1.0, vec![RootDelta::default(), end]).unwrap();
         let twice = path.step(0.0, 0.0, 2);
         assert!((twice.offset - Vec3::new(1.0, 0.0, 1.0)).length() < 1e-6);
         assert!((twice.yaw_radians - 2.0 * FRAC_PI_2).abs() < 1e-6);
@@ -132,13 +132,13 @@ mod tests {
 
     #[test]
     fn refuses_what_is_no_path() {
-        let at = |r: Result<RootPath, Mismatch>| r.unwrap_err().at;
-        assert_eq!(at(RootPath::new(0.0, vec![RootStep::default()])), "rate_hz");
-        assert_eq!(at(RootPath::new(1.0, Vec::new())), "places");
-        let bad = RootStep {
+        let at = |r: Result<RootTrajectory, Mismatch>| r.unwrap_err().at;
+        assert_eq!(at(RootTrajectory::new(0.0, vec![RootDelta::default()])), "rate_hz");
+        assert_eq!(at(RootTrajectory::new(1.0, Vec::new())), "places");
+        let bad = RootDelta {
             yaw_radians: f32::NAN,
-            ..RootStep::default()
+            ..RootDelta::default()
         };
-        assert_eq!(at(RootPath::new(1.0, vec![bad])), "places");
+        assert_eq!(at(RootTrajectory::new(1.0, vec![bad])), "places");
     }
 }

@@ -4,7 +4,7 @@
 //! (`spec/motion-lod.md` part 5), so they are computed by themselves from the clips: O(depth),
 //! no palette is read.
 
-use crate::batch::Shown;
+use crate::batch::BatchPose;
 use crate::clip_set::ClipSet;
 use crate::math::{Transform, nlerp};
 use glam::Affine3A;
@@ -15,7 +15,7 @@ use glam::Affine3A;
 ///
 /// # Panics
 /// If there is no such joint.
-pub fn socket(clips: &ClipSet, shown: &Shown, joint: usize) -> Affine3A {
+pub fn socket(clips: &ClipSet, shown: &BatchPose, joint: usize) -> Affine3A {
     let ladder = clips.ladder();
     let mut at = Some(ladder.place(joint));
     let mut model = Affine3A::IDENTITY;
@@ -27,7 +27,7 @@ pub fn socket(clips: &ClipSet, shown: &Shown, joint: usize) -> Affine3A {
 }
 
 /// Local transform of the joint at a place.
-fn local(clips: &ClipSet, shown: &Shown, place: usize) -> Transform {
+fn local(clips: &ClipSet, shown: &BatchPose, place: usize) -> Transform {
     let from = clips.local(&shown.from, place);
     if shown.fade == 0.0 {
         return from;

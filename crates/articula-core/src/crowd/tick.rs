@@ -1,24 +1,24 @@
 //! One frame of a crowd, from clocks to palettes.
 
-use super::frame::{CacheUse, CrowdReport, Detail, Frame, Notice, Sight};
+use super::frame::{CacheUse, CrowdReport, Detail, Frame, CrowdEvent, Culling};
 use super::level::{Choice, attention, cached_within};
 use super::model::CrowdModel;
-use super::plan::{Batch, Drawn, Kind, Plan, Poser};
-use super::player::{Player, Voice};
-use super::purse::{Purse, work};
-use super::root_path::RootStep;
+use super::plan::{Batch, DrawList, Kind, Plan, Poser};
+use super::player::{CharacterState, ClipState};
+use super::purse::{CrowdBudget, work};
+use super::root_path::RootDelta;
 use super::share::{ClipWay, Follower, Leader, Sharing};
 use super::socket::socket;
 use crate::Mismatch;
-use crate::batch::{Scratch, Shown};
-use crate::budget::{CostModel, Policy};
+use crate::batch::{Scratch, BatchPose};
+use crate::budget::{CostModel, BudgetPolicy};
 use crate::level_choice::{kept_between, level_within};
 use crate::palette::PaletteRows;
 use crate::pose_cache::BlendRecord;
 use crate::sample::Wrap;
 use crate::simd::LANES;
 use crate::sphere::Sphere;
-use crate::visibility::{Bodies, Seen, Visibility, see};
+use crate::visibility::{Bodies, CullResult, Visibility, see};
 use crate::visibility::{Places, carry};
 use glam::Affine3A;
 use std::ops::Range;
@@ -55,7 +55,7 @@ impl Kept {
 /// The characters of one rig.
 #[derive(Debug, Clone)]
 pub struct Crowd {
-    players: Vec<Player>,
+    players: Vec<CharacterState>,
     levels: Vec<u8>,
     /// Pixels per metre between which each keeps its level: at least the first, below the
     /// second. Nothing lies between if the level is to be chosen anew.
@@ -65,22 +65,22 @@ pub struct Crowd {
     /// Model-space bound of each, and how much longer it holds.
     bounds: Vec<Sphere>,
     bound_secs: Vec<f32>,
-    roots: Vec<RootStep>,
+    roots: Vec<RootDelta>,
     // From here on: made anew each frame, kept so that nothing is allocated.
     world: Vec<Sphere>,
-    seen: Vec<Seen>,
+    seen: Vec<CullResult>,
     ones: Vec<f32>,
     zeros: Vec<f32>,
     sharing: Sharing,
     leader_jobs: Vec<u32>,
     plan: Plan,
-    purse: Option<Purse>,
+    purse: Option<CrowdBudget>,
 }
 
 impl Crowd {
     /// So many characters, all playing the first clip from its beginning.
     pub fn new(model: &CrowdModel, characters: usize) -> Self {
-        let player = Player::from(Voice::new(&model.parts().clips, 0));
+        let player = CharacterState::from(ClipState::new(&model.parts().clips, 0));
         let levels = model.levels();
         Self {
             players: vec![player; characters],
@@ -90,9 +90,9 @@ impl Crowd {
             bounds: vec![Sphere::default(); characters],
             // Spread, so that bounds are not all looked up in one frame; below 0: at once.
             bound_secs: vec![-1.0; characters],
-            roots: vec![RootStep::default(); if model.has_paths() { characters } else { 0 }],
+            roots: vec![RootDelta::default(); if model.has_paths() { characters } else { 0 }],
             world: vec![Sphere::default(); characters],
-            seen: vec![Seen::default(); characters],
+            seen: vec![CullResult::default(); characters],
             ones: vec![1.0; characters],
             zeros: vec![0.0; characters],
             sharing: Sharing::new(model.parts().clips.clips(), levels, characters),
@@ -103,7 +103,7 @@ impl Crowd {
     }
 
     /// Bytes of state that a character takes, without budget and output.
-    pub const BYTES_PER_CHARACTER: usize = size_of::<Player>()
+    pub const BYTES_PER_CHARACTER: usize = size_of::<CharacterState>()
         + size_of::<u8>()
         + size_of::<[f32; 2]>()
         + size_of::<Sphere>()
@@ -115,19 +115,19 @@ impl Crowd {
     }
 
     /// What a character plays.
-    pub fn player(&self, character: usize) -> &Player {
+    pub fn player(&self, character: usize) -> &CharacterState {
         &self.players[character]
     }
 
     /// Has a character play something else from now on.
-    pub fn play(&mut self, character: usize, player: Player) {
+    pub fn play(&mut self, character: usize, player: CharacterState) {
         self.players[character] = player;
         self.bound_secs[character] = -1.0;
         self.keeps[character] = ANEW;
     }
 
-    /// Starts a character's fade to another clip; see [`Player::fade_to`].
-    pub fn fade_to(&mut self, character: usize, voice: Voice, secs: f32) {
+    /// Starts a character's fade to another clip; see [`CharacterState::fade_to`].
+    pub fn fade_to(&mut self, character: usize, voice: ClipState, secs: f32) {
         self.players[character].fade_to(voice, secs);
         self.bound_secs[character] = -1.0;
         self.keeps[character] = ANEW;
@@ -137,14 +137,14 @@ impl Crowd {
     /// Allocates.
     ///
     /// # Errors
-    /// A [`Mismatch`] as [`crate::budget::Budget::add_menu`] gives it.
+    /// A [`Mismatch`] as [`crate::budget::BudgetAllocator::add_menu`] gives it.
     pub fn set_budget(
         &mut self,
         model: &CrowdModel,
-        policy: Policy,
+        policy: BudgetPolicy,
         costs: &CostModel,
     ) -> Result<(), Mismatch> {
-        self.purse = Some(Purse::new(model, self.len(), policy, costs)?);
+        self.purse = Some(CrowdBudget::new(model, self.len(), policy, costs)?);
         Ok(())
     }
 
@@ -166,7 +166,7 @@ impl Crowd {
         &mut self,
         model: &CrowdModel,
         frame: &Frame<'_>,
-        tell: &mut dyn FnMut(Notice),
+        tell: &mut dyn FnMut(CrowdEvent),
     ) -> CrowdReport {
         let dt_secs = frame.step_secs();
         self.begin(model, dt_secs);
@@ -190,7 +190,7 @@ impl Crowd {
     }
 
     /// Runs the clocks on, tells events, carries roots, and keeps the bounds.
-    fn advance(&mut self, model: &CrowdModel, dt_secs: f32, tell: &mut dyn FnMut(Notice)) {
+    fn advance(&mut self, model: &CrowdModel, dt_secs: f32, tell: &mut dyn FnMut(CrowdEvent)) {
         let durations = model.durations();
         let plain = model.is_plain();
         for (character, player) in self.players.iter_mut().enumerate() {
@@ -231,11 +231,11 @@ impl Crowd {
             assert_eq!(places, count, "one place for each character");
         }
         match frame.sight {
-            Sight::Everyone => self.seen.fill(Seen {
+            Culling::Everyone => self.seen.fill(CullResult {
                 pixels_per_metre: f32::MAX,
                 visibility: Visibility::Visible,
             }),
-            Sight::Views(views) => {
+            Culling::Views(views) => {
                 // Lengths were just checked, so neither can fail.
                 if let Ok(places) =
                     Places::new(frame.positions, frame.rotations, scales, &self.bounds)
@@ -254,7 +254,7 @@ impl Crowd {
         &mut self,
         model: &CrowdModel,
         frame: &Frame<'_>,
-        tell: &mut dyn FnMut(Notice),
+        tell: &mut dyn FnMut(CrowdEvent),
     ) -> CrowdReport {
         let mut report = CrowdReport::default();
         if let (Detail::Budget { cost }, Some(purse)) = (frame.detail, &mut self.purse) {
@@ -441,7 +441,7 @@ impl Crowd {
         model: &CrowdModel,
         character: usize,
         level: Option<usize>,
-        tell: &mut dyn FnMut(Notice),
+        tell: &mut dyn FnMut(CrowdEvent),
     ) {
         let now = level.map_or(HIDDEN, |l| l as u8);
         let before = std::mem::replace(&mut self.levels[character], now);
@@ -458,7 +458,7 @@ impl Crowd {
             }
             _ => 0.0,
         };
-        tell(Notice::Level {
+        tell(CrowdEvent::Level {
             character,
             from,
             to: level,
@@ -472,13 +472,13 @@ impl Crowd {
     }
 
     /// What the views see of a character.
-    pub fn seen(&self, character: usize) -> Seen {
+    pub fn seen(&self, character: usize) -> CullResult {
         self.seen[character]
     }
 
     /// Way over the ground that a character's clips carried it in the last tick, in the space of
     /// its root; nothing if no clip has a path. Hidden characters are carried too.
-    pub fn root_step(&self, character: usize) -> RootStep {
+    pub fn root_step(&self, character: usize) -> RootDelta {
         self.roots.get(character).copied().unwrap_or_default()
     }
 
@@ -493,7 +493,7 @@ impl Crowd {
     }
 
     /// What was found in this frame: who is shown, and where the palettes are.
-    pub fn drawn(&self) -> &Drawn {
+    pub fn drawn(&self) -> &DrawList {
         self.plan.drawn()
     }
 
@@ -547,7 +547,7 @@ impl Crowd {
                 self.blend(model, &batch, out.part(part));
                 continue;
             }
-            let mut shown = [Shown::from(model.parts().clips.cursor(0, 0.0)); LANES];
+            let mut shown = [BatchPose::from(model.parts().clips.cursor(0, 0.0)); LANES];
             for (shown, poser) in shown.iter_mut().zip(self.plan.posers(&batch)) {
                 *shown = self.posed(model, poser);
             }
@@ -564,7 +564,7 @@ impl Crowd {
         let mut records = [BlendRecord::default(); LANES];
         for (record, poser) in records.iter_mut().zip(self.plan.posers(batch)) {
             if let Poser::Character(character) = poser {
-                let Voice { secs, clip, .. } = self.players[character].from;
+                let ClipState { secs, clip, .. } = self.players[character].from;
                 let located = cache.locate(usize::from(clip), batch.level(), secs);
                 *record = located.unwrap_or_default();
             }
@@ -574,7 +574,7 @@ impl Crowd {
     }
 
     #[inline]
-    fn posed(&self, model: &CrowdModel, poser: Poser) -> Shown {
+    fn posed(&self, model: &CrowdModel, poser: Poser) -> BatchPose {
         match poser {
             Poser::Character(c) => self.players[c].shown(&model.parts().clips),
             Poser::Leader(l) => {
@@ -593,7 +593,7 @@ fn or_all<'a>(given: &'a [f32], all: &'a [f32]) -> &'a [f32] {
 const SHARE_LEAVES: f32 = 0.5;
 
 /// Whether a character may share its pose.
-fn shares(frame: &Frame<'_>, player: &Player) -> bool {
+fn shares(frame: &Frame<'_>, player: &CharacterState) -> bool {
     frame.share && !player.is_fading() && player.from.wrap == Wrap::Loop
 }
 
@@ -611,10 +611,10 @@ fn pays(model: &CrowdModel, frame: &Frame<'_>, evaluated: Choice, cached: usize)
 fn advance_one(
     model: &CrowdModel,
     character: usize,
-    player: &mut Player,
+    player: &mut CharacterState,
     dt_secs: f32,
-    tell: &mut dyn FnMut(Notice),
-) -> RootStep {
+    tell: &mut dyn FnMut(CrowdEvent),
+) -> RootDelta {
     let before = *player;
     let shares = [1.0 - player.fade, player.fade];
     let count = if before.is_fading() { 2 } else { 1 };
@@ -624,7 +624,7 @@ fn advance_one(
         let clip = voice.clip();
         let duration = model.durations()[clip];
         laps[v] = voice.advance(duration, dt_secs, model.events(clip), &mut |e| {
-            tell(Notice::Event {
+            tell(CrowdEvent::Event {
                 character,
                 clip,
                 id: e.id,
@@ -638,10 +638,10 @@ fn advance_one(
 }
 
 /// Way of a character whose clips went on.
-fn root_step(model: &CrowdModel, before: &Player, after: &Player, laps: [i32; 2]) -> RootStep {
-    let step = |from: &Voice, to: &Voice, laps| {
+fn root_step(model: &CrowdModel, before: &CharacterState, after: &CharacterState, laps: [i32; 2]) -> RootDelta {
+    let step = |from: &ClipState, to: &ClipState, laps| {
         let path = model.path(from.clip());
-        path.map_or(RootStep::default(), |p| p.step(from.secs, to.secs, laps))
+        path.map_or(RootDelta::default(), |p| p.step(from.secs, to.secs, laps))
     };
     let own = step(&before.from, &after.from, laps[0]);
     if before.fade == 0.0 {
@@ -651,13 +651,13 @@ fn root_step(model: &CrowdModel, before: &Player, after: &Player, laps: [i32; 2]
 }
 
 /// Holds a character, and for how long.
-fn bound_of(model: &CrowdModel, player: &Player) -> (Sphere, f32) {
+fn bound_of(model: &CrowdModel, player: &CharacterState) -> (Sphere, f32) {
     let (from, to) = player.clips();
     if player.is_fading() {
         return (model.parts().bounds.blended(from, to), BOUND_SECS);
     }
     let bounds = &model.parts().bounds.clips[from];
-    let Voice {
+    let ClipState {
         secs, speed, wrap, ..
     } = player.from;
     // Clips that a bound would hold most of are held as a whole, for ever.

@@ -22,7 +22,7 @@ const MAX_TERMS: usize = 1000;
 
 /// A parsed expression, not yet resolved against a rig.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Expression {
+pub enum LoaExpression {
     /// Joints of smaller depth.
     Depth(u32),
     /// Joints of a complexity level.
@@ -41,27 +41,27 @@ pub enum Expression {
 
 /// Why an expression could not be read.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ExpressionError {
+pub struct LoaExpressionError {
     /// Column, counted in characters from 1.
     pub column: usize,
     /// What was found and what was expected.
     pub what: String,
 }
 
-impl std::fmt::Display for ExpressionError {
+impl std::fmt::Display for LoaExpressionError {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "column {}: {}", self.column, self.what)
     }
 }
 
-impl std::error::Error for ExpressionError {}
+impl std::error::Error for LoaExpressionError {}
 
 /// White space between words does not count; an error names the column, what stood there and what
 /// may stand there.
-impl FromStr for Expression {
-    type Err = ExpressionError;
+impl FromStr for LoaExpression {
+    type Err = LoaExpressionError;
 
-    fn from_str(text: &str) -> Result<Self, ExpressionError> {
+    fn from_str(text: &str) -> Result<Self, LoaExpressionError> {
         let mut parser = Parser {
             text,
             at: 0,
@@ -75,7 +75,7 @@ impl FromStr for Expression {
     }
 }
 
-impl Expression {
+impl LoaExpression {
     /// The joints that it stands for.
     ///
     /// # Errors
@@ -100,8 +100,8 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    fn error(&self, what: impl Into<String>) -> ExpressionError {
-        ExpressionError {
+    fn error(&self, what: impl Into<String>) -> LoaExpressionError {
+        LoaExpressionError {
             column: self.text[..self.at].chars().count() + 1,
             what: what.into(),
         }
@@ -113,7 +113,7 @@ impl Parser<'_> {
         rest.chars().next()
     }
 
-    fn expect(&mut self, wanted: char) -> Result<(), ExpressionError> {
+    fn expect(&mut self, wanted: char) -> Result<(), LoaExpressionError> {
         match self.peek() {
             Some(c) if c == wanted => {
                 self.at += c.len_utf8();
@@ -124,21 +124,21 @@ impl Parser<'_> {
         }
     }
 
-    fn expression(&mut self, nesting: usize) -> Result<Expression, ExpressionError> {
+    fn expression(&mut self, nesting: usize) -> Result<LoaExpression, LoaExpressionError> {
         let mut left = self.term(nesting)?;
         while let Some(operator @ ('+' | '&' | '-')) = self.peek() {
             self.at += 1;
             let operands = (Box::new(left), Box::new(self.term(nesting)?));
             left = match operator {
-                '+' => Expression::Plus(operands.0, operands.1),
-                '&' => Expression::And(operands.0, operands.1),
-                _ => Expression::Minus(operands.0, operands.1),
+                '+' => LoaExpression::Plus(operands.0, operands.1),
+                '&' => LoaExpression::And(operands.0, operands.1),
+                _ => LoaExpression::Minus(operands.0, operands.1),
             };
         }
         Ok(left)
     }
 
-    fn term(&mut self, nesting: usize) -> Result<Expression, ExpressionError> {
+    fn term(&mut self, nesting: usize) -> Result<LoaExpression, LoaExpressionError> {
         if nesting > MAX_NESTING {
             return Err(self.error(format!("more than {MAX_NESTING} nested parentheses")));
         }
@@ -172,7 +172,7 @@ impl Parser<'_> {
         // Joint names of real files hold almost any character, so only ')' ends an argument.
         let argument = self.word(|c| c != ')').trim().to_owned();
         self.expect(')')?;
-        argument_of(&selector, &argument).map_err(|what| ExpressionError {
+        argument_of(&selector, &argument).map_err(|what| LoaExpressionError {
             column: self.text[..at].chars().count() + 1,
             what,
         })
@@ -187,13 +187,13 @@ impl Parser<'_> {
     }
 }
 
-fn argument_of(selector: &str, argument: &str) -> Result<Expression, String> {
+fn argument_of(selector: &str, argument: &str) -> Result<LoaExpression, String> {
     match selector {
         "depth" => argument
             .parse()
-            .map(Expression::Depth)
+            .map(LoaExpression::Depth)
             .map_err(|_| format!("\"{argument}\" is not a depth; a whole number such as 3 is expected")),
-        "loa" => argument.parse().map(Expression::Loa).map_err(|_| {
+        "loa" => argument.parse().map(LoaExpression::Loa).map_err(|_| {
             let names = Complexity::ALL.map(|c| c.to_string()).join(", ");
             format!("\"{argument}\" is not a level; one of {names} is expected")
         }),
@@ -205,21 +205,21 @@ fn argument_of(selector: &str, argument: &str) -> Result<Expression, String> {
                 })
             })
             .try_fold(Zone::default(), |all, zone| zone.map(|z| all | z))
-            .map(Expression::Zone),
+            .map(LoaExpression::Zone),
         _ if argument.is_empty() => Err("a joint name is expected".into()),
-        _ => Ok(Expression::Joint(argument.to_owned())),
+        _ => Ok(LoaExpression::Joint(argument.to_owned())),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use Expression::{Depth, Joint, Loa, Minus, Plus};
+    use LoaExpression::{Depth, Joint, Loa, Minus, Plus};
 
     #[test]
     fn operators_are_left_associative() {
         let parsed = "depth(2)+ loa(low) - joint(l_hip)"
-            .parse::<Expression>()
+            .parse::<LoaExpression>()
             .unwrap();
         let sum = Plus(Box::new(Depth(2)), Box::new(Loa(Complexity::Low)));
         assert_eq!(
@@ -227,14 +227,14 @@ mod tests {
             Minus(Box::new(sum), Box::new(Joint("l_hip".into())))
         );
         let nested = "depth(2) & (zone(torso | legs) - joint(a b.c|d))"
-            .parse::<Expression>()
+            .parse::<LoaExpression>()
             .unwrap();
-        assert!(matches!(nested, Expression::And(_, _)));
+        assert!(matches!(nested, LoaExpression::And(_, _)));
     }
 
     #[test]
     fn errors_name_the_column_and_the_mend() {
-        let of = |text: &str| text.parse::<Expression>().unwrap_err();
+        let of = |text: &str| text.parse::<LoaExpression>().unwrap_err();
         assert_eq!(of("").column, 1);
         assert_eq!(of("loa(Low) zone(arms)").column, 10);
         assert!(of("loa(Lots)").what.contains("VeryLow"));

@@ -9,7 +9,7 @@ mod expression;
 mod selection;
 
 pub use crate::articulation::MAX_LEVEL;
-pub use expression::{Expression, ExpressionError};
+pub use expression::{LoaExpression, LoaExpressionError};
 pub use selection::{
     Rule, Selection, UnknownJoint, complexity, depth, joint, with_ancestors, zone,
 };

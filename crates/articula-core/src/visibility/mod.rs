@@ -11,5 +11,5 @@ mod world_bounds;
 
 pub use frustum::Tangents;
 pub use occlusion::Occlusion;
-pub use see::{Bodies, Closing, LEAST_DEPTH_METRES, Seen, View, Visibility, secs_until_grown, see};
+pub use see::{Bodies, ApproachSpeed, LEAST_DEPTH_METRES, CullResult, View, Visibility, secs_until_grown, see};
 pub(crate) use world_bounds::{Places, carry};

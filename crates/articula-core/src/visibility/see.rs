@@ -37,7 +37,7 @@ pub enum Visibility {
 
 /// What the views see of one body.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Seen {
+pub struct CullResult {
     /// The most that one metre of it spans, over the views that see it (or that it is near to),
     /// at the nearest depth of its bound (of its wake-ahead bound, where it is [`Visibility::Near`]).
     /// Finite; 0 for a hidden body.
@@ -154,7 +154,7 @@ impl<'a> View<'a> {
     /// more than `limit` pixels. 0 if it already does or the limit is no number; infinite if it
     /// cannot (as at [`LEAST_DEPTH_METRES`]) or while this view does not see the bound: that it
     /// comes into view is told by [`see`].
-    pub(crate) fn secs_until_denser(&self, bound: Sphere, limit: f32, closing: Closing) -> f32 {
+    pub(crate) fn secs_until_denser(&self, bound: Sphere, limit: f32, closing: ApproachSpeed) -> f32 {
         if limit.is_nan() || limit <= 0.0 {
             return 0.0;
         }
@@ -183,7 +183,7 @@ impl<'a> View<'a> {
 
 /// Bounds on how fast a camera and a body may come closer to each other.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Closing {
+pub struct ApproachSpeed {
     /// Speed of the camera and speed of the body's root, added.
     pub metres_per_sec: f32,
     /// How fast the camera turns.
@@ -233,9 +233,9 @@ impl<'a> Bodies<'a> {
 pub fn secs_until_grown(
     views: &[View<'_>],
     bound: Sphere,
-    seen: Seen,
+    seen: CullResult,
     growth: f32,
-    closing: Closing,
+    closing: ApproachSpeed,
 ) -> f32 {
     if seen.visibility != Visibility::Visible {
         return 0.0;
@@ -253,7 +253,7 @@ pub fn secs_until_grown(
 ///
 /// # Panics
 /// If `out` has not one entry for each body.
-pub fn see(views: &[View<'_>], bodies: Bodies<'_>, out: &mut [Seen]) {
+pub fn see(views: &[View<'_>], bodies: Bodies<'_>, out: &mut [CullResult]) {
     assert_eq!(out.len(), bodies.len(), "one answer for each body");
     for (b, out) in out.chunks_mut(BLOCK).enumerate() {
         let first = b * BLOCK;
@@ -381,7 +381,7 @@ impl Block {
         }
     }
 
-    fn tell(&self, out: &mut [Seen]) {
+    fn tell(&self, out: &mut [CullResult]) {
         let (fours, last) = out.as_chunks_mut();
         for (g, four) in fours.iter_mut().enumerate() {
             *four = self.tell_four(g);
@@ -390,7 +390,7 @@ impl Block {
     }
 
     #[inline]
-    fn tell_four(&self, group: usize) -> [Seen; LANES] {
+    fn tell_four(&self, group: usize) -> [CullResult; LANES] {
         const FOUND: [Visibility; 4] = [
             Visibility::Hidden,
             Visibility::Near,
@@ -402,7 +402,7 @@ impl Block {
         let [visible, near] = [visible, density.cmpgt(Vec4::ZERO)].map(|mask| mask.bitmask());
         let density = density.to_array();
         // No branch: in a crowd who is seen follows no pattern.
-        std::array::from_fn(|lane| Seen {
+        std::array::from_fn(|lane| CullResult {
             pixels_per_metre: density[lane],
             visibility: FOUND[(2 * (visible >> lane & 1) + (near >> lane & 1)) as usize],
         })
@@ -458,8 +458,8 @@ mod tests {
             self.wakes.push(wake);
         }
 
-        fn seen(&self, views: &[View<'_>]) -> Vec<Seen> {
-            let mut out = vec![Seen::default(); self.bounds.len()];
+        fn seen(&self, views: &[View<'_>]) -> Vec<CullResult> {
+            let mut out = vec![CullResult::default(); self.bounds.len()];
             see(
                 views,
                 Bodies::new(&self.bounds, &self.wakes).unwrap(),
@@ -518,7 +518,7 @@ mod tests {
             let seen = crowd.seen(&views);
             assert!((seen[0].pixels_per_metre - near).abs() < 1e-3 * near);
             // Only its shadow falls into view, at the shadow map's own density.
-            let shadow = Seen {
+            let shadow = CullResult {
                 pixels_per_metre: 20.0,
                 visibility: Visibility::Visible,
             };
@@ -613,7 +613,7 @@ mod tests {
             sideways.orientation = orientation;
             let view = View::of(&sideways);
             assert!(
-                crowd.seen(&[view]).iter().all(|s| *s == Seen::default()),
+                crowd.seen(&[view]).iter().all(|s| *s == CullResult::default()),
                 "{:?}",
                 crowd.seen(&[view])
             );
@@ -657,7 +657,7 @@ mod tests {
         let views = [View::of(&camera())];
         let (bound, seen) = (crowd.bounds[0], crowd.seen(&views)[0]);
         let secs = |metres_per_sec, radians_per_sec, growth| {
-            let closing = Closing {
+            let closing = ApproachSpeed {
                 metres_per_sec,
                 radians_per_sec,
             };
@@ -672,9 +672,9 @@ mod tests {
         assert_eq!(secs(f32::NAN, 0.0, 0.25), 0.0);
         assert_eq!(secs(5.0, 0.0, -0.5), 0.0);
         assert_eq!(secs(5.0, 0.0, -3.0), 0.0);
-        let hidden = Seen::default();
+        let hidden = CullResult::default();
         assert_eq!(
-            secs_until_grown(&views, bound, hidden, 0.25, Closing::default()),
+            secs_until_grown(&views, bound, hidden, 0.25, ApproachSpeed::default()),
             0.0
         );
     }
@@ -736,7 +736,7 @@ mod tests {
             growth in 0.01f32..1.0,
         ) {
             let (camera_speed, body_speed, turning) = speeds;
-            let closing = Closing { metres_per_sec: camera_speed + body_speed, radians_per_sec: turning };
+            let closing = ApproachSpeed { metres_per_sec: camera_speed + body_speed, radians_per_sec: turning };
             let start = Camera::looking_at(eye, Vec3::ZERO, Viewport::default());
             let crowd = |position| Crowd::of(&[(position, 0.0)]);
             let before = crowd(Vec3::ZERO).seen(&[View::of(&start)])[0];

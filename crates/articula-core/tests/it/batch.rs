@@ -3,9 +3,9 @@
 //! nothing is allocated.
 
 use crate::random_rig::{Options, figure};
-use articula_core::batch::{BatchEvaluator, LANES, Shown};
+use articula_core::batch::{BatchEvaluator, LANES, BatchPose};
 use articula_core::{
-    Backend, Clip, ClipSet, Ladder, ModelPose, PaletteForm, PaletteMap, PaletteRows, Rig, Storage,
+    Backend, Clip, ClipSet, JointLods, ModelPose, PaletteForm, PaletteMap, PaletteRows, Rig, ClipStorage,
     Wrap, blend, f32_from_half, local_to_model, sample,
 };
 use glam::{Affine3A, Quat, Vec3};
@@ -45,8 +45,8 @@ fn plain(rig: &Rig, clips: &[Clip], (a, ta, b, tb, fade): Play) -> ModelPose {
     model
 }
 
-fn shown(set: &ClipSet, (a, ta, b, tb, fade): Play) -> Shown {
-    Shown {
+fn shown(set: &ClipSet, (a, ta, b, tb, fade): Play) -> BatchPose {
+    BatchPose {
         from: set.cursor(a, ta),
         to: set.cursor(b, tb),
         fade,
@@ -77,7 +77,7 @@ fn rigid(rows: &[[f32; 4]]) -> Affine3A {
 }
 
 /// Bindings for every second place, with a matrix that turns and moves (and scales, if asked).
-fn bindings(ladder: &Ladder, scale: f32) -> Vec<(u16, Affine3A)> {
+fn bindings(ladder: &JointLods, scale: f32) -> Vec<(u16, Affine3A)> {
     (0..ladder.joints().len() as u16)
         .step_by(2)
         .map(|place| {
@@ -98,7 +98,7 @@ fn evaluated(
     map: &PaletteMap,
     (form, backend): (PaletteForm, Backend),
     level: usize,
-    shown: &[Shown],
+    shown: &[BatchPose],
 ) -> Vec<[f32; 4]> {
     let evaluator = BatchEvaluator::new(set, map, form, backend).unwrap();
     let mut scratch = evaluator.scratch();
@@ -121,9 +121,9 @@ proptest! {
         (rig, clips, sets) in figure(Options { scaled: true, steps: true }),
         plays in prop::collection::vec(play(), 1..=LANES),
     ) {
-        let ladder = Ladder::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let set = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Float).unwrap();
-        let shown: Vec<Shown> = plays.iter().map(|p| shown(&set, *p)).collect();
+        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
+        let shown: Vec<BatchPose> = plays.iter().map(|p| shown(&set, *p)).collect();
         let truth: Vec<ModelPose> = plays.iter().map(|p| plain(&rig, &clips, *p)).collect();
         let skin = bindings(&ladder, 1.5);
         let maps = [PaletteMap::joints(&ladder), PaletteMap::skin(&ladder, &skin).unwrap()];
@@ -158,9 +158,9 @@ proptest! {
         (rig, clips, sets) in figure(Options { scaled: false, steps: false }),
         plays in prop::collection::vec(play(), 1..=LANES),
     ) {
-        let ladder = Ladder::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let set = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Float).unwrap();
-        let shown: Vec<Shown> = plays.iter().map(|p| shown(&set, *p)).collect();
+        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
+        let shown: Vec<BatchPose> = plays.iter().map(|p| shown(&set, *p)).collect();
         let map = PaletteMap::skin(&ladder, &bindings(&ladder, 1.0)).unwrap();
         let last = ladder.levels() - 1;
         for level in [0, last] {
@@ -184,9 +184,9 @@ proptest! {
         (rig, clips, _) in figure(Options { scaled: false, steps: false }),
         plays in prop::collection::vec(play(), 1..=LANES),
     ) {
-        let ladder = Ladder::whole(&rig).unwrap();
-        let float = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Float).unwrap();
-        let short = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Short).unwrap();
+        let ladder = JointLods::whole(&rig).unwrap();
+        let float = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
+        let short = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Short).unwrap();
         prop_assert_eq!(short.bytes() * 2, float.bytes());
         let map = PaletteMap::joints(&ladder);
         let shown_in = |set: &ClipSet| plays.iter().map(|p| shown(set, *p)).collect::<Vec<_>>();
@@ -227,14 +227,14 @@ fn evaluating_allocates_nothing() {
     };
     let tree = figure(options).new_tree(&mut runner).unwrap();
     let (rig, clips, sets) = proptest::strategy::ValueTree::current(&tree);
-    let ladder = Ladder::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-    let set = ClipSet::new(&rig, ladder, &clips, Storage::Float).unwrap();
+    let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+    let set = ClipSet::new(&rig, ladder, &clips, ClipStorage::Float).unwrap();
     let map = PaletteMap::joints(set.ladder());
     for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
         let evaluator = BatchEvaluator::new(&set, &map, PaletteForm::Matrix, backend).unwrap();
         let mut scratch = evaluator.scratch();
         let mut rows = vec![[0.0; 4]; evaluator.rows(0) * 5];
-        let shown = [Shown::from(set.cursor(0, 0.3)); 5];
+        let shown = [BatchPose::from(set.cursor(0, 0.3)); 5];
         let counted = allocation_counter::measure(|| {
             evaluator.evaluate(0, &shown, PaletteRows::Float(&mut rows), &mut scratch);
         });
@@ -251,14 +251,14 @@ fn what_does_not_fit_is_refused() {
     };
     let tree = figure(options).new_tree(&mut runner).unwrap();
     let (rig, clips, _) = proptest::strategy::ValueTree::current(&tree);
-    let ladder = Ladder::whole(&rig).unwrap();
-    let set = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Float).unwrap();
+    let ladder = JointLods::whole(&rig).unwrap();
+    let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
     let map = PaletteMap::joints(&ladder);
     if set.is_scaled() {
         let rigid = BatchEvaluator::new(&set, &map, PaletteForm::Rigid, Backend::Scalar);
         assert_eq!(rigid.unwrap_err().at, "form");
     }
-    let none = ClipSet::new(&rig, ladder, &[], Storage::Float).unwrap();
+    let none = ClipSet::new(&rig, ladder, &[], ClipStorage::Float).unwrap();
     assert_eq!((none.clips(), none.duration_secs(0)), (1, 0.0));
     let at = none.cursor(0, f32::NAN);
     let rest = evaluated(

@@ -1,13 +1,13 @@
 //! Promises of the budget: acceptance test 10 of `spec/motion-lod.md` part 10, agreement with the
 //! heap that the specification describes and with brute force, and no allocation in a frame.
 
-use articula_core::budget::{Budget, MenuId, Offer, Policy, Request};
+use articula_core::budget::{BudgetAllocator, LodOptionSetId, LodOption, BudgetPolicy, LodRequest};
 use proptest::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// No cap, no ageing: nothing but the knapsack.
-const PLAIN: Policy = Policy {
+const PLAIN: BudgetPolicy = BudgetPolicy {
     cap_px: f32::INFINITY,
     enough_px: 0.0,
     patience_frames: 0,
@@ -19,26 +19,26 @@ type Wish = Option<(usize, f32, f32)>;
 
 #[derive(Debug, Clone)]
 struct Crowd {
-    menus: Vec<Vec<Offer>>,
+    menus: Vec<Vec<LodOption>>,
     wishes: Vec<Wish>,
 }
 
 impl Crowd {
-    fn budget(&self, policy: Policy) -> (Budget, Vec<MenuId>) {
-        let mut budget = Budget::new(self.wishes.len(), policy);
+    fn budget(&self, policy: BudgetPolicy) -> (BudgetAllocator, Vec<LodOptionSetId>) {
+        let mut budget = BudgetAllocator::new(self.wishes.len(), policy);
         let ids = self.menus.iter().map(|m| budget.add_menu(m).unwrap());
-        let ids: Vec<MenuId> = ids.collect();
+        let ids: Vec<LodOptionSetId> = ids.collect();
         self.ask(&mut budget, &ids);
         (budget, ids)
     }
 
-    fn ask(&self, budget: &mut Budget, ids: &[MenuId]) {
+    fn ask(&self, budget: &mut BudgetAllocator, ids: &[LodOptionSetId]) {
         for (c, wish) in self.wishes.iter().enumerate() {
             match *wish {
                 None => budget.hide(c),
                 Some((menu, weight, pixels_per_metre)) => budget.request(
                     c,
-                    Request {
+                    LodRequest {
                         menu: ids[menu],
                         weight,
                         pixels_per_metre,
@@ -48,13 +48,13 @@ impl Crowd {
         }
     }
 
-    fn offer(&self, budget: &Budget, c: usize) -> Option<Offer> {
+    fn offer(&self, budget: &BudgetAllocator, c: usize) -> Option<LodOption> {
         let (menu, ..) = self.wishes[c]?;
         Some(self.menus[menu][budget.choice(c).unwrap()])
     }
 
     /// Cost and weighted error of what was chosen.
-    fn totals(&self, budget: &Budget) -> (f64, f64) {
+    fn totals(&self, budget: &BudgetAllocator) -> (f64, f64) {
         let mut totals = (0.0, 0.0);
         for c in 0..self.wishes.len() {
             if let (Some(offer), Some((_, weight, _))) = (self.offer(budget, c), self.wishes[c]) {
@@ -87,15 +87,15 @@ impl Crowd {
 }
 
 /// Gift wrapping: from the cheapest and best, always on to the steepest.
-fn hull(offers: &[Offer]) -> Vec<Offer> {
-    let by_cost = |a: &&Offer, b: &&Offer| {
+fn hull(offers: &[LodOption]) -> Vec<LodOption> {
+    let by_cost = |a: &&LodOption, b: &&LodOption| {
         let by_cost = a.cost.total_cmp(&b.cost);
         by_cost.then(a.error_metres.total_cmp(&b.error_metres))
     };
     let mut hull = vec![*offers.iter().min_by(by_cost).unwrap()];
     loop {
         let at = hull[hull.len() - 1];
-        let slope = |o: &Offer| {
+        let slope = |o: &LodOption| {
             (f64::from(at.error_metres) - f64::from(o.error_metres))
                 / (f64::from(o.cost) - f64::from(at.cost))
         };
@@ -139,7 +139,7 @@ impl Ord for Upgrade {
 
 /// The plain form of the specification: cheapest first, then the best upgrade from a heap until
 /// the next one does not fit. Gives the chosen offers.
-fn plain(crowd: &Crowd, cap_px: f32, budget: f64) -> Vec<Option<Offer>> {
+fn plain(crowd: &Crowd, cap_px: f32, budget: f64) -> Vec<Option<LodOption>> {
     let hulls: Vec<_> = crowd.menus.iter().map(|m| hull(m)).collect();
     let mut at = vec![0; crowd.wishes.len()];
     let upgrade = |character: usize, at: usize| {
@@ -172,8 +172,8 @@ fn plain(crowd: &Crowd, cap_px: f32, budget: f64) -> Vec<Option<Offer>> {
 }
 
 /// Costs in steps of a quarter, which the fixed point holds exactly.
-fn offers() -> impl Strategy<Value = Vec<Offer>> {
-    let offer = (0_u16..400, 0_u16..2000).prop_map(|(cost, error)| Offer {
+fn offers() -> impl Strategy<Value = Vec<LodOption>> {
+    let offer = (0_u16..400, 0_u16..2000).prop_map(|(cost, error)| LodOption {
         cost: 0.25 * f32::from(cost),
         error_metres: 1e-4 * f32::from(error),
     });
@@ -222,7 +222,7 @@ proptest! {
     fn the_budget_is_never_exceeded_and_more_of_it_never_hurts(
         crowd in crowd(40), cap_px in 0.5_f32..50.0, steps in prop::collection::vec(0.0_f32..400.0, 1..8),
     ) {
-        let (mut budget, _) = crowd.budget(Policy { cap_px, ..PLAIN });
+        let (mut budget, _) = crowd.budget(BudgetPolicy { cap_px, ..PLAIN });
         let (mut units, mut before) = (0.0, f64::INFINITY);
         let mut costs = vec![0.0; crowd.wishes.len()];
         for more in steps {
@@ -255,12 +255,12 @@ proptest! {
 
     #[test]
     fn agrees_with_the_heap(crowd in crowd(40), units in 0.0_f32..3000.0, cap_px in 0.5_f32..50.0) {
-        let (mut budget, _) = crowd.budget(Policy { cap_px, ..PLAIN });
+        let (mut budget, _) = crowd.budget(BudgetPolicy { cap_px, ..PLAIN });
         budget.solve(units);
         let chosen = plain(&crowd, cap_px, f64::from(units));
         // Equal gains per cost may be rounded apart, which is worth one upgrade of one character.
         let others = (0..chosen.len()).filter(|c| {
-            let cost = |o: Option<Offer>| o.map(|o| o.cost);
+            let cost = |o: Option<LodOption>| o.map(|o| o.cost);
             cost(crowd.offer(&budget, *c)) != cost(chosen[*c])
         });
         prop_assert!(others.count() <= 2);
@@ -277,7 +277,7 @@ proptest! {
             (prop::collection::vec((0_usize..40, wish(1)), 0..5), 0.0_f32..3000.0), 1..12),
     ) {
         let mut crowd = crowd;
-        let policy = Policy { cap_px: 5.0, ..PLAIN };
+        let policy = BudgetPolicy { cap_px: 5.0, ..PLAIN };
         let (mut repaired, ids) = crowd.budget(policy);
         for (changes, units) in frames {
             for (c, wish) in changes {
@@ -307,7 +307,7 @@ proptest! {
 
     #[test]
     fn a_report_says_what_is_shown(crowd in crowd(40), units in prop::collection::vec(0.0_f32..3000.0, 1..4)) {
-        let (mut budget, _) = crowd.budget(Policy { cap_px: 5.0, ..PLAIN });
+        let (mut budget, _) = crowd.budget(BudgetPolicy { cap_px: 5.0, ..PLAIN });
         let mut known = vec![None; crowd.wishes.len()];
         for units in units {
             let report = budget.solve(units);
@@ -338,14 +338,14 @@ proptest! {
 
 /// A crowd of equals with two options, 10 and 110 units, off by 100 mm or not at all.
 fn equals(n: usize) -> Crowd {
-    let offer = |cost, error_metres| Offer { cost, error_metres };
+    let offer = |cost, error_metres| LodOption { cost, error_metres };
     Crowd {
         menus: vec![vec![offer(10.0, 0.1), offer(110.0, 0.0)]],
         wishes: vec![Some((0, 1.0, 100.0)); n],
     }
 }
 
-fn fine(budget: &Budget, n: usize) -> Vec<usize> {
+fn fine(budget: &BudgetAllocator, n: usize) -> Vec<usize> {
     (0..n).filter(|c| budget.choice(*c) == Some(1)).collect()
 }
 
@@ -364,7 +364,7 @@ fn ties_go_to_the_first_and_a_permutation_changes_nothing_else() {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 8) as f32 / (1 << 24) as f32
     };
-    let offer = |cost: f32, error_metres: f32| Offer { cost, error_metres };
+    let offer = |cost: f32, error_metres: f32| LodOption { cost, error_metres };
     let menu = |f: f32| {
         vec![
             offer(20.0, 0.2 * f),
@@ -381,7 +381,7 @@ fn ties_go_to_the_first_and_a_permutation_changes_nothing_else() {
     let mut turned = crowd.clone();
     turned.wishes.rotate_left(123);
     turned.wishes.reverse();
-    let policy = Policy {
+    let policy = BudgetPolicy {
         cap_px: 3.0,
         ..PLAIN
     };
@@ -396,13 +396,13 @@ fn ties_go_to_the_first_and_a_permutation_changes_nothing_else() {
 
 #[test]
 fn who_is_above_the_cap_comes_first() {
-    let offer = |cost, error_metres| Offer { cost, error_metres };
+    let offer = |cost, error_metres| LodOption { cost, error_metres };
     let crowd = Crowd {
         menus: vec![vec![offer(0.0, 0.10), offer(10.0, 0.01), offer(100.0, 0.0)]],
         // The first counts a hundred times as much, but is within the cap of 2 px.
         wishes: vec![Some((0, 100.0, 15.0)), Some((0, 1.0, 100.0))],
     };
-    let policy = Policy {
+    let policy = BudgetPolicy {
         cap_px: 2.0,
         ..PLAIN
     };
@@ -410,7 +410,7 @@ fn who_is_above_the_cap_comes_first() {
     assert_eq!(budget.solve(10.0).above_cap, 0);
     assert_eq!([budget.choice(0), budget.choice(1)], [Some(0), Some(1)]);
     // Enough is enough: with the limit at the cap nothing more is bought.
-    budget.set_policy(Policy {
+    budget.set_policy(BudgetPolicy {
         enough_px: 2.0,
         ..policy
     });
@@ -419,7 +419,7 @@ fn who_is_above_the_cap_comes_first() {
     budget.set_policy(policy);
     assert_eq!(budget.solve(1e6).used, 200.0);
     // Who does not matter is brought to the cap, no further.
-    let dull = |weight| Request {
+    let dull = |weight| LodRequest {
         menu: ids[0],
         weight,
         pixels_per_metre: 100.0,
@@ -435,13 +435,13 @@ fn who_is_above_the_cap_comes_first() {
 #[test]
 fn small_changes_of_scale_touch_nothing() {
     let crowd = equals(2);
-    let policy = Policy {
+    let policy = BudgetPolicy {
         cap_px: 9.0,
         enough_px: 9.0,
         ..PLAIN
     };
     let (mut budget, ids) = crowd.budget(policy);
-    let at = |pixels_per_metre| Request {
+    let at = |pixels_per_metre| LodRequest {
         menu: ids[0],
         weight: 1.0,
         pixels_per_metre,
@@ -469,7 +469,7 @@ fn small_changes_of_scale_touch_nothing() {
 #[test]
 fn nobody_waits_for_ever() {
     let (n, k) = (60, 7);
-    let policy = Policy {
+    let policy = BudgetPolicy {
         cap_px: 1.0,
         patience_frames: 8,
         hold_frames: 12,
@@ -509,7 +509,7 @@ fn nobody_waits_for_ever() {
 #[test]
 fn hostile_numbers_behave() {
     let crowd = equals(3);
-    let (mut budget, ids) = crowd.budget(Policy::default());
+    let (mut budget, ids) = crowd.budget(BudgetPolicy::default());
     for units in [0.0, -5.0, f32::NAN, f32::NEG_INFINITY] {
         let report = budget.solve(units);
         assert_eq!((report.used, report.budget), (30.0, 0.0), "{units}");
@@ -524,7 +524,7 @@ fn hostile_numbers_behave() {
         f32::MIN_POSITIVE,
         0.0,
     ] {
-        let request = |weight, pixels_per_metre| Request {
+        let request = |weight, pixels_per_metre| LodRequest {
             menu: ids[0],
             weight,
             pixels_per_metre,
@@ -548,7 +548,7 @@ fn hostile_numbers_behave() {
         (report.used, report.demand, report.mean_px),
         (0.0, 0.0, 0.0)
     );
-    let report = Budget::new(0, Policy::default()).solve(100.0);
+    let report = BudgetAllocator::new(0, BudgetPolicy::default()).solve(100.0);
     assert_eq!((report.visible, report.used), (0, 0.0));
 }
 
@@ -576,7 +576,7 @@ fn new_costs_move_everyone_and_keep_their_names() {
 #[test]
 fn a_frame_allocates_nothing() {
     let crowd = equals(1000);
-    let (mut budget, ids) = crowd.budget(Policy::default());
+    let (mut budget, ids) = crowd.budget(BudgetPolicy::default());
     let counted = allocation_counter::measure(|| {
         for frame in 0..50_u16 {
             for c in 0..1000 {
@@ -586,7 +586,7 @@ fn a_frame_allocates_nothing() {
                 } else {
                     budget.request(
                         c,
-                        Request {
+                        LodRequest {
                             menu: ids[0],
                             weight: 1.0,
                             pixels_per_metre,

@@ -4,14 +4,14 @@
 
 use crate::random_rig::{Options, figure};
 use articula_core::crowd::{
-    CacheUse, ClipEvent, Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, Notice, Player,
-    RootPath, RootStep, Sight, Voice,
+    CacheUse, ClipEvent, Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, CrowdEvent, CharacterState,
+    RootTrajectory, RootDelta, Culling, ClipState,
 };
 use articula_core::visibility::View;
 use articula_core::{
-    Backend, Bound, CachedKeys, CachedRows, Camera, Clip, ClipBounds, ClipErrors, ClipSet,
-    JointSet, Ladder, LevelErrors, ModelPose, MotionBounds, PaletteForm, PaletteMap, PaletteRows,
-    PoseCache, Rig, Sphere, Storage, Viewport, Wrap, local_to_model, sample,
+    Backend, Bound, CachedKeys, CachedRows, Camera, Clip, ClipBounds, ClipLodErrors, ClipSet,
+    JointSet, JointLods, LodErrors, ModelPose, MotionBounds, PaletteForm, PaletteMap, PaletteRows,
+    PoseCache, Rig, Sphere, ClipStorage, Viewport, Wrap, local_to_model, sample,
 };
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
@@ -24,11 +24,11 @@ const PLAIN: Options = Options {
 
 /// A rig with two clips and up to four levels, each said to cost a centimetre more.
 fn parts(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdParts {
-    let ladder = Ladder::of_sets(rig, sets, rig.rest_pose()).unwrap();
+    let ladder = JointLods::of_sets(rig, sets, rig.rest_pose()).unwrap();
     let levels: Vec<f32> = (0..ladder.levels()).map(|l| l as f32 * 0.01).collect();
-    let errors = LevelErrors {
+    let errors = LodErrors {
         clips: vec![
-            ClipErrors {
+            ClipLodErrors {
                 levels_metres: levels.clone(),
                 worst_metres: levels,
                 speed_metres_per_sec: 2.0,
@@ -55,7 +55,7 @@ fn parts(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdParts {
     };
     CrowdParts {
         palette: PaletteMap::joints(&ladder),
-        clips: ClipSet::new(rig, ladder, clips, Storage::Float).unwrap(),
+        clips: ClipSet::new(rig, ladder, clips, ClipStorage::Float).unwrap(),
         form: PaletteForm::Matrix,
         backend: Backend::best(),
         errors,
@@ -107,7 +107,7 @@ impl Square {
             scales: &[],
             wake_metres: &[],
             importance: &[],
-            sight: Sight::Views(views),
+            sight: Culling::Views(views),
             detail: Detail::Tolerance { px },
             share,
             cache: CacheUse::Never,
@@ -136,12 +136,12 @@ fn origin(rows: &[[f32; 4]], matrix: usize) -> Vec3 {
 fn played(model: &CrowdModel, square: &Square, share: bool, frames: usize) -> (Crowd, CrowdReport) {
     let mut crowd = Crowd::new(model, square.positions.len());
     for i in 0..square.positions.len() {
-        let voice = Voice::new(&model.parts().clips, i % 2)
+        let voice = ClipState::new(&model.parts().clips, i % 2)
             .at_secs(&model.parts().clips, i as f32 * 0.037)
             .at_speed([1.0, 0.5, -1.0, 2.0][i % 4]);
         crowd.play(i, voice.into());
         if i % 5 == 0 {
-            crowd.fade_to(i, Voice::new(&model.parts().clips, (i + 1) % 2), 10.0);
+            crowd.fade_to(i, ClipState::new(&model.parts().clips, (i + 1) % 2), 10.0);
         }
     }
     let views = [View::of(&camera())];
@@ -270,11 +270,11 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
         },
     ];
     // A metre ahead in each lap of the clip.
-    let ahead = RootStep {
+    let ahead = RootDelta {
         offset: Vec3::Z,
         yaw_radians: 0.0,
     };
-    let path = RootPath::new(1.0 / duration, vec![RootStep::default(), ahead]).unwrap();
+    let path = RootTrajectory::new(1.0 / duration, vec![RootDelta::default(), ahead]).unwrap();
     let mut parts = parts(&rig, &clips, &sets);
     parts.events = vec![Vec::new(); clips.len()];
     parts.events[0] = marks.to_vec();
@@ -297,13 +297,13 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
             scales: &[],
             wake_metres: &[],
             importance: &[],
-            sight: Sight::Views(&views),
+            sight: Culling::Views(&views),
             detail: Detail::Full,
             share: true,
             cache: CacheUse::Never,
         };
         crowd.tick(&model, &frame, &mut |notice| {
-            if let Notice::Event { id, .. } = notice {
+            if let CrowdEvent::Event { id, .. } = notice {
                 heard.push(id);
             }
         });
@@ -355,14 +355,14 @@ fn a_fade_ends_at_the_other_clip_and_both_tell_their_events() {
     parts.events = (0..clips.len()).map(event).collect();
     let model = CrowdModel::new(parts).unwrap();
     let mut crowd = Crowd::new(&model, 1);
-    crowd.fade_to(0, Voice::new(&model.parts().clips, 1), 0.5);
+    crowd.fade_to(0, ClipState::new(&model.parts().clips, 1), 0.5);
     let square = Square::new(1);
     let mut heard = [false; 3];
     for step in 0..40 {
         let mut frame = square.frame(&[], 1.0, false);
         frame.dt_secs = 0.02;
         crowd.tick(&model, &frame, &mut |notice| {
-            if let Notice::Event { id, weight, .. } = notice {
+            if let CrowdEvent::Event { id, weight, .. } = notice {
                 heard[id as usize] = true;
                 assert!((0.0..=1.0).contains(&weight));
             }
@@ -394,8 +394,8 @@ proptest! {
         let rotations = vec![Quat::IDENTITY; count];
         let scales: Vec<f32> = odd[..count].to_vec();
         for (i, o) in odd.iter().enumerate().take(count) {
-            let voice = Voice::new(&model.parts().clips, i % 2).at_speed(*o).at_secs(&model.parts().clips, *o);
-            crowd.play(i, Player::blend(voice, voice.once(), *o));
+            let voice = ClipState::new(&model.parts().clips, i % 2).at_speed(*o).at_secs(&model.parts().clips, *o);
+            crowd.play(i, CharacterState::blend(voice, voice.once(), *o));
             if i % 3 == 0 {
                 crowd.fade_to(i, voice, *o);
             }
@@ -410,7 +410,7 @@ proptest! {
                 scales: &scales,
                 wake_metres: &scales,
                 importance: &scales,
-                sight: if i % 4 == 3 { Sight::Everyone } else { Sight::Views(&views) },
+                sight: if i % 4 == 3 { Culling::Everyone } else { Culling::Views(&views) },
                 detail: Detail::Tolerance { px },
                 share: i % 2 == 0,
                 cache: CacheUse::Never,
@@ -434,7 +434,7 @@ proptest! {
         secs in 0.0f32..1.0,
         joint in any::<prop::sample::Index>(),
     ) {
-        let set = ClipSet::new(&rig, Ladder::whole(&rig).unwrap(), &clips, Storage::Float).unwrap();
+        let set = ClipSet::new(&rig, JointLods::whole(&rig).unwrap(), &clips, ClipStorage::Float).unwrap();
         let joint = joint.index(rig.len());
         let found = articula_core::crowd::socket(&set, &set.cursor(0, secs).into(), joint);
         let mut pose = rig.rest_pose().clone();
@@ -460,7 +460,7 @@ fn what_does_not_belong_together_is_refused() {
     few.bounds.clips.pop();
     assert_eq!(at(few), "bounds.clips");
     let mut other = parts();
-    let whole = Ladder::whole(&rig).unwrap();
+    let whole = JointLods::whole(&rig).unwrap();
     other.palette = PaletteMap::joints(&whole);
     assert_eq!(at(other), "map");
     let mut many = parts();
@@ -529,7 +529,7 @@ fn cached_poses_are_blended_by_either_side() {
     let mut crowd = Crowd::new(&model, 200);
     for i in 0..200 {
         let voice =
-            Voice::new(&model.parts().clips, i % 2).at_secs(&model.parts().clips, 0.01 * i as f32);
+            ClipState::new(&model.parts().clips, i % 2).at_secs(&model.parts().clips, 0.01 * i as f32);
         crowd.play(i, voice.into());
     }
     let mut frame = square.frame(&views, 3.0, false);

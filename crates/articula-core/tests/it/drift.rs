@@ -4,7 +4,7 @@
 use articula_core::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
 use articula_core::source::{self, Joint, MorphTarget, Primitive, Skeleton, Skin};
 use articula_core::{
-    Articulation, Clip, Drift, DriftOptions, JointArticulation, JointBounds, JointSet, JointViews,
+    Articulation, Clip, DriftController, DriftOptions, JointArticulation, JointErrorBounds, JointSet, JointViews,
     LocalPose, Mesh, ModelPose, Region, Rig, SkinnedMesh, Track, Tracks, Transform, Viewport, Wrap,
     angle_between, local_to_model, palette, sample, sample_morphs, skin,
 };
@@ -54,12 +54,12 @@ struct Shown {
 
 /// Plays a clip at a display rate, the pixels per metre given by time.
 fn play(clip: &Clip, display_hz: f64, opts: DriftOptions, ppm: impl Fn(f64) -> f32) -> Vec<Shown> {
-    let bounds = JointBounds {
+    let bounds = JointErrorBounds {
         lever_metres: LEVER,
         speed_metres_per_sec: speed_bound(clip),
         share: 1.0,
     };
-    let mut drift = Drift::new(&rest(), vec![bounds], opts);
+    let mut drift = DriftController::new(&rest(), vec![bounds], opts);
     let (mut wanted, mut truth) = (rest(), rest());
     let frames = (f64::from(clip.duration_secs()) * display_hz).floor() as usize;
     (0..=frames)
@@ -211,14 +211,14 @@ fn a_joint_that_suddenly_needs_care_wakes() {
     let opts = DriftOptions::default();
     let ppm = [100.0];
     let clip = turning(8.0, 30.0, |t| 0.05 * t);
-    let bounds = JointBounds {
+    let bounds = JointErrorBounds {
         lever_metres: LEVER,
         speed_metres_per_sec: speed_bound(&clip),
         share: 1.0,
     };
     // As when a foot touches the ground: a quarter of the tolerance at once.
     for touch in 60..120 {
-        let mut drift = Drift::new(&rest(), vec![bounds], opts);
+        let mut drift = DriftController::new(&rest(), vec![bounds], opts);
         let (mut wanted, mut truth) = (rest(), rest());
         for i in 0..200 {
             let secs = f64::from(i) / 60.0;
@@ -323,12 +323,12 @@ fn a_frame_does_not_allocate() {
         ..Tracks::default()
     };
     let clip = Clip::new("c", 30.0, 31, 4, tracks).unwrap();
-    let bounds = JointBounds {
+    let bounds = JointErrorBounds {
         lever_metres: LEVER,
         speed_metres_per_sec: 1.0,
         share: 0.25,
     };
-    let mut drift = Drift::new(rig.rest_pose(), vec![bounds; 4], DriftOptions::default());
+    let mut drift = DriftController::new(rig.rest_pose(), vec![bounds; 4], DriftOptions::default());
     let mut pose = rig.rest_pose().clone();
     let mut model = ModelPose::new(rig.len());
     let views = JointViews {

@@ -2,7 +2,7 @@
 //! standard's own 89 joints.
 
 use articula_core::hanim_table::JOINTS;
-use articula_core::loa::{self, Expression, Rule, Selection};
+use articula_core::loa::{self, LoaExpression, Rule, Selection};
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{
     Articulation, Complexity, JointArticulation, JointSet, Region, Rig, Transform, Zone,
@@ -50,7 +50,7 @@ fn standard() -> Rig {
 }
 
 fn joints(text: &str) -> JointSet {
-    text.parse::<Expression>()
+    text.parse::<LoaExpression>()
         .unwrap()
         .joints(&standard())
         .unwrap()

@@ -3,10 +3,10 @@
 //! and nothing is allocated.
 
 use crate::random_rig::{Options, figure};
-use articula_core::batch::{BatchEvaluator, Shown};
+use articula_core::batch::{BatchEvaluator, BatchPose};
 use articula_core::{
-    Backend, BlendRecord, CachedKeys, CachedRows, ClipSet, Ladder, PaletteForm, PaletteMap,
-    PaletteRows, PoseCache, Storage, f32_from_half, half_from_f32,
+    Backend, BlendRecord, CachedKeys, CachedRows, ClipSet, JointLods, PaletteForm, PaletteMap,
+    PaletteRows, PoseCache, ClipStorage, f32_from_half, half_from_f32,
 };
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -15,7 +15,7 @@ use proptest::strategy::ValueTree;
 fn evaluated(
     evaluator: &BatchEvaluator<'_>,
     level: usize,
-    shown: Shown,
+    shown: BatchPose,
     half: bool,
 ) -> Vec<[f32; 4]> {
     let mut scratch = evaluator.scratch();
@@ -124,8 +124,8 @@ proptest! {
         secs in prop::collection::vec(-0.1f32..6.0, 8),
         half in any::<bool>(),
     ) {
-        let ladder = Ladder::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let set = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Float).unwrap();
+        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
         let map = PaletteMap::joints(&ladder);
         let (cache, keys) = cached(&set, &map, &fractions, half);
         for (clip, level) in (0..2).flat_map(|c| (0..ladder.levels()).map(move |l| (c, l))) {
@@ -175,8 +175,8 @@ proptest! {
         fractions in fractions(),
         half in any::<bool>(),
     ) {
-        let ladder = Ladder::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let set = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Float).unwrap();
+        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
         let map = PaletteMap::joints(&ladder);
         let (cache, keys) = cached(&set, &map, &fractions, half);
         let evaluator = BatchEvaluator::new(&set, &map, cache.form(), Backend::best()).unwrap();
@@ -197,8 +197,8 @@ proptest! {
         fractions in fractions(),
         plays in prop::collection::vec((0usize..2, 0.0f32..2.0), 0..12),
     ) {
-        let ladder = Ladder::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let set = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Float).unwrap();
+        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
         let map = PaletteMap::joints(&ladder);
         let (cache, _) = cached(&set, &map, &fractions, false);
         for level in 0..ladder.levels() {
@@ -222,8 +222,8 @@ fn locating_and_blending_allocate_nothing() {
         steps: false,
     };
     let (rig, clips, _) = figure(options).new_tree(&mut runner).unwrap().current();
-    let ladder = Ladder::whole(&rig).unwrap();
-    let set = ClipSet::new(&rig, ladder.clone(), &clips, Storage::Float).unwrap();
+    let ladder = JointLods::whole(&rig).unwrap();
+    let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
     let map = PaletteMap::joints(&ladder);
     for half in [false, true] {
         let (cache, _) = cached(&set, &map, &[0.2, 0.7], half);

@@ -1,10 +1,10 @@
 //! One look at a whole crowd does not allocate.
 
 use articula_core::visibility::{
-    Bodies, Closing, Occlusion, Seen, View, Visibility, secs_until_grown, see,
+    Bodies, ApproachSpeed, Occlusion, CullResult, View, Visibility, secs_until_grown, see,
 };
 use articula_core::{
-    Attention, Bound, Camera, Capsule, ClipBounds, Interval, Sphere, Viewport, Wrap,
+    Attention, Bound, Camera, Capsule, ClipBounds, AttentionInterval, Sphere, Viewport, Wrap,
 };
 use glam::{Quat, Vec3};
 
@@ -22,7 +22,7 @@ fn a_look_does_not_allocate() {
         greatest: Vec3::ONE,
     };
     let clip = ClipBounds::new(1.5, vec![second; 2], BALL).unwrap();
-    let step = Interval {
+    let step = AttentionInterval {
         start_secs: 0.2,
         end_secs: 0.6,
         factor: 0.25,
@@ -38,7 +38,7 @@ fn a_look_does_not_allocate() {
     let mut world = vec![BALL; count];
     let wakes = vec![0.1; count];
     let mut occluded = vec![0.0; count];
-    let mut seen = vec![Seen::default(); count];
+    let mut seen = vec![CullResult::default(); count];
     let mut tolerance = 0.0;
     let counted = allocation_counter::measure(|| {
         for bound in &mut bounds {
@@ -58,7 +58,7 @@ fn a_look_does_not_allocate() {
         }
         let views = [View::of(&camera).with_occluded(&occluded)];
         see(&views, Bodies::new(&world, &wakes).unwrap(), &mut seen);
-        let secs = secs_until_grown(&views, world[0], seen[0], 0.25, Closing::default());
+        let secs = secs_until_grown(&views, world[0], seen[0], 0.25, ApproachSpeed::default());
         let m = attention.at(f64::from(secs.min(1.0)), Wrap::Loop);
         tolerance = m / seen[0].pixels_per_metre;
     });

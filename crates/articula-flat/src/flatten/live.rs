@@ -3,15 +3,15 @@
 //! Source: `spec/vector.md` 8.3. Inputs are linear on the screen and the painting order is fixed,
 //! so what is measured is the clip that the file carries along, against the real one.
 
-use super::prepared::Prepared;
+use super::prepared::PreparedClip;
 use super::report::{Errors, Sizes};
 use super::search::{Flattened, Trial};
 use super::settings::{Profile, Settings};
-use super::truth::{BACKGROUND, Truth};
-use crate::item_buffer::Samples;
+use super::truth::{BACKGROUND, ReferenceFrames};
+use crate::item_buffer::Supersampling;
 use crate::planar::PlanarError;
 use crate::planar::reference::reference;
-use crate::vector::player::{LiveSource, Output, PlayerOptions, decode, live_player};
+use crate::vector::player::{LiveSource, PlayerOutput, PlayerOptions, decode, live_player};
 use articula_core::Progress;
 
 /// Writes a source; `prepared` is of its shapes, `truth` of its clip.
@@ -21,15 +21,15 @@ use articula_core::Progress;
 /// [`PlanarError::Cancelled`].
 pub fn flatten_live(
     source: &LiveSource,
-    prepared: &Prepared,
+    prepared: &PreparedClip,
     settings: &Settings,
-    truth: &Truth,
+    truth: &ReferenceFrames,
     progress: &mut Progress<'_>,
 ) -> Result<Flattened, PlanarError> {
     let quality = settings.quality;
     let output = match settings.profile {
         Profile::Player(output) => output,
-        _ => Output::Svg,
+        _ => PlayerOutput::Svg,
     };
     let options = PlayerOptions {
         pos_tol_px: f64::from(quality.pos_tol_px),
@@ -44,7 +44,7 @@ pub fn flatten_live(
     })?;
     let shown = |frame| {
         let painted = clip.painted(frame);
-        Ok(reference(&painted, 0, Samples::Four, BACKGROUND)?)
+        Ok(reference(&painted, 0, Supersampling::Four, BACKGROUND)?)
     };
     progress.step(0.5)?;
     let image = truth.compare(shown, &mut progress.part(0.5, 1.0))?;

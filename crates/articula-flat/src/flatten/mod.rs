@@ -3,12 +3,12 @@
 //!
 //! Source: `spec/vector.md` 1, 4 and 9.
 //!
-//! - [`Prepared`]: what is drawn, in which order, and what that leaves wrong, worked out once
+//! - [`PreparedClip`]: what is drawn, in which order, and what that leaves wrong, worked out once
 //! - [`Settings`]: a [`Profile`], and how near to the truth it comes ([`Quality`])
-//! - [`Truth`]: what the character really looks like
+//! - [`ReferenceFrames`]: what the character really looks like
 //! - [`flatten()`]: the best setting of a ladder under a byte budget; [`flatten_live`]: a file
 //!   that a host drives
-//! - [`Flattened`]: bytes, [`Sizes`], [`Errors`], and the [`Entry`] of what can stand for a
+//! - [`Flattened`]: bytes, [`Sizes`], [`Errors`], and the [`Representation`] of what can stand for a
 //!   character
 //!
 //! Work that takes a while tells its progress and can be ended ([`articula_core::Progress`]).
@@ -23,8 +23,8 @@ mod truth;
 mod written;
 
 pub use live::flatten_live;
-pub use prepared::{PrepareOptions, Prepared};
-pub use report::{Entry, Errors, Sizes};
+pub use prepared::{PrepareClipOptions, PreparedClip};
+pub use report::{Representation, Errors, Sizes};
 pub use search::{Flattened, Trial, flatten};
 pub use settings::{Profile, Quality, Settings};
-pub use truth::{ImageError, Truth, sampled_frames};
+pub use truth::{ImageError, ReferenceFrames, sampled_frames};

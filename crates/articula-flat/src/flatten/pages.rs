@@ -2,7 +2,7 @@
 //!
 //! Source: `spec/vector.md` 8.2.
 
-use super::prepared::Prepared;
+use super::prepared::PreparedClip;
 use crate::planar::key_frames::{KeyOptions, keyed};
 use crate::planar::keyed_clip::{KeyedClip, KeyedPaint};
 use crate::planar::order::Layer;
@@ -14,7 +14,7 @@ use crate::planar::{Drawn, PlanarClip, PlanarError};
 /// # Errors
 /// What is wrong with the clip.
 pub(super) fn pages(
-    prepared: &Prepared,
+    prepared: &PreparedClip,
     options: &KeyOptions,
 ) -> Result<Vec<KeyedClip>, PlanarError> {
     let clip = &prepared.clip;
@@ -68,7 +68,7 @@ fn share_ramps(pages: &mut [KeyedClip]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flatten::PrepareOptions;
+    use crate::flatten::PrepareClipOptions;
     use crate::planar::clip::fixture;
     use crate::vector::flipbook::flipbook;
     use articula_core::Progress;
@@ -76,8 +76,8 @@ mod tests {
     #[test]
     fn pages_show_what_is_drawn_in_order_and_make_a_book() {
         let cube = fixture::turning_cube(6);
-        let options = PrepareOptions::default();
-        let prepared = Prepared::new(cube, &options, &mut Progress::none()).unwrap();
+        let options = PrepareClipOptions::default();
+        let prepared = PreparedClip::new(cube, &options, &mut Progress::none()).unwrap();
         let pages = pages(&prepared, &KeyOptions::default()).unwrap();
         assert_eq!(pages.len(), 6);
         for (f, page) in pages.iter().enumerate() {

@@ -8,14 +8,14 @@ use articula_core::Progress;
 
 /// How a clip is prepared.
 #[derive(Debug, Clone, PartialEq)]
-pub struct PrepareOptions {
+pub struct PrepareClipOptions {
     /// What one painting order may cost.
     pub order: OrderOptions,
     /// How triangles that pierce each other are cut, if they are.
     pub split: Option<SplitOptions>,
 }
 
-impl Default for PrepareOptions {
+impl Default for PrepareClipOptions {
     /// Triangles that pierce each other are cut: no order shows them right.
     fn default() -> Self {
         Self {
@@ -27,7 +27,7 @@ impl Default for PrepareOptions {
 
 /// A clip that is ready to be written.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Prepared {
+pub struct PreparedClip {
     /// The clip; with more triangles than it came with if some were cut.
     pub clip: PlanarClip,
     /// Which triangles are drawn when.
@@ -44,14 +44,14 @@ pub struct Prepared {
     pub(crate) underlap: UnderlapOptions,
 }
 
-impl Prepared {
+impl PreparedClip {
     /// Prepares a clip.
     ///
     /// # Errors
     /// What is wrong with the clip ([`PlanarError`]); [`PlanarError::Cancelled`].
     pub fn new(
         clip: PlanarClip,
-        options: &PrepareOptions,
+        options: &PrepareClipOptions,
         progress: &mut Progress<'_>,
     ) -> Result<Self, PlanarError> {
         let painted = Painted::of(&clip, &options.order)?;

@@ -65,7 +65,7 @@ pub struct Errors {
 ///
 /// Source: design, part 4: every output describes itself by these four.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Entry {
+pub struct Representation {
     /// What kind of thing it is, such as `vector/smil`.
     pub modality: String,
     /// Its size, bytes.

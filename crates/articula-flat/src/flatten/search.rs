@@ -4,10 +4,10 @@
 //! ladder is smaller and worse, so the first that fits is its best; between ways the picture
 //! decides. The same clip and budget give the same file.
 
-use super::prepared::Prepared;
-use super::report::{Entry, Errors, Sizes};
+use super::prepared::PreparedClip;
+use super::report::{Representation, Errors, Sizes};
 use super::settings::{Profile, Quality, Settings};
-use super::truth::{ImageError, Truth};
+use super::truth::{ImageError, ReferenceFrames};
 use super::written::{Written, write};
 use crate::planar::PlanarError;
 use crate::planar::shading::Shading;
@@ -60,8 +60,8 @@ impl Flattened {
     }
 
     /// What it can stand for.
-    pub fn entry(&self) -> Entry {
-        Entry {
+    pub fn entry(&self) -> Representation {
+        Representation {
             modality: format!("vector/{}", self.profile),
             bytes: self.sizes.raw,
             error_px: self.errors.position_rmse_px,
@@ -76,9 +76,9 @@ impl Flattened {
 /// What a writer says of the clip; [`PlanarError::BudgetTooSmall`] if nothing fits;
 /// [`PlanarError::Cancelled`].
 pub fn flatten(
-    prepared: &Prepared,
+    prepared: &PreparedClip,
     settings: &Settings,
-    truth: &Truth,
+    truth: &ReferenceFrames,
     progress: &mut Progress<'_>,
 ) -> Result<Flattened, PlanarError> {
     let candidates = candidates(settings);

@@ -1,8 +1,8 @@
 //! Profiles of output, and how near to the truth they come.
 
 use crate::planar::shading::Shading;
-use crate::vector::player::Output;
-use crate::vector::thesis::ThesisOptions;
+use crate::vector::player::PlayerOutput;
+use crate::vector::thesis::ThesisSvgOptions;
 use std::fmt;
 
 /// What is written.
@@ -13,7 +13,7 @@ pub enum Profile {
     /// One SVG with a group for each frame.
     Flipbook,
     /// One SVG, or a module, with a low-rank clip and a small script.
-    Player(Output),
+    Player(PlayerOutput),
     /// Lottie JSON.
     Lottie,
     /// One SVG frame.
@@ -24,7 +24,7 @@ pub enum Profile {
         exact: bool,
     },
     /// The naive SVG of the thesis.
-    Thesis(ThesisOptions),
+    Thesis(ThesisSvgOptions),
 }
 
 impl fmt::Display for Profile {
@@ -46,8 +46,8 @@ impl Profile {
     pub(crate) fn needs(self) -> Vec<&'static str> {
         match self {
             Self::Smil | Self::Flipbook | Self::Thesis(_) => vec!["svg", "smil"],
-            Self::Player(Output::Svg) => vec!["svg", "script", "canvas"],
-            Self::Player(Output::Module) => vec!["script", "canvas"],
+            Self::Player(PlayerOutput::Svg) => vec!["svg", "script", "canvas"],
+            Self::Player(PlayerOutput::Module) => vec!["script", "canvas"],
             Self::Lottie => vec!["lottie"],
             Self::Still { exact: true, .. } => vec!["svg", "mix-blend-mode"],
             Self::Still { exact: false, .. } => vec!["svg"],

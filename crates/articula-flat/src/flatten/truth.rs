@@ -4,7 +4,7 @@
 //! against the 8 x 8 supersampled picture, over the pixels that show the character.
 
 use crate::compare::{masked_rmse, share_off, ssim};
-use crate::item_buffer::Samples;
+use crate::item_buffer::Supersampling;
 use crate::picture::{Picture, Rgba};
 use crate::planar::reference::reference_with_mask;
 use crate::planar::{PlanarClip, PlanarError};
@@ -34,7 +34,7 @@ pub fn sampled_frames(frames: usize) -> Vec<f64> {
 
 /// Pictures of the character at some moments.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Truth {
+pub struct ReferenceFrames {
     moments: Vec<Moment>,
 }
 
@@ -62,7 +62,7 @@ pub struct ImageError {
     pub moments: usize,
 }
 
-impl Truth {
+impl ReferenceFrames {
     /// Draws the truth: `clip` has one frame for each of `frames`, seen by the same camera.
     ///
     /// # Errors
@@ -77,7 +77,7 @@ impl Truth {
             });
         }
         let moment = |(f, frame): (usize, &f64)| {
-            let (picture, mask) = reference_with_mask(clip, f, Samples::Eight, BACKGROUND)?;
+            let (picture, mask) = reference_with_mask(clip, f, Supersampling::Eight, BACKGROUND)?;
             Ok(Moment {
                 frame: *frame,
                 picture,
@@ -137,14 +137,14 @@ mod tests {
     #[test]
     fn the_truth_is_like_itself_and_a_shifted_one_is_not() {
         let cube = fixture::turning_cube(3);
-        let truth = Truth::new(&cube, &[0.0, 1.0, 2.0]).unwrap();
-        let of = |f: f64| Ok(reference(&cube, f as usize, Samples::Eight, BACKGROUND)?);
+        let truth = ReferenceFrames::new(&cube, &[0.0, 1.0, 2.0]).unwrap();
+        let of = |f: f64| Ok(reference(&cube, f as usize, Supersampling::Eight, BACKGROUND)?);
         let same = truth.compare(of, &mut Progress::none()).unwrap();
         assert_eq!((same.rmse_levels, same.ssim_min), (0.0, 1.0));
         let next = |f: f64| of((f + 1.0).min(2.0));
         let other = truth.compare(next, &mut Progress::none()).unwrap();
         assert!(other.rmse_levels > 5.0 && other.ssim < 0.99 && other.off_percent > 1.0);
         assert!(other.rmse_levels_max >= other.rmse_levels && other.ssim_min <= other.ssim);
-        assert!(Truth::new(&cube, &[0.0]).is_err());
+        assert!(ReferenceFrames::new(&cube, &[0.0]).is_err());
     }
 }

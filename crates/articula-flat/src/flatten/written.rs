@@ -5,24 +5,24 @@
 //! keyed clip, which is measured as SVG. The thesis' form is drawn from what it was made of.
 
 use super::pages::pages;
-use super::prepared::Prepared;
+use super::prepared::PreparedClip;
 use super::settings::{Profile, Quality};
 use super::truth::BACKGROUND;
-use crate::item_buffer::Samples;
+use crate::item_buffer::Supersampling;
 use crate::picture::Picture;
 use crate::planar::PlanarError;
 use crate::planar::key_frames::{KeyOptions, keyed};
 use crate::planar::keyed_clip::LineUnits;
 use crate::planar::reference::reference;
 use crate::planar::underlap::{UnderlapOptions, seal};
-use crate::vector::MovingSvg;
+use crate::vector::AnimatedSvg;
 use crate::vector::flipbook::flipbook;
 use crate::vector::lottie;
 use crate::vector::player::{PlayerClip, PlayerOptions, decode, player};
 use crate::vector::raster;
 use crate::vector::smil;
 use crate::vector::still::{StillOptions, still};
-use crate::vector::thesis::{ThesisOptions, thesis, thesis_frame};
+use crate::vector::thesis::{ThesisSvgOptions, thesis, thesis_frame};
 
 /// What was written.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,10 +45,10 @@ pub(super) struct Written {
 /// What reads the file back.
 #[derive(Debug, Clone, PartialEq)]
 enum Shown {
-    Moving(Box<MovingSvg>),
+    Moving(Box<AnimatedSvg>),
     Player(Box<PlayerClip>),
     Still(String),
-    Naive(ThesisOptions),
+    Naive(ThesisSvgOptions),
 }
 
 /// Half a step of the grid that outlines lie on, as the root mean square of rounding both
@@ -63,7 +63,7 @@ const SLACK: f32 = 1.0;
 /// # Errors
 /// What a writer says of the clip ([`PlanarError`]).
 pub(super) fn write(
-    prepared: &Prepared,
+    prepared: &PreparedClip,
     profile: Profile,
     quality: &Quality,
     name: &str,
@@ -91,12 +91,12 @@ impl Written {
     ///
     /// # Errors
     /// [`PlanarError::Picture`] if it cannot be drawn.
-    pub(super) fn picture(&self, prepared: &Prepared, frame: f64) -> Result<Picture, PlanarError> {
+    pub(super) fn picture(&self, prepared: &PreparedClip, frame: f64) -> Result<Picture, PlanarError> {
         let secs = frame / f64::from(prepared.clip.fps);
         Ok(match &self.shown {
             Shown::Moving(moving) => raster(&moving.at(secs)?, BACKGROUND)?,
             Shown::Still(text) => raster(text, BACKGROUND)?,
-            Shown::Player(clip) => reference(&clip.painted(frame), 0, Samples::Four, BACKGROUND)?,
+            Shown::Player(clip) => reference(&clip.painted(frame), 0, Supersampling::Four, BACKGROUND)?,
             Shown::Naive(options) => {
                 let still = thesis_frame(&prepared.clip, options, frame)?;
                 raster(&still, BACKGROUND)?
@@ -116,12 +116,12 @@ fn key_options(quality: &Quality, lines: LineUnits) -> KeyOptions {
 }
 
 fn key_framed(
-    prepared: &Prepared,
+    prepared: &PreparedClip,
     quality: &Quality,
     name: &str,
     is_lottie: bool,
 ) -> Result<Written, PlanarError> {
-    let Prepared {
+    let PreparedClip {
         clip,
         drawn,
         layers,
@@ -140,7 +140,7 @@ fn key_framed(
     let sealed = seal(clip, drawn, &prepared.painting, underlap);
     let (keyed, stats) = keyed(clip, drawn, layers, &sealed, &options)?;
     let text = smil(&keyed, name)?;
-    let moving = Box::new(MovingSvg::read(&text)?);
+    let moving = Box::new(AnimatedSvg::read(&text)?);
     let bytes = if is_lottie {
         lottie(&keyed, name)?.into_bytes()
     } else {
@@ -158,12 +158,12 @@ fn key_framed(
     })
 }
 
-fn paged(prepared: &Prepared, quality: &Quality, name: &str) -> Result<Written, PlanarError> {
+fn paged(prepared: &PreparedClip, quality: &Quality, name: &str) -> Result<Written, PlanarError> {
     let clip = &prepared.clip;
     let options = key_options(quality, LineUnits::Box);
     let pages = pages(prepared, &options)?;
     let text = flipbook(&pages, name)?;
-    let moving = Box::new(MovingSvg::read(&text)?);
+    let moving = Box::new(AnimatedSvg::read(&text)?);
     Ok(Written {
         bytes: text.into_bytes(),
         position_rmse_px: GRID_RMSE_PX,
@@ -175,8 +175,8 @@ fn paged(prepared: &Prepared, quality: &Quality, name: &str) -> Result<Written, 
     })
 }
 
-fn played(prepared: &Prepared, options: &PlayerOptions) -> Result<Written, PlanarError> {
-    let Prepared {
+fn played(prepared: &PreparedClip, options: &PlayerOptions) -> Result<Written, PlanarError> {
+    let PreparedClip {
         clip,
         drawn,
         painting,
@@ -200,7 +200,7 @@ fn played(prepared: &Prepared, options: &PlayerOptions) -> Result<Written, Plana
 }
 
 fn one_frame(
-    prepared: &Prepared,
+    prepared: &PreparedClip,
     quality: &Quality,
     frame: usize,
     exact: bool,
@@ -223,7 +223,7 @@ fn one_frame(
     })
 }
 
-fn naive(prepared: &Prepared, options: ThesisOptions) -> Result<Written, PlanarError> {
+fn naive(prepared: &PreparedClip, options: ThesisSvgOptions) -> Result<Written, PlanarError> {
     let clip = &prepared.clip;
     let file = thesis(clip, &options)?;
     Ok(Written {

@@ -4,9 +4,9 @@
 //! light multiplies sRGB levels, since vector players blend there. Colours of textured vertices
 //! are fitted to the texture in the triangles around them.
 
-use super::clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, Surface};
+use super::clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, PlanarMaterial};
 use super::error::PlanarError;
-use super::subject::Subject;
+use super::subject::PlanarSubject;
 use super::vertex_colors::{Look, fitted};
 use crate::projection::{Projection, Screen};
 use articula_core::source::Material;
@@ -18,7 +18,7 @@ const NEAREST_M: f32 = 0.01;
 
 /// A key light and an even ambient.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lamp {
+pub struct Lighting {
     /// Direction towards the key light in camera space (x right, y up, z to the viewer).
     pub direction: Vec3,
     /// Light from everywhere.
@@ -27,7 +27,7 @@ pub struct Lamp {
     pub diffuse: f32,
 }
 
-impl Default for Lamp {
+impl Default for Lighting {
     fn default() -> Self {
         Self {
             direction: Vec3::new(-0.4, 0.5, 0.77),
@@ -45,23 +45,23 @@ pub struct BakeOptions {
     /// Perspective or parallel.
     pub projection: Projection,
     /// The light.
-    pub lamp: Lamp,
+    pub lamp: Lighting,
     /// Frames a second of the result.
     pub fps: f32,
     /// How the subject turns while it moves.
-    pub turn: Turn,
+    pub turn: Turntable,
 }
 
 /// An even turn to the subject's left about a vertical axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Turn {
+pub struct Turntable {
     /// Where the axis stands, as (x, z) in metres.
     pub axis: (f32, f32),
     /// How fast it turns.
     pub radians_per_sec: f32,
 }
 
-impl Turn {
+impl Turntable {
     /// Angle at a moment, radians.
     pub(crate) fn at(&self, secs: f64) -> f32 {
         (f64::from(self.radians_per_sec) * secs) as f32
@@ -82,7 +82,7 @@ impl Turn {
 /// [`PlanarError`]: limits, a vertex that is not finite or not before the camera, or triangles
 /// of another mesh.
 pub fn bake(
-    subject: &Subject<'_>,
+    subject: &PlanarSubject<'_>,
     moments_secs: &[f64],
     options: &BakeOptions,
 ) -> Result<PlanarClip, PlanarError> {
@@ -112,7 +112,7 @@ pub fn bake(
 /// # Errors
 /// As [`bake`], and [`PlanarError::Mismatch`] if a set is not of the mesh.
 pub fn bake_shapes(
-    subject: &Subject<'_>,
+    subject: &PlanarSubject<'_>,
     shapes: &[Vec<f32>],
     options: &BakeOptions,
 ) -> Result<PlanarClip, PlanarError> {
@@ -123,7 +123,7 @@ pub fn bake_shapes(
         return Err(PlanarError::Mismatch { at, what });
     }
     let (mut clip, sources) = still_parts(subject, options)?;
-    let still = Subject {
+    let still = PlanarSubject {
         clip: None,
         ..*subject
     };
@@ -146,7 +146,7 @@ struct Source {
 
 /// Everything that does not change over time.
 fn still_parts(
-    subject: &Subject<'_>,
+    subject: &PlanarSubject<'_>,
     options: &BakeOptions,
 ) -> Result<(PlanarClip, Vec<Source>), PlanarError> {
     let mesh = subject.mesh;
@@ -208,13 +208,13 @@ fn still_parts(
 
 /// Colours of vertices and materials of parts.
 struct Painter<'a> {
-    subject: Subject<'a>,
+    subject: PlanarSubject<'a>,
     part_of: Vec<usize>,
     materials: Vec<Material>,
 }
 
 impl<'a> Painter<'a> {
-    fn new(subject: &Subject<'a>) -> Self {
+    fn new(subject: &PlanarSubject<'a>) -> Self {
         let mesh = subject.mesh;
         let mut part_of = vec![0; mesh.len()];
         for (p, part) in mesh.parts.iter().enumerate() {
@@ -242,7 +242,7 @@ impl<'a> Painter<'a> {
     }
 
     /// One surface for each part of the mesh.
-    fn surfaces(&self) -> Vec<Surface> {
+    fn surfaces(&self) -> Vec<PlanarMaterial> {
         let mesh = self.subject.mesh;
         let of_part = |(p, material): (usize, &Material)| {
             let vertices = mesh.parts.get(p).map_or(0..0, |part| part.vertices.clone());
@@ -251,7 +251,7 @@ impl<'a> Painter<'a> {
             let mut colors = vertices.map(|v| color(v).map(|level| level as u8));
             let first = colors.next().unwrap_or([255; 3]);
             let is_plain = look.texture.is_none();
-            Surface {
+            PlanarMaterial {
                 name: material.name.clone(),
                 albedo: (is_plain && colors.all(|c| c == first)).then_some(first),
             }
@@ -299,7 +299,7 @@ impl<'a> Painter<'a> {
 
 /// Poses the subject at a moment; keeps its buffers.
 pub(super) struct Poser<'a> {
-    subject: Subject<'a>,
+    subject: PlanarSubject<'a>,
     local: articula_core::LocalPose,
     posed: PosedMesh<'a>,
     weights: Vec<f32>,
@@ -307,7 +307,7 @@ pub(super) struct Poser<'a> {
 }
 
 impl<'a> Poser<'a> {
-    pub(super) fn new(subject: &Subject<'a>) -> Self {
+    pub(super) fn new(subject: &PlanarSubject<'a>) -> Self {
         Self {
             subject: *subject,
             local: subject.rig.rest_pose().clone(),
@@ -319,7 +319,7 @@ impl<'a> Poser<'a> {
 
     /// Poses it at a moment of its clip.
     pub(super) fn pose(&mut self, secs: f64) {
-        let Subject { rig, clip, .. } = self.subject;
+        let PlanarSubject { rig, clip, .. } = self.subject;
         self.local.copy_from(rig.rest_pose());
         self.weights.copy_from_slice(self.subject.morph_weights);
         if let Some(clip) = clip {

@@ -16,7 +16,7 @@ const MAX_CORNERS: usize = 1 << 26;
 
 /// What triangles of one material look like.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Surface {
+pub struct PlanarMaterial {
     /// Name of the material, as the file has it.
     pub name: String,
     /// The one sRGB colour (levels, 0 to 255) of its vertices; `None` if they differ.
@@ -53,7 +53,7 @@ pub struct PlanarClip {
     /// Dominant joint of each triangle.
     pub part: Vec<u16>,
     /// The surfaces.
-    pub surfaces: Vec<Surface>,
+    pub surfaces: Vec<PlanarMaterial>,
     /// sRGB albedo of each vertex in levels, 0 to 255.
     pub albedo: Vec<[f32; 3]>,
 }
@@ -231,7 +231,7 @@ pub(crate) mod fixture {
             surface: vec![0; triangles.len()],
             part: vec![0; triangles.len()],
             triangles,
-            surfaces: vec![Surface {
+            surfaces: vec![PlanarMaterial {
                 name: "grey <&> \"green\"".into(),
                 albedo: Some([120, 200, 90]),
             }],
@@ -265,7 +265,7 @@ pub(crate) mod fixture {
             part: vec![0; count],
             surfaces: triangles
                 .iter()
-                .map(|(_, color)| Surface {
+                .map(|(_, color)| PlanarMaterial {
                     name: String::new(),
                     albedo: Some(*color),
                 })

@@ -6,7 +6,7 @@
 
 use super::clip::PlanarClip;
 use super::error::PlanarError;
-use crate::item_buffer::{Faces, ItemBuffer, Samples};
+use crate::item_buffer::{Faces, ItemBuffer, Supersampling};
 use std::ops::Range;
 
 /// Gaps of fewer frames than this are drawn.
@@ -71,7 +71,7 @@ impl Drawn {
     pub(crate) fn seen(clip: &PlanarClip) -> Result<Self, PlanarError> {
         clip.check()?;
         let mut drawn = Self::none(clip.frames.len(), clip.triangles.len());
-        let mut buffer = ItemBuffer::new(clip.width, clip.height, Samples::Two)?;
+        let mut buffer = ItemBuffer::new(clip.width, clip.height, Supersampling::Two)?;
         for f in 0..clip.frames.len() {
             draw_frame(clip, f, &mut buffer);
             let (width, height) = buffer.sample_size();

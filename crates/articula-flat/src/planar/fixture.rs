@@ -1,7 +1,7 @@
 //! The procedural human before a camera, for tests.
 
-use super::bake::{BakeOptions, Lamp, Turn};
-use super::subject::Subject;
+use super::bake::{BakeOptions, Lighting, Turntable};
+use super::subject::PlanarSubject;
 use crate::appearance::Appearance;
 use crate::frame::{Bounds, orbit_view};
 use crate::projection::Projection;
@@ -20,9 +20,9 @@ pub(crate) struct Figure {
 
 impl Figure {
     /// All of it, at rest.
-    pub(crate) fn subject(&self) -> Subject<'_> {
+    pub(crate) fn subject(&self) -> PlanarSubject<'_> {
         let mesh = &self.asset.mesh;
-        Subject {
+        PlanarSubject {
             rig: &self.asset.rig,
             mesh,
             triangles: &mesh.triangles,
@@ -49,9 +49,9 @@ pub(crate) fn figure() -> Figure {
     let options = BakeOptions {
         camera: orbit_view(&bounds, 0.0, 0.0, viewport),
         projection: Projection::Perspective,
-        lamp: Lamp::default(),
+        lamp: Lighting::default(),
         fps: 25.0,
-        turn: Turn::default(),
+        turn: Turntable::default(),
     };
     Figure {
         asset,

@@ -495,7 +495,7 @@ mod tests {
     use super::super::clip::fixture;
     use super::*;
     use crate::planar::order::Painting;
-    use crate::vector::MovingSvg;
+    use crate::vector::AnimatedSvg;
     use crate::vector::smil;
 
     fn unsealed(clip: &PlanarClip) -> Sealed {
@@ -645,7 +645,7 @@ mod tests {
             .unwrap();
             assert!(stats.position_max_px <= 0.5 + 1e-6);
             let text = smil(&keyed, "<&>\u{0}").unwrap();
-            let moving = MovingSvg::read(&text).unwrap();
+            let moving = AnimatedSvg::read(&text).unwrap();
             for f in 0..frames {
                 let still = moving.at(f as f64 / 25.0).unwrap();
                 crate::vector::raster(&still, [255; 4]).unwrap();

@@ -3,9 +3,9 @@
 //!
 //! Source: thesis 4.2, `spec/vector.md` 2 to 7.
 //!
-//! - [`Subject`]: who is shown; [`bake()`] skins, projects and lights it into a [`PlanarClip`]:
+//! - [`PlanarSubject`]: who is shown; [`bake()`] skins, projects and lights it into a [`PlanarClip`]:
 //!   places and light of every vertex in every frame
-//! - [`Subject::bounds`], [`Subject::camera`], [`Subject::seen`]: where a moving subject is, and
+//! - [`PlanarSubject::bounds`], [`PlanarSubject::camera`], [`PlanarSubject::seen`]: where a moving subject is, and
 //!   which of its triangles are ever seen
 //! - [`OrderOptions`]: in which order triangles are painted, in epochs; [`OrderComparison`]: what
 //!   stays wrong
@@ -38,8 +38,8 @@ mod tunnel;
 pub(crate) mod underlap;
 mod vertex_colors;
 
-pub use bake::{BakeOptions, Lamp, Turn, bake, bake_shapes};
-pub use clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, Surface};
+pub use bake::{BakeOptions, Lighting, Turntable, bake, bake_shapes};
+pub use clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, PlanarMaterial};
 pub(crate) use drawn::Drawn;
 pub use error::PlanarError;
 pub(crate) use order::{Epoch, Painting};
@@ -47,4 +47,4 @@ pub use order::{OrderComparison, OrderOptions};
 pub use reference::{object_mask, reference};
 pub use shading::Shading;
 pub use split::SplitOptions;
-pub use subject::Subject;
+pub use subject::PlanarSubject;

@@ -7,7 +7,7 @@
 use super::clip::PlanarClip;
 use super::drawn::draw_frame;
 use crate::error::PictureError;
-use crate::item_buffer::{ItemBuffer, Samples, barycentric};
+use crate::item_buffer::{ItemBuffer, Supersampling, barycentric};
 use crate::picture::{Picture, Rgba};
 
 /// Draws a frame of a clip over a background, sampled `samples` times a pixel; 8 x 8 is the
@@ -18,7 +18,7 @@ use crate::picture::{Picture, Rgba};
 pub fn reference(
     clip: &PlanarClip,
     frame: usize,
-    samples: Samples,
+    samples: Supersampling,
     background: Rgba,
 ) -> Result<Picture, PictureError> {
     let buffer = drawn(clip, frame, samples)?;
@@ -32,7 +32,7 @@ pub fn reference(
 pub(crate) fn reference_with_mask(
     clip: &PlanarClip,
     frame: usize,
-    samples: Samples,
+    samples: Supersampling,
     background: Rgba,
 ) -> Result<(Picture, Vec<bool>), PictureError> {
     let buffer = drawn(clip, frame, samples)?;
@@ -42,7 +42,7 @@ pub(crate) fn reference_with_mask(
     ))
 }
 
-fn drawn(clip: &PlanarClip, frame: usize, samples: Samples) -> Result<ItemBuffer, PictureError> {
+fn drawn(clip: &PlanarClip, frame: usize, samples: Supersampling) -> Result<ItemBuffer, PictureError> {
     let mut buffer = ItemBuffer::new(clip.width, clip.height, samples)?;
     draw_frame(clip, frame, &mut buffer);
     Ok(buffer)
@@ -93,7 +93,7 @@ fn shaded(
 pub fn object_mask(
     clip: &PlanarClip,
     frame: usize,
-    samples: Samples,
+    samples: Supersampling,
 ) -> Result<Vec<bool>, PictureError> {
     Ok(mask(clip, &drawn(clip, frame, samples)?))
 }
@@ -129,13 +129,13 @@ mod tests {
         // The right edge runs through the middle of the pixels of column 10.
         let left = [[0.0, 0.0, 0.5], [0.0, 400.0, 0.5], [10.5, 0.0, 0.5]];
         let clip = fixture::loose(&[(left, [100, 0, 50])], 1);
-        let picture = reference(&clip, 0, Samples::Eight, WHITE).unwrap();
+        let picture = reference(&clip, 0, Supersampling::Eight, WHITE).unwrap();
         assert_eq!(picture.get(2, 2), Some([100, 0, 50, 255]));
         assert_eq!(picture.get(20, 2), Some(WHITE));
         let [r, g, _, a] = picture.get(10, 0).unwrap();
         // The edge leans: 10.5 at the top, 10.47 a pixel below.
         assert!((i32::from(r) - 178).abs() <= 3 && (i32::from(g) - 128).abs() <= 5 && a == 255);
-        let clear = reference(&clip, 0, Samples::Eight, [0; 4]).unwrap();
+        let clear = reference(&clip, 0, Supersampling::Eight, [0; 4]).unwrap();
         let [r, _, _, a] = clear.get(10, 0).unwrap();
         assert!(r == 100 && (i32::from(a) - 127).abs() <= 5);
     }
@@ -145,7 +145,7 @@ mod tests {
         let wide = [[0.0, 0.0, 0.5], [0.0, 40.0, 0.5], [40.0, 0.0, 0.5]];
         let mut clip = fixture::loose(&[(wide, [200; 3])], 1);
         clip.frames[0].light = vec![0.0, 0.0, 1.0];
-        let picture = reference(&clip, 0, Samples::Eight, WHITE).unwrap();
+        let picture = reference(&clip, 0, Supersampling::Eight, WHITE).unwrap();
         for x in 0..30u32 {
             let expected = 200.0 * (x as f32 + 0.5) / 40.0;
             let [r, ..] = picture.get(x, 3).unwrap();

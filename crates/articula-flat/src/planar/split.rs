@@ -379,7 +379,7 @@ impl Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::item_buffer::{ItemBuffer, Samples};
+    use crate::item_buffer::{ItemBuffer, Supersampling};
     use crate::planar::clip::fixture;
     use crate::planar::drawn::draw_frame;
     use crate::planar::reference::reference;
@@ -415,7 +415,7 @@ mod tests {
                 .iter()
                 .all(|p| (p.x - 24.0).abs() < 1e-4)
         );
-        let picture = |clip| reference(clip, 1, Samples::Two, [0; 4]).unwrap();
+        let picture = |clip| reference(clip, 1, Supersampling::Two, [0; 4]).unwrap();
         assert_eq!(picture(&after.clip), picture(&clip));
     }
 
@@ -531,7 +531,7 @@ mod tests {
                 let before = Painted::of(&clip, &options.order).unwrap();
                 prop_assert!(split.wrong_share <= before.wrong().share());
                 let buffer = |clip: &PlanarClip| {
-                    let mut buffer = ItemBuffer::new(40, 40, Samples::Two).unwrap();
+                    let mut buffer = ItemBuffer::new(40, 40, Supersampling::Two).unwrap();
                     draw_frame(clip, 1, &mut buffer);
                     buffer
                 };

@@ -4,11 +4,11 @@
 //! found before the mesh is made coarser: they would take triangles away from what is seen and
 //! cause most cycles of the painting order.
 
-use super::bake::{BakeOptions, Poser, Turn};
+use super::bake::{BakeOptions, Poser, Turntable};
 use super::error::PlanarError;
-use super::subject::Subject;
+use super::subject::PlanarSubject;
 use crate::frame::{Bounds, TightView};
-use crate::item_buffer::{Faces, ItemBuffer, Samples};
+use crate::item_buffer::{Faces, ItemBuffer, Supersampling};
 use crate::projection::{Projection, Screen};
 use articula_core::{Camera, Viewport};
 use glam::Vec3;
@@ -17,10 +17,10 @@ use std::collections::BTreeSet;
 /// Longer side of the picture in which triangles are looked for, pixels.
 const CLOSER_PX: f32 = 1024.0;
 
-impl Subject<'_> {
+impl PlanarSubject<'_> {
     /// The smallest box around the subject's triangles at all these moments; `None` without a
     /// triangle.
-    pub fn bounds(&self, moments_secs: &[f64], turn: &Turn) -> Option<Bounds> {
+    pub fn bounds(&self, moments_secs: &[f64], turn: &Turntable) -> Option<Bounds> {
         let used = used_vertices(self);
         let mut poser = Poser::new(self);
         Bounds::around(moments_secs.iter().filter_map(|secs| {
@@ -40,7 +40,7 @@ impl Subject<'_> {
     pub fn camera(
         &self,
         moments_secs: &[f64],
-        turn: &Turn,
+        turn: &Turntable,
         (azimuth_radians, elevation_radians): (f32, f32),
         viewport: Viewport,
     ) -> Option<Camera> {
@@ -72,7 +72,7 @@ impl Subject<'_> {
     ) -> Result<Vec<bool>, PlanarError> {
         let (camera, projection) = closer(options);
         let (width, height) = (camera.viewport.width_px, camera.viewport.height_px);
-        let mut buffer = ItemBuffer::new(width as u32, height as u32, Samples::Two)?;
+        let mut buffer = ItemBuffer::new(width as u32, height as u32, Supersampling::Two)?;
         let screen = Screen::new(&camera, projection);
         let mut poser = Poser::new(self);
         let faces = faces(self);
@@ -116,7 +116,7 @@ fn closer(options: &BakeOptions) -> (Camera, Projection) {
 }
 
 /// What is seen, and what has a place of the rest mesh in common with it.
-fn with_neighbours(subject: &Subject<'_>, seen: &[bool]) -> Vec<bool> {
+fn with_neighbours(subject: &PlanarSubject<'_>, seen: &[bool]) -> Vec<bool> {
     let key = |v: u32| {
         let at = subject.mesh.positions.get(v as usize).copied();
         at.unwrap_or_default().to_array().map(f32::to_bits)
@@ -131,7 +131,7 @@ fn with_neighbours(subject: &Subject<'_>, seen: &[bool]) -> Vec<bool> {
     pairs.map(|(t, seen)| *seen || is_near(t)).collect()
 }
 
-fn used_vertices(subject: &Subject<'_>) -> Vec<usize> {
+fn used_vertices(subject: &PlanarSubject<'_>) -> Vec<usize> {
     let mut used = vec![false; subject.mesh.len()];
     for v in subject.triangles.iter().flatten() {
         if let Some(used) = used.get_mut(*v as usize) {
@@ -142,7 +142,7 @@ fn used_vertices(subject: &Subject<'_>) -> Vec<usize> {
 }
 
 /// Which sides of each triangle are drawn.
-fn faces(subject: &Subject<'_>) -> Vec<Faces> {
+fn faces(subject: &PlanarSubject<'_>) -> Vec<Faces> {
     let mut two_sided = vec![false; subject.mesh.len()];
     for part in &subject.mesh.parts {
         let material = part.material.and_then(|m| subject.look.materials.get(m));
@@ -162,16 +162,16 @@ fn faces(subject: &Subject<'_>) -> Vec<Faces> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::planar::bake::{Lamp, bake};
+    use crate::planar::bake::{Lighting, bake};
     use crate::planar::drawn::Drawn;
     use crate::planar::fixture::figure;
 
     #[test]
     fn bounds_hold_the_figure_and_its_turn() {
         let figure = figure();
-        let still = figure.subject().bounds(&[0.0], &Turn::default()).unwrap();
+        let still = figure.subject().bounds(&[0.0], &Turntable::default()).unwrap();
         assert!(still.high.y > 1.5 && still.low.y < 0.1);
-        let turn = Turn {
+        let turn = Turntable {
             axis: (0.0, 0.0),
             radians_per_sec: std::f32::consts::FRAC_PI_2,
         };
@@ -181,14 +181,14 @@ mod tests {
         assert!((turned.high.x - still.high.z).abs() < 1e-4);
         let mut empty = figure.subject();
         empty.triangles = &[];
-        assert_eq!(empty.bounds(&[0.0], &Turn::default()), None);
+        assert_eq!(empty.bounds(&[0.0], &Turntable::default()), None);
     }
 
     #[test]
     fn the_camera_sees_every_place_of_the_clip() {
         let figure = figure();
         let viewport = figure.options.camera.viewport;
-        let (subject, turn) = (figure.subject(), Turn::default());
+        let (subject, turn) = (figure.subject(), Turntable::default());
         let camera = subject.camera(&[0.0], &turn, (0.4, 0.0), viewport).unwrap();
         let options = BakeOptions {
             camera,
@@ -206,7 +206,7 @@ mod tests {
         let figure = figure();
         let seen = figure.subject().seen(&[0.0], &figure.options).unwrap();
         let options = BakeOptions {
-            lamp: Lamp::default(),
+            lamp: Lighting::default(),
             ..figure.options.clone()
         };
         let clip = bake(&figure.subject(), &[0.0], &options).unwrap();

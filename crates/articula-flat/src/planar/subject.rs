@@ -5,7 +5,7 @@ use articula_core::{Clip, Mesh, Rig};
 
 /// Who is shown, and what it does.
 #[derive(Debug, Clone, Copy)]
-pub struct Subject<'a> {
+pub struct PlanarSubject<'a> {
     /// Its joints.
     pub rig: &'a Rig,
     /// Its vertices.

@@ -5,7 +5,7 @@
 //! misses whatever lies between; it is kept as a weak pull, for vertices that few samples see.
 //! A colour never leaves the range of the samples around its vertex, so that no hard edge rings.
 
-use super::subject::Subject;
+use super::subject::PlanarSubject;
 use crate::appearance::Texture;
 use crate::picture::srgb_byte;
 use articula_core::source::Material;
@@ -38,7 +38,7 @@ impl Look<'_> {
     }
 
     /// The colour right at a vertex.
-    pub(super) fn at_vertex(&self, subject: &Subject<'_>, vertex: u32) -> Vec3 {
+    pub(super) fn at_vertex(&self, subject: &PlanarSubject<'_>, vertex: u32) -> Vec3 {
         let v = vertex as usize;
         let mesh = subject.mesh;
         self.color(mesh.colors[v], mesh.texcoords[v], 0).0
@@ -49,7 +49,7 @@ impl Look<'_> {
 ///
 /// O(triangles).
 pub(super) fn fitted<'a>(
-    subject: &Subject<'_>,
+    subject: &PlanarSubject<'_>,
     look: impl Fn(&[u32; 3]) -> Look<'a>,
 ) -> BTreeMap<u32, [f32; 3]> {
     let mut fit = Fit::new(subject);
@@ -87,7 +87,7 @@ struct Fit {
 }
 
 impl Fit {
-    fn new(subject: &Subject<'_>) -> Self {
+    fn new(subject: &PlanarSubject<'_>) -> Self {
         let mut part_of = vec![0; subject.mesh.len()];
         for (p, part) in (0..).zip(&subject.mesh.parts) {
             part_of[part.vertices.clone()].fill(p);
@@ -100,7 +100,7 @@ impl Fit {
         }
     }
 
-    fn unknown(&mut self, subject: &Subject<'_>, vertex: u32, look: &Look<'_>) -> usize {
+    fn unknown(&mut self, subject: &PlanarSubject<'_>, vertex: u32, look: &Look<'_>) -> usize {
         if let Some(unknown) = self.of_vertex.get(&vertex) {
             return *unknown;
         }
@@ -124,7 +124,7 @@ impl Fit {
         unknown
     }
 
-    fn add(&mut self, subject: &Subject<'_>, triangle: &[u32; 3], look: &Look<'_>) {
+    fn add(&mut self, subject: &PlanarSubject<'_>, triangle: &[u32; 3], look: &Look<'_>) {
         let mesh = subject.mesh;
         let unknowns = triangle.map(|v| self.unknown(subject, v, look));
         let Some(texture) = look.texture else {
@@ -230,7 +230,7 @@ mod tests {
     }
 
     /// Sum of squares over the samples of the subject's triangles.
-    fn error(subject: &Subject<'_>, look: &Look<'_>, color: impl Fn(u32) -> Vec3) -> f32 {
+    fn error(subject: &PlanarSubject<'_>, look: &Look<'_>, color: impl Fn(u32) -> Vec3) -> f32 {
         let mut sum = 0.0;
         for t in subject.triangles {
             for s in samples() {

@@ -43,5 +43,5 @@ pub use document::PictureFormat;
 pub use error::PortraitError;
 pub use head::{Head, HeadPose, JointTurn, PortraitExpression};
 pub use model::{Portrait, PortraitCounts};
-pub use page::{Enclosed, PageOptions, page};
+pub use page::{EmbeddedFile, PageOptions, page};
 pub use source::{PortraitOptions, PortraitSource};

@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 /// A file that goes into a page.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Enclosed {
+pub struct EmbeddedFile {
     /// Media type, such as `image/png` or `audio/mpeg`.
     pub media_type: String,
     /// Its bytes.
@@ -23,9 +23,9 @@ pub struct PageOptions {
     /// Title of the page.
     pub title: String,
     /// A picture behind the portrait.
-    pub background: Option<Enclosed>,
+    pub background: Option<EmbeddedFile>,
     /// Sound that the clip follows.
-    pub audio: Option<Enclosed>,
+    pub audio: Option<EmbeddedFile>,
     /// Sliders for the head and all expressions.
     pub controls: bool,
 }
@@ -70,7 +70,7 @@ pub fn page(portrait: &Portrait, options: &PageOptions) -> Result<String, Portra
     );
     let mut pictures = Vec::new();
     for view in &portrait.views {
-        pictures.push(uri(&Enclosed {
+        pictures.push(uri(&EmbeddedFile {
             media_type: format.media_type().to_owned(),
             bytes: encoded(&view.picture, format)?,
         }));
@@ -84,7 +84,7 @@ pub fn page(portrait: &Portrait, options: &PageOptions) -> Result<String, Portra
 }
 
 /// The file as a data URI in quotation marks, right in scripts and in attributes.
-fn uri(file: &Enclosed) -> String {
+fn uri(file: &EmbeddedFile) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "/+-.;=".contains(c);
     let media_type: String = file.media_type.chars().filter(|c| plain(*c)).collect();
     format!(
@@ -119,7 +119,7 @@ mod tests {
             quoted("</script>\"\\\n"),
             "\"\\u003c/script\\u003e\\\"\\\\\\u000a\""
         );
-        let file = Enclosed {
+        let file = EmbeddedFile {
             media_type: "image/png\"><script>".to_owned(),
             bytes: vec![0, 1, 2],
         };

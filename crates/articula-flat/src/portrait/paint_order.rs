@@ -7,7 +7,7 @@ use super::error::PortraitError;
 use super::flat_mesh::{FlatMesh, corners_of};
 use super::head::HeadPose;
 use super::posing::{Poser, places, project};
-use crate::planar::clip::{PlanarClip, PlanarFrame, Surface};
+use crate::planar::clip::{PlanarClip, PlanarFrame, PlanarMaterial};
 use crate::planar::drawn::Drawn;
 use crate::planar::order::Painting;
 use articula_core::Camera;
@@ -55,7 +55,7 @@ pub(crate) fn sector(
         triangles: flat.triangles.clone(),
         surface: vec![0; count],
         part: vec![0; count],
-        surfaces: vec![Surface {
+        surfaces: vec![PlanarMaterial {
             name: String::new(),
             albedo: None,
         }],

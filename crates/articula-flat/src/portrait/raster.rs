@@ -9,7 +9,7 @@ use super::head::HeadPose;
 use super::sealing::{OVERLAP_PX, UNDERLAP_PX, sealed};
 use super::view_weights::{nearness, view_weights};
 use super::{Portrait, views::View};
-use crate::item_buffer::{Faces, ItemBuffer, Samples};
+use crate::item_buffer::{Faces, ItemBuffer, Supersampling};
 use crate::picture::{Picture, Rgba};
 use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
 
@@ -84,7 +84,7 @@ impl Portrait {
         let sources = self.view_places()?;
         let poses: Vec<HeadPose> = self.views.iter().map(|v| v.pose).collect();
         let near = nearness(&poses, pose);
-        let mut buffer = ItemBuffer::new(self.size.0, self.size.1, Samples::Four)?;
+        let mut buffer = ItemBuffer::new(self.size.0, self.size.1, Supersampling::Four)?;
         let mut paints = vec![Paint::default(); self.mesh.triangles.len()];
         for (i, t) in order.iter().map(|t| *t as usize).enumerate() {
             if !shown[t] {

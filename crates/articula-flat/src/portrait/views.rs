@@ -60,7 +60,7 @@ pub(crate) fn light(pose: &HeadPose) -> Light {
 pub(crate) fn render_options(pose: &HeadPose) -> RenderOptions {
     RenderOptions {
         background: [0; 4],
-        samples: crate::item_buffer::Samples::Four,
+        samples: crate::item_buffer::Supersampling::Four,
         projection: Projection::Perspective,
         light: light(pose),
         ..RenderOptions::default()

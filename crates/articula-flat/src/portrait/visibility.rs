@@ -7,7 +7,7 @@
 
 use super::flat_mesh::{FlatMesh, corners_of, front_area};
 use crate::error::PictureError;
-use crate::item_buffer::{Faces, ItemBuffer, Samples};
+use crate::item_buffer::{Faces, ItemBuffer, Supersampling};
 use glam::{Vec2, Vec4};
 
 /// Share of a triangle's samples that others may cover.
@@ -119,7 +119,7 @@ struct Coverage {
 
 impl Coverage {
     fn new(flat: &FlatMesh, corners: &[Vec4], size: (u32, u32)) -> Result<Self, PictureError> {
-        let mut buffer = ItemBuffer::new(size.0, size.1, Samples::Two)?;
+        let mut buffer = ItemBuffer::new(size.0, size.1, Supersampling::Two)?;
         let mut alone = buffer.clone();
         let places = super::posing::places(corners);
         let shows = |t: &usize| FlatMesh::shows(corners_of(&places, flat.triangles[*t]));

@@ -59,7 +59,7 @@ pub(crate) fn flipbook(pages: &[KeyedClip], name: &str) -> Result<String, Planar
 
 #[cfg(test)]
 mod tests {
-    use super::super::smil_sampler::MovingSvg;
+    use super::super::smil_sampler::AnimatedSvg;
     use super::*;
     use crate::planar::keyed_clip::{KeyedPaint, KeyedTrack, LineUnits};
 
@@ -84,7 +84,7 @@ mod tests {
     fn one_page_is_shown_at_a_time() {
         let pages: Vec<KeyedClip> = (0..5).map(|f| page(4 * f)).collect();
         let text = flipbook(&pages, "").unwrap();
-        let moving = MovingSvg::read(&text).unwrap();
+        let moving = AnimatedSvg::read(&text).unwrap();
         assert_eq!(moving.duration_secs, 0.4);
         for (secs, x) in [
             (0.0, 0),

@@ -4,7 +4,7 @@
 //! [`crate::flatten`] chooses among the writers and measures what they give.
 //!
 //! - [`player`]: a clip as a small file with a small player
-//! - [`MovingSvg`], [`raster()`]: what animated SVG of ours shows at a moment, and its pixels
+//! - [`AnimatedSvg`], [`raster()`]: what animated SVG of ours shows at a moment, and its pixels
 //! - [`gif()`], [`webp()`]: pictures as a movie
 //! - [`thesis()`]: the files of the thesis, the baseline of all ratios
 //!
@@ -27,5 +27,5 @@ pub(crate) use lottie::lottie;
 pub use moving_picture::{gif, webp};
 pub use raster::raster;
 pub(crate) use smil::smil;
-pub use smil_sampler::MovingSvg;
-pub use thesis::{ThesisFile, ThesisForm, ThesisOptions, thesis};
+pub use smil_sampler::AnimatedSvg;
+pub use thesis::{ThesisFile, ThesisForm, ThesisSvgOptions, thesis};

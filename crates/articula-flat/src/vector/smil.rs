@@ -456,7 +456,7 @@ fn turned(shape: &KeyedShape) -> KeyedTrack {
 
 #[cfg(test)]
 mod tests {
-    use super::super::smil_sampler::MovingSvg;
+    use super::super::smil_sampler::AnimatedSvg;
     use super::*;
     use proptest::prelude::*;
 
@@ -635,7 +635,7 @@ mod tests {
             let frames = steps + 1;
             let outline = track(frames, inner, values);
             let text = smil(&clip(frames, vec![triangle(outline.clone(), frames)]), "n").unwrap();
-            let moving = MovingSvg::read(&text).unwrap();
+            let moving = AnimatedSvg::read(&text).unwrap();
             prop_assert!((moving.duration_secs - f64::from(steps) / 25.0).abs() < 1e-9);
             for share in moments {
                 let svg = moving.at(share * moving.duration_secs).unwrap();
@@ -672,7 +672,7 @@ mod tests {
             }
             shape.shown = KeyedShape::shown_in(&spans, frames);
             let text = smil(&clip(frames, vec![shape.clone()]), "").unwrap();
-            let moving = MovingSvg::read(&text).unwrap();
+            let moving = AnimatedSvg::read(&text).unwrap();
             for half in 0..2 * steps {
                 // A little after each half frame: borders themselves are told by digits.
                 let frame = f64::from(half) / 2.0 + 0.01;

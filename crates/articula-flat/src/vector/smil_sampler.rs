@@ -22,7 +22,7 @@ const MAX_DEPTH: usize = 32;
 
 /// A moving SVG, read once and shown at any moment.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MovingSvg {
+pub struct AnimatedSvg {
     parts: Vec<Part>,
     /// Length of the longest animation before it repeats, seconds; 0 if nothing moves.
     pub duration_secs: f64,
@@ -94,7 +94,7 @@ const ATTRIBUTES: [&str; 16] = [
     "shape-rendering",
 ];
 
-impl MovingSvg {
+impl AnimatedSvg {
     /// Reads a file's text.
     ///
     /// # Errors
@@ -526,7 +526,7 @@ mod tests {
     fn moments_by_hand() {
         let text =
             animate(r#"values="m0 0l8 0-8 8z;m4-4l8 0-8 8z;m4 0l8 0-8 8z" keyTimes="0;.5;1""#);
-        let svg = MovingSvg::read(&text).unwrap();
+        let svg = AnimatedSvg::read(&text).unwrap();
         assert_eq!(svg.duration_secs, 2.0);
         let path = |secs| {
             let still = svg.at(secs).unwrap();
@@ -549,7 +549,7 @@ mod tests {
     #[test]
     fn of_two_keys_at_one_time_the_later_holds_from_then_on() {
         let text = animate(r#"values="m0 0;m8 0;m0 9;m0 0" keyTimes="0;.5;.5;1""#);
-        let svg = MovingSvg::read(&text).unwrap();
+        let svg = AnimatedSvg::read(&text).unwrap();
         assert!(svg.at(0.999).unwrap().contains(r#"d="m7.992 0""#));
         assert!(svg.at(1.0).unwrap().contains(r#"d="m0 9""#));
     }
@@ -559,7 +559,7 @@ mod tests {
         let text = file(
             r#"<title>a &amp; "b"</title><g display="none"><animate attributeName="display" dur="1" repeatCount="indefinite" calcMode="discrete" values="none;inline" keyTimes="0;.5"/><path fill="url(#1)" d="m0 0 1 0 0 1"/></g>"#,
         );
-        let svg = MovingSvg::read(&text).unwrap();
+        let svg = AnimatedSvg::read(&text).unwrap();
         assert_eq!(
             svg.at(0.4).unwrap(),
             file(
@@ -611,12 +611,12 @@ mod tests {
             (&animate(r#"values="m0 0" calcMode="spline""#), "spline"),
         ];
         for (text, word) in bad {
-            let error = MovingSvg::read(text).unwrap_err().to_string();
+            let error = AnimatedSvg::read(text).unwrap_err().to_string();
             assert!(error.contains(word), "{text}: {error}");
         }
         for dur in ["0", "-1", "nan", "", "1h"] {
             let text = animate(r#"values="m0 0""#).replace("2s", dur);
-            assert!(MovingSvg::read(&text).is_err(), "{dur}");
+            assert!(AnimatedSvg::read(&text).is_err(), "{dur}");
         }
     }
 
@@ -640,12 +640,12 @@ mod tests {
         };
         let read = mutations.read_of(text.as_bytes(), 20_000, |bytes| {
             let text = String::from_utf8_lossy(bytes);
-            let Ok(svg) = MovingSvg::read(&text) else {
+            let Ok(svg) = AnimatedSvg::read(&text) else {
                 return false;
             };
             for secs in [0.0, 0.3, 1e300] {
                 // What was read can be shown, and read again.
-                MovingSvg::read(&svg.at(secs).unwrap()).unwrap();
+                AnimatedSvg::read(&svg.at(secs).unwrap()).unwrap();
             }
             true
         });

@@ -194,7 +194,7 @@ impl Svg {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::item_buffer::Samples;
+    use crate::item_buffer::Supersampling;
     use crate::picture::{Picture, Rgba};
     use crate::planar::Drawn;
     use crate::planar::clip::fixture;
@@ -210,8 +210,8 @@ mod tests {
     }
 
     fn rmse_of_object(clip: &PlanarClip, frame: usize, seen: &Picture) -> f64 {
-        let truth = reference(clip, frame, Samples::Eight, WHITE).unwrap();
-        let mask = object_mask(clip, frame, Samples::Eight).unwrap();
+        let truth = reference(clip, frame, Supersampling::Eight, WHITE).unwrap();
+        let mask = object_mask(clip, frame, Supersampling::Eight).unwrap();
         let (mut sum, mut count) = (0.0, 0.0);
         for ((p, q), inside) in seen.pixels().iter().zip(truth.pixels()).zip(mask) {
             if inside {

@@ -3,7 +3,7 @@
 use super::amc::{self, Bones, MotionText};
 use super::asf::{self, Dof, SkeletonText, turned};
 use super::hierarchy::{self, Hierarchy};
-use crate::error::{Guess, Read, ReadError, Warning};
+use crate::error::{Assumption, Read, ReadError, Warning};
 use crate::limits::Limits;
 use crate::motion_file::{MotionFile, ReadOptions};
 use crate::notes::Notes;
@@ -74,7 +74,7 @@ fn rate_hz(
     if motion.rate_hz.is_none() && motion.frames > 1 {
         let what =
             format!("the rate is not in the file; {USUAL_RATE_HZ} frames a second were taken");
-        notes.push(Warning::guess("amc", what, Guess::Rate));
+        notes.push(Warning::guess("amc", what, Assumption::Rate));
     }
     Ok(motion.rate_hz.unwrap_or(USUAL_RATE_HZ))
 }

@@ -11,7 +11,7 @@ use super::asf::ROOT_NAME;
 use super::bones::{self, Bone, Bones};
 use crate::euler;
 use crate::sampled::{self, Place};
-use crate::written::{WriteError, Written};
+use crate::written::{WriteError, WrittenFile};
 use articula_core::source::{Character, Clip, Property, Skeleton};
 use glam::{EulerRot, Quat, Vec3};
 use std::collections::BTreeSet;
@@ -54,7 +54,7 @@ pub fn write(
     character: &Character,
     clip: Option<usize>,
     options: &WriteOptions,
-) -> Result<Written, WriteError> {
+) -> Result<WrittenFile, WriteError> {
     WriteError::check(&[("rate_hz", options.rate_hz)])?;
     let clip = clip.map(|c| WriteError::clip(character, c)).transpose()?;
     let skeleton = &character.skeleton;
@@ -71,7 +71,7 @@ pub fn write(
     let frames = clip.map(|clip| figure.frames(clip, options.rate_hz));
     let moves = figure.moving(frames.as_deref().unwrap_or_default());
     let amc = frames.map(|frames| figure.motion(&frames, &moves, options.rate_hz));
-    Ok(Written {
+    Ok(WrittenFile {
         bytes: figure.asf(&character.name, &moves).into_bytes(),
         motion: amc.map(String::into_bytes),
         left_out: figure.left_out(clip),

@@ -4,7 +4,7 @@ use crate::error::{Read, ReadError};
 use crate::limits::Limits;
 use crate::motion_file::{MotionFile, ReadOptions};
 use crate::notes::Notes;
-use crate::units::{self, Up};
+use crate::units::{self, UpAxis};
 use crate::words::{MAX_FRAMES, frame_time, number, shortened, value_of};
 use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property};
 use articula_core::{Transform, same_hemisphere};
@@ -53,8 +53,8 @@ pub fn read(
     }
     let file = parse(text, given, limits, &mut notes)?;
     let turn = match options.up {
-        Up::Z => units::y_from_z(),
-        Up::Y | Up::Auto => Quat::IDENTITY,
+        UpAxis::Z => units::y_from_z(),
+        UpAxis::Y | UpAxis::Auto => Quat::IDENTITY,
     };
     Ok(Read {
         value: file.character(turn),

@@ -61,7 +61,7 @@ mod write;
 pub use clustered::{MeshParts, PartLevels};
 pub use document::Document;
 pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
-pub use vrm::Kept;
+pub use vrm::PassThrough;
 
 use crate::error::{Read, ReadError};
 use crate::{Limits, Resolver};
@@ -88,7 +88,7 @@ pub struct GltfFile {
     /// What the draft KHR_character family says.
     pub khr_character: Option<KhrCharacter>,
     /// What stays in the document but changes nothing here, such as spring bones.
-    pub kept: Vec<Kept>,
+    pub kept: Vec<PassThrough>,
 }
 
 /// Reads a GLB or glTF 2.0 file (VRM 0 and 1 and VRMA included) as one character.

@@ -7,7 +7,7 @@ use super::parameter_text::{self, Frame, Layout, Reader};
 use crate::{Limits, Read, ReadError, Warning};
 
 pub use super::bap_body::{character, figure};
-pub use super::bap_sample::{Residual, SampleError, Sampled, sample};
+pub use super::bap_sample::{BapResidual, BapError, SampledBap, sample};
 pub(super) use super::bap_table::{BAPS, Motion, TABLE};
 pub use super::fap::Absent;
 

@@ -44,7 +44,7 @@ const FEET: [(&str, &str); 2] = [("l_ankle", "l_subtalar"), ("r_ankle", "r_subta
 
 /// How far a joint is from where it should be, because its parameters cannot say it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Residual {
+pub struct BapResidual {
     /// H-Anim name of the joint.
     pub joint: &'static str,
     /// Largest angle over the frames.
@@ -55,16 +55,16 @@ pub struct Residual {
 
 /// A motion as parameters, and what they could not say.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Sampled {
+pub struct SampledBap {
     /// The motion, 186 values a frame, numbered from 0.
     pub clip: BapClip,
     /// Joints that are off by more than rounding, the worst first.
-    pub residuals: Vec<Residual>,
+    pub residuals: Vec<BapResidual>,
 }
 
 /// Why a motion cannot be told in body animation parameters.
 #[derive(Debug, Clone, PartialEq, Error)]
-pub enum SampleError {
+pub enum BapError {
     /// There is no such clip, or the rate is no positive number.
     #[error(transparent)]
     Write(#[from] WriteError),
@@ -102,21 +102,21 @@ pub enum SampleError {
 /// Tells a clip in body animation parameters at a rate.
 ///
 /// # Errors
-/// [`SampleError`] if the clip is not there, the character is no humanoid, or rests in another
+/// [`BapError`] if the clip is not there, the character is no humanoid, or rests in another
 /// pose than the standard.
 pub fn sample(
     character: &Character,
     articulation: &Articulation,
     clip: usize,
     rate_hz: f32,
-) -> Result<Sampled, SampleError> {
+) -> Result<SampledBap, BapError> {
     let clip = WriteError::clip(character, clip)?;
     WriteError::check(&[("rate_hz", rate_hz)])?;
     let last = (f64::from(clip.duration_secs.max(0.0)) * f64::from(rate_hz)).round() as u64;
     let limit = Limits::default().frames;
     if last >= limit {
         let found = last.saturating_add(1);
-        return Err(SampleError::TooLong { found, limit });
+        return Err(BapError::TooLong { found, limit });
     }
     let body = Body::new(character, articulation)?;
     let mut state = State::default();
@@ -132,7 +132,7 @@ pub fn sample(
         coded: vec![true; BAPS],
         frames,
     };
-    Ok(Sampled {
+    Ok(SampledBap {
         residuals: state.residuals(clip.frames.len()),
         clip,
     })
@@ -159,17 +159,17 @@ struct Body {
 }
 
 impl Body {
-    fn new(character: &Character, articulation: &Articulation) -> Result<Self, SampleError> {
+    fn new(character: &Character, articulation: &Articulation) -> Result<Self, BapError> {
         let joints = &character.skeleton.joints;
         let (found, expected) = (articulation.joints.len(), joints.len());
         if found != expected {
-            return Err(SampleError::Articulation { found, expected });
+            return Err(BapError::Articulation { found, expected });
         }
         let source = |name: &str| {
             let mut names = articulation.joints.iter().map(|j| j.hanim.as_deref());
             names.position(|known| known == Some(name))
         };
-        let root = source(JOINTS[0].name).ok_or(SampleError::NoRoot)?;
+        let root = source(JOINTS[0].name).ok_or(BapError::NoRoot)?;
         let rest = sampled::rest(&character.skeleton);
         for (above, below) in LIMBS {
             let (Some(a), Some(b)) = (source(above), source(below)) else {
@@ -178,7 +178,7 @@ impl Body {
             let degrees = apart_degrees(rest[b].position - rest[a].position, limb(above, below));
             if degrees > APART_DEGREES {
                 let joint = above;
-                return Err(SampleError::Rest { joint, degrees });
+                return Err(BapError::Rest { joint, degrees });
             }
         }
         let told = JOINTS[..BODY_JOINTS].iter().map(|joint| Told {
@@ -301,13 +301,13 @@ impl Default for State {
 }
 
 impl State {
-    fn residuals(&self, frames: usize) -> Vec<Residual> {
-        let all = JOINTS.iter().zip(&self.off).map(|(joint, off)| Residual {
+    fn residuals(&self, frames: usize) -> Vec<BapResidual> {
+        let all = JOINTS.iter().zip(&self.off).map(|(joint, off)| BapResidual {
             joint: joint.name,
             max_radians: off.max,
             mean_radians: (off.sum / frames.max(1) as f64) as f32,
         });
-        let mut list: Vec<Residual> = all.filter(|r| r.max_radians > ROUNDING_RADIANS).collect();
+        let mut list: Vec<BapResidual> = all.filter(|r| r.max_radians > ROUNDING_RADIANS).collect();
         list.sort_by(|a, b| b.max_radians.total_cmp(&a.max_radians));
         list
     }

@@ -35,7 +35,7 @@ pub enum GroupMask {
 
 /// How the parameters of a face or body are coded.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Coding {
+pub struct EpfCoding {
     /// One for each group of the face; empty for a body or if the file has none.
     pub groups: Vec<GroupMask>,
     /// The numbers of a body's masks as they stand.
@@ -64,9 +64,9 @@ pub struct EpfFrame {
     /// `SKN`: frames to skip.
     pub skip: Option<i32>,
     /// Of the face.
-    pub face: Coding,
+    pub face: EpfCoding,
     /// Of the body.
-    pub body: Coding,
+    pub body: EpfCoding,
 }
 
 /// Reads a file: its frames, in order.
@@ -221,7 +221,7 @@ impl EpfFrame {
     }
 }
 
-impl Coding {
+impl EpfCoding {
     fn apply(&mut self, statement: &Statement, stream: usize) -> Result<bool, ReadError> {
         let word = statement.word.as_str();
         if word == QUANTISERS[stream] {
@@ -327,7 +327,7 @@ mod tests {
             (true, Some(false), Some(31))
         );
         assert_eq!(b.body.body_masks, [1, 0, 1]);
-        assert_eq!(b.face, Coding::default());
+        assert_eq!(b.face, EpfCoding::default());
     }
 
     #[test]

@@ -40,7 +40,7 @@ pub struct Viseme {
 
 /// FAP 2: a sum of two expressions; all zero is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Expression {
+pub struct FapExpression {
     /// First expression, 0 to 6.
     pub select1: u8,
     /// Its strength in 63rds.
@@ -63,7 +63,7 @@ pub struct FapFrame {
     /// FAP 1.
     pub viseme: Viseme,
     /// FAP 2.
-    pub expression: Expression,
+    pub expression: FapExpression,
     /// FAP 3 at index 0 up to FAP 68, each in its unit.
     pub low: [i32; LOW],
 }
@@ -73,7 +73,7 @@ impl Default for FapFrame {
         Self {
             number: 0,
             viseme: Viseme::default(),
-            expression: Expression::default(),
+            expression: FapExpression::default(),
             low: [0; LOW],
         }
     }
@@ -84,7 +84,7 @@ impl FapFrame {
     fn moves(&self, index: usize) -> bool {
         match index {
             0 => self.viseme != Viseme::default(),
-            1 => self.expression != Expression::default(),
+            1 => self.expression != FapExpression::default(),
             _ => self.low[index - HIGH] != 0,
         }
     }
@@ -182,7 +182,7 @@ fn apply(raw: &Frame, face: &mut FapFrame) -> Result<(), ReadError> {
         };
     }
     if raw.mask[1] {
-        face.expression = Expression {
+        face.expression = FapExpression {
             select1: next(expression, "expression")?,
             intensity1: next(weight, "expression intensity")?,
             select2: next(expression, "expression")?,

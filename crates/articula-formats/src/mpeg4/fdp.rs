@@ -38,10 +38,10 @@ pub struct Fapu {
 
 /// A mesh file that the face is made of.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Source {
+pub struct MeshSource {
     /// What it shows, such as `Rest` or `SmileOpen`.
     pub alias: String,
-    /// What kind of thing that is: `Expression`, `Modifier` or `Viseme`.
+    /// What kind of thing that is: `FapExpression`, `Modifier` or `Viseme`.
     pub category: String,
     /// The files, relative to this one; none is read.
     pub meshes: Vec<String>,
@@ -51,7 +51,7 @@ pub struct Source {
 
 /// How one FAP pulls at the vertices around a feature point.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Influence {
+pub struct FapInfluence {
     /// Number of the FAP, 1 to 68 (the file counts from 0).
     pub fap: usize,
     /// How it falls off, in Xface's words.
@@ -62,7 +62,7 @@ pub struct Influence {
 
 /// A feature point on a mesh, and the vertices that follow it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Point {
+pub struct FeaturePoint {
     /// Group and number: 2.10 is `(2, 10)`.
     pub point: (u8, u8),
     /// Submesh that it lies on.
@@ -72,7 +72,7 @@ pub struct Point {
     /// Vertices in its zone.
     pub zone: Vec<u32>,
     /// The FAPs that move them.
-    pub influences: Vec<Influence>,
+    pub influences: Vec<FapInfluence>,
 }
 
 /// A face as Xface describes it.
@@ -85,9 +85,9 @@ pub struct FdpFile {
     /// How it is turned.
     pub rotation: Quat,
     /// Mesh files.
-    pub sources: Vec<Source>,
+    pub sources: Vec<MeshSource>,
     /// Feature points, in order of the file.
-    pub points: Vec<Point>,
+    pub points: Vec<FeaturePoint>,
 }
 
 impl FdpFile {
@@ -205,10 +205,10 @@ impl Parser<'_> {
                 let axis = axis.try_normalize().unwrap_or(Vec3::Y);
                 self.found.rotation = Quat::from_axis_angle(axis, angle);
             }
-            "entity" => self.found.sources.push(Source {
+            "entity" => self.found.sources.push(MeshSource {
                 alias: element.word("alias"),
                 category: element.word("category"),
-                ..Source::default()
+                ..MeshSource::default()
             }),
             "mesh" | "bind" => self.part(&name, &element)?,
             "fdp" => self.point(&element)?,
@@ -273,7 +273,7 @@ impl Parser<'_> {
             let what = format!("feature point \"{shown}\" found, such as 2.10 expected");
             return Err(ReadError::malformed(&element.line, what));
         };
-        self.found.points.push(Point {
+        self.found.points.push(FeaturePoint {
             point,
             mesh: element.word("affects"),
             vertex: element.whole("index")?,
@@ -293,7 +293,7 @@ impl Parser<'_> {
             let what = format!("fap {index} found, 0 to {} expected", FAPS - 1);
             return Err(ReadError::malformed(&element.line, what));
         }
-        point.influences.push(Influence {
+        point.influences.push(FapInfluence {
             fap: index + 1,
             kind: element.word("type"),
             weight: element.number("weight")?,

@@ -2,7 +2,7 @@
 
 use super::file;
 use crate::limits::Limits;
-use articula_core::joint_names::Profile;
+use articula_core::joint_names::JointMap;
 use std::sync::LazyLock;
 
 macro_rules! profile {
@@ -35,7 +35,7 @@ const FILES: [&str; 20] = [
     profile!("webxr-hand"),
 ];
 
-static PROFILES: LazyLock<Vec<Profile>> = LazyLock::new(|| {
+static PROFILES: LazyLock<Vec<JointMap>> = LazyLock::new(|| {
     let parsed = FILES.iter().map(|json| {
         file::parse(json.as_bytes(), &Limits::default()).expect("a test reads every own profile")
     });
@@ -45,7 +45,7 @@ static PROFILES: LazyLock<Vec<Profile>> = LazyLock::new(|| {
 });
 
 /// Gives the profiles that come with the library; on a tie of matches the first wins.
-pub fn builtin() -> &'static [Profile] {
+pub fn builtin() -> &'static [JointMap] {
     &PROFILES
 }
 

@@ -7,7 +7,7 @@ use super::standard;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::Region;
-use articula_core::joint_names::{Profile, Scope, Target, folded};
+use articula_core::joint_names::{JointMap, RigScope, JointTarget, folded};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
@@ -49,14 +49,14 @@ struct File {
 /// [`ReadError::Malformed`] if it is no JSON, has an unknown member, names a joint or region
 /// that the standard does not have, or gives one name two meanings;
 /// [`ReadError::LimitExceeded`].
-pub fn parse(json: &[u8], limits: &Limits) -> Result<Profile, ReadError> {
+pub fn parse(json: &[u8], limits: &Limits) -> Result<JointMap, ReadError> {
     Limits::check("profile", "bytes", json.len() as u64, limits.bytes)?;
     let file: File = serde_json::from_slice(json).map_err(|e| ReadError::of_json(&e, FORM))?;
     let lists = file.helpers.values().map(Vec::len).sum::<usize>() + file.ignored.len();
     let patterns = (file.joints.len() + lists) as u64;
     Limits::check("profile", "joint name patterns", patterns, limits.nodes)?;
     let fold = |list: &[String]| list.iter().map(|s| folded(s)).collect();
-    Ok(Profile {
+    Ok(JointMap {
         prefixes: fold(&file.prefixes),
         suffixes: fold(&file.suffixes),
         targets: targets(&file)?,
@@ -64,31 +64,31 @@ pub fn parse(json: &[u8], limits: &Limits) -> Result<Profile, ReadError> {
         title: file.title,
         source: file.source,
         scope: match file.scope {
-            FileScope::Body => Scope::Body,
-            FileScope::Hand => Scope::Hand,
+            FileScope::Body => RigScope::Body,
+            FileScope::Hand => RigScope::Hand,
         },
     })
 }
 
 /// The profile in which each name of the standard means itself.
-pub(super) fn of_the_standard() -> Profile {
+pub(super) fn of_the_standard() -> JointMap {
     let named = |name: &str| {
         let joint = standard::joint(name)?;
-        Some((folded(name), Target::Joint(joint)))
+        Some((folded(name), JointTarget::Joint(joint)))
     };
     let names = standard::all_names().chain(["HumanoidRoot"]);
-    Profile {
+    JointMap {
         name: "hanim".to_owned(),
         title: "H-Anim 1.1 and 2".to_owned(),
         source: "ISO/IEC 19774".to_owned(),
-        scope: Scope::Body,
+        scope: RigScope::Body,
         prefixes: vec!["hanim".to_owned()],
         suffixes: Vec::new(),
         targets: names.filter_map(named).collect(),
     }
 }
 
-fn targets(file: &File) -> Result<BTreeMap<String, Target>, ReadError> {
+fn targets(file: &File) -> Result<BTreeMap<String, JointTarget>, ReadError> {
     let mut all = BTreeMap::new();
     for (pattern, meaning) in &file.joints {
         let at = format!("joints.\"{pattern}\"");
@@ -103,18 +103,18 @@ fn targets(file: &File) -> Result<BTreeMap<String, Target>, ReadError> {
             ReadError::malformed(&*at, format!("no such region; the regions are {known}"))
         })?;
         for (name, _) in patterns.iter().flat_map(|p| names::spellings(p, "")) {
-            insert(&mut all, &at, name, Target::Helper(region))?;
+            insert(&mut all, &at, name, JointTarget::Helper(region))?;
         }
     }
     for (name, _) in file.ignored.iter().flat_map(|p| names::spellings(p, "")) {
-        insert(&mut all, "ignored", name, Target::Ignored)?;
+        insert(&mut all, "ignored", name, JointTarget::Ignored)?;
     }
     Ok(all)
 }
 
-fn joint_target(at: &str, meaning: &str) -> Result<Target, ReadError> {
+fn joint_target(at: &str, meaning: &str) -> Result<JointTarget, ReadError> {
     if meaning == "spine" {
-        return Ok(Target::Spine);
+        return Ok(JointTarget::Spine);
     }
     if meaning.contains(SIDE) {
         let what = format!("\"{meaning}\" needs a {SIDE} in the joint name as well");
@@ -128,18 +128,18 @@ fn joint_target(at: &str, meaning: &str) -> Result<Target, ReadError> {
     };
     if let Some(rest) = meaning.strip_prefix(HAND) {
         let left = standard::joint(&format!("l{rest}"));
-        return left.map(Target::HandJoint).ok_or_else(unknown);
+        return left.map(JointTarget::HandJoint).ok_or_else(unknown);
     }
     standard::joint(meaning)
-        .map(Target::Joint)
+        .map(JointTarget::Joint)
         .ok_or_else(unknown)
 }
 
 fn insert(
-    all: &mut BTreeMap<String, Target>,
+    all: &mut BTreeMap<String, JointTarget>,
     at: &str,
     name: String,
-    target: Target,
+    target: JointTarget,
 ) -> Result<(), ReadError> {
     if let Some(other) = all.get(&name).filter(|other| **other != target) {
         let what = format!("the joint name \"{name}\" has two meanings: {other:?} and {target:?}");
@@ -162,7 +162,7 @@ mod tests {
     fn smallest_profile_maps_both_sides() {
         let json = r#"{"name": "x", "joints": {"{side}Arm": "{side}_shoulder"}}"#;
         let profile = parse(json.as_bytes(), &Limits::default()).unwrap();
-        let Some(Target::Joint(joint)) = profile.target("Rig|arm.R") else {
+        let Some(JointTarget::Joint(joint)) = profile.target("Rig|arm.R") else {
             panic!("arm.R is not found");
         };
         assert_eq!(joint.name, "r_shoulder");

@@ -3,7 +3,7 @@
 //! Source: VRM 1.0 `humanoid`; VRM 0.x differs in the thumb.
 
 use articula_core::Articulation;
-use articula_core::joint_names::Target;
+use articula_core::joint_names::JointTarget;
 use std::collections::HashMap;
 
 /// Bones of the trunk and head; the limbs have a side.
@@ -43,7 +43,7 @@ pub(crate) fn is_vrm_bone(name: &str) -> bool {
 pub fn vrm_bones(articulation: &Articulation) -> Vec<(usize, String)> {
     let profile = super::builtin().iter().find(|p| p.name == "vrm-1");
     let hanim_of = |bone: &str| match profile.and_then(|p| p.target(bone)) {
-        Some(Target::Joint(joint)) => Some(joint.name.clone()),
+        Some(JointTarget::Joint(joint)) => Some(joint.name.clone()),
         _ => None,
     };
     let bones = all_bones().filter_map(|bone| Some((hanim_of(&bone)?, bone)));

@@ -9,7 +9,7 @@ use crate::world::matrices as world;
 use articula_core::source::{Character, Property};
 use articula_formats::bva;
 use articula_formats::{Limits, Read, ReadError, bvh, profile};
-use articula_formats::{MotionFile, ReadOptions, Up};
+use articula_formats::{MotionFile, ReadOptions, UpAxis};
 use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
 use std::fmt::Write as _;
 
@@ -109,7 +109,7 @@ fn columns_and_units_are_what_the_file_says() {
 fn unit_and_up_axis_can_be_given() {
     let options = ReadOptions {
         scale_to_metres: Some(0.1),
-        up: Up::Z,
+        up: UpAxis::Z,
         ..ReadOptions::default()
     };
     let file = bva::read(TWO.as_bytes(), &options, &Limits::default())
@@ -123,7 +123,7 @@ fn unit_and_up_axis_can_be_given() {
     for scale in [0.0, -1.0, f32::NAN] {
         let options = ReadOptions {
             scale_to_metres: Some(scale),
-            up: Up::Auto,
+            up: UpAxis::Auto,
             ..ReadOptions::default()
         };
         assert!(bva::read(TWO.as_bytes(), &options, &Limits::default()).is_err());

@@ -6,7 +6,7 @@ use articula_core::source::{Character, Property};
 use articula_formats::bvh::{self, ChannelOrder, WriteOptions};
 use articula_formats::profile;
 use articula_formats::{Limits, ReadError};
-use articula_formats::{MotionFile, ReadOptions, Up};
+use articula_formats::{MotionFile, ReadOptions, UpAxis};
 use glam::{Quat, Vec3};
 
 fn read(bytes: &[u8]) -> MotionFile {
@@ -18,7 +18,7 @@ fn read(bytes: &[u8]) -> MotionFile {
 fn plain(text: &str) -> Result<articula_formats::Read<MotionFile>, ReadError> {
     let options = ReadOptions {
         scale_to_metres: Some(1.0),
-        up: Up::Y,
+        up: UpAxis::Y,
         ..ReadOptions::default()
     };
     bvh::read(text.as_bytes(), &options, &Limits::default())
@@ -317,7 +317,7 @@ fn real_files_survive_writing() {
                 &text,
                 &ReadOptions {
                     scale_to_metres: Some(0.01),
-                    up: Up::Y,
+                    up: UpAxis::Y,
                     ..ReadOptions::default()
                 },
                 &Limits::default(),

@@ -5,7 +5,7 @@ use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{DistanceOptions, surface_distances};
 use articula_build::{PoseOptions, poses, positions};
-use articula_build::{Simplified, SimplifyOptions, Weighting, simplify};
+use articula_build::{Simplified, SimplifyOptions, ErrorWeighting, simplify};
 use articula_formats::{Limits, gltf, profile};
 use glam::Vec3;
 use std::collections::BTreeMap;
@@ -77,7 +77,7 @@ fn levels_reach_their_targets_and_tear_nowhere() {
             );
         }
         let resting = SimplifyOptions {
-            weighting: Weighting::Rest,
+            weighting: ErrorWeighting::Rest,
             ..SimplifyOptions::default()
         };
         let resting = simplify(&asset.mesh, &shaping, &resting).unwrap();

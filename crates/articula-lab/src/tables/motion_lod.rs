@@ -5,10 +5,10 @@
 use super::{CLIPS, DISTANCES_M, Run, pose_keys};
 use crate::data;
 use anyhow::{Context, Result};
-use articula::evaluate::{self, Tuning};
+use articula::evaluate::{self, ParameterChoice};
 use articula_build::Asset;
-use articula_build::evaluate::Direction;
-use articula_build::evaluate::{Method, MethodOptions, Row, Setup, SkinPxVariant, Stage};
+use articula_build::evaluate::BoneDirection;
+use articula_build::evaluate::{Method, MethodOptions, DistanceRow, EvaluationSetup, SkinPxVariant, ClipEvaluator};
 use articula_core::Complexity;
 use articula_core::loa::complexity;
 use std::fmt::Write as _;
@@ -26,7 +26,7 @@ pub(crate) struct Measured {
     pub(crate) title: &'static str,
     pub(crate) published: Option<[f32; 5]>,
     /// `rows[clip][distance]`.
-    pub(crate) rows: Vec<Vec<Row>>,
+    pub(crate) rows: Vec<Vec<DistanceRow>>,
 }
 
 impl Measured {
@@ -68,7 +68,7 @@ fn baselines(asset: &Asset) -> Vec<Entry> {
         Method::Thesis,
         Some(by_path),
     );
-    path.options.thesis.direction = Direction::Path;
+    path.options.thesis.direction = BoneDirection::Path;
     vec![
         entry("fixed LoA", Method::Loa(levels), Some([0.0; 5])),
         entry("skip frames, hold", Method::SkipHold, Some([0.0; 5])),
@@ -136,8 +136,8 @@ pub(crate) fn measure(
             .iter()
             .find(|c| c.name == *name)
             .with_context(|| format!("no clip \"{name}\""))?;
-        let stage = Stage::new(asset, clip, Setup::default(), entry.options);
-        let tuning = Tuning::Calibrated(limit_px);
+        let stage = ClipEvaluator::new(asset, clip, EvaluationSetup::default(), entry.options);
+        let tuning = ParameterChoice::Calibrated(limit_px);
         rows.push(evaluate::rows(&stage, &entry.method, &DISTANCES_M, tuning));
     }
     Ok(Measured {
@@ -276,7 +276,7 @@ mod tests {
                 contact_care,
                 ..MethodOptions::default()
             };
-            let stage = Stage::new(&asset, clip, Setup::default(), options);
+            let stage = ClipEvaluator::new(&asset, clip, EvaluationSetup::default(), options);
             let contacts = contact_intervals(&asset, &stage.clip, false);
             assert!(contacts.len() >= 2, "both feet stand in a walk");
             play(&stage, &Method::SkinPx(SkinPxVariant::Hold), 0.02)

@@ -7,7 +7,7 @@
 use super::{CLIPS, Run};
 use anyhow::{Context, Result};
 use articula_build::Asset;
-use articula_build::evaluate::{MethodOptions, Setup, Stage, pose_key_frames, uniform_key_frames};
+use articula_build::evaluate::{MethodOptions, EvaluationSetup, ClipEvaluator, pose_key_frames, uniform_key_frames};
 use std::fmt::Write as _;
 
 const DISTANCES_M: [f32; 3] = [9.05, 16.0, 25.6];
@@ -49,11 +49,11 @@ struct Saved {
 }
 
 /// Counts for one clip under both limits.
-fn measure(asset: &Asset, clip: usize, setup: &Setup) -> Result<Vec<Saved>> {
+fn measure(asset: &Asset, clip: usize, setup: &EvaluationSetup) -> Result<Vec<Saved>> {
     let name = CLIPS[clip];
     let found = asset.clips.iter().find(|c| c.name == name);
     let found = found.with_context(|| format!("no clip \"{name}\""))?;
-    let stage = Stage::new(asset, found, setup.clone(), MethodOptions::default());
+    let stage = ClipEvaluator::new(asset, found, setup.clone(), MethodOptions::default());
     let steps = (stage.clip.frames() - 1) as f32;
     let percent = |keys: Vec<usize>| 100.0 * (1.0 - (keys.len() - 1) as f32 / steps);
     let mut saved = Vec::new();
@@ -75,8 +75,8 @@ fn measure(asset: &Asset, clip: usize, setup: &Setup) -> Result<Vec<Saved>> {
 }
 
 /// Every vertex of the skin.
-fn whole_skin(asset: &Asset) -> Setup {
-    Setup {
+fn whole_skin(asset: &Asset) -> EvaluationSetup {
+    EvaluationSetup {
         points: asset.mesh.len(),
         ..Setup::default()
     }
@@ -155,7 +155,7 @@ mod tests {
             // With 700 vertices a draw decides about a span or two; their mean about less than one.
             let draws: Vec<Vec<Saved>> = (1..=5)
                 .map(|seed| {
-                    let setup = Setup {
+                    let setup = EvaluationSetup {
                         seed,
                         ..Setup::default()
                     };

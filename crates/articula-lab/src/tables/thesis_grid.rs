@@ -6,10 +6,10 @@
 use super::{CLIPS, DISTANCES_M, Run};
 use crate::data;
 use anyhow::{Context, Result};
-use articula::evaluate::{self, Tuning};
+use articula::evaluate::{self, ParameterChoice};
 use articula_build::Asset;
-use articula_build::evaluate::ThesisOptions;
-use articula_build::evaluate::{Method, MethodOptions, Row, Setup, Stage};
+use articula_build::evaluate::ThesisMetricOptions;
+use articula_build::evaluate::{Method, MethodOptions, DistanceRow, EvaluationSetup, ClipEvaluator};
 use articula_build::evaluate::{Threshold, ThresholdCurve};
 use std::fmt::Write as _;
 
@@ -44,7 +44,7 @@ pub(crate) fn write(run: &Run) -> Result<()> {
             let label = format!("{curve:?}").to_lowercase();
             let mut cells = String::new();
             for d in 0..DISTANCES_M.len() {
-                let mean = |of: &dyn Fn(&Row) -> f32| {
+                let mean = |of: &dyn Fn(&DistanceRow) -> f32| {
                     rows.iter().map(|r| of(&r[d])).sum::<f32>() / rows.len() as f32
                 };
                 let gain = 100.0 * mean(&|r| r.trial.joint_update_gain);
@@ -74,23 +74,23 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     run.save("thesis-grid", &page, &csv)
 }
 
-fn play_clip(asset: &Asset, name: &str, threshold: Threshold, beta: f32) -> Result<Vec<Row>> {
+fn play_clip(asset: &Asset, name: &str, threshold: Threshold, beta: f32) -> Result<Vec<DistanceRow>> {
     let clip = asset
         .clips
         .iter()
         .find(|c| c.name == name)
         .with_context(|| format!("no clip \"{name}\""))?;
     let options = MethodOptions {
-        thesis: ThesisOptions {
+        thesis: ThesisMetricOptions {
             beta,
             ..ThesisOptions::default()
         },
         threshold,
         ..MethodOptions::default()
     };
-    let stage = Stage::new(asset, clip, Setup::default(), options);
+    let stage = ClipEvaluator::new(asset, clip, EvaluationSetup::default(), options);
     let method = Method::Thesis;
-    Ok(evaluate::rows(&stage, &method, &DISTANCES_M, Tuning::Usual))
+    Ok(evaluate::rows(&stage, &method, &DISTANCES_M, ParameterChoice::Usual))
 }
 
 const HEAD: &str = "# The thesis' metric over distance, threshold and beta

@@ -80,4 +80,4 @@ pub use codec::{
 };
 pub use head::{MeshStream, StreamObject};
 pub use receiver::Receiver;
-pub use write::{ObjectLevels, Written, write};
+pub use write::{ObjectLevels, EncodedMeshStream, write};

@@ -19,7 +19,7 @@ pub struct ObjectLevels {
 
 /// A stream, and what is where in it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Written {
+pub struct EncodedMeshStream {
     /// The head and all chunks.
     pub bytes: Vec<u8>,
     /// The map of it.
@@ -38,7 +38,7 @@ pub fn write(
     levels: &LevelTable,
     objects: &[ObjectLevels],
     shown: Range<usize>,
-) -> Result<Written, Mismatch> {
+) -> Result<EncodedMeshStream, Mismatch> {
     let count = levels.levels.len();
     if shown.is_empty() || shown.end > count {
         return Err(Mismatch::new(
@@ -85,7 +85,7 @@ pub fn write(
     let opened = MeshStream::open(&bytes, &limits);
     let stream = opened.map_err(|e| Mismatch::new("levels", e.to_string()))?;
     bytes.extend(chunks);
-    Ok(Written {
+    Ok(EncodedMeshStream {
         unit: stream.unit(),
         bytes,
     })

@@ -1,19 +1,19 @@
 //! BAP files: any humanoid's motion as body animation parameters.
 
-use super::left_out::{LeftOut, Written, meshes};
+use super::left_out::{LossyPart, EncodedFile, meshes};
 use crate::error::Result;
-use crate::open::Opened;
-use articula_build::retarget::{Figure, RetargetOptions, Retargeter};
+use crate::open::CharacterFile;
+use articula_build::retarget::{RetargetFigure, RetargetOptions, Retargeter};
 use articula_build::source_rate_hz;
 use articula_core::source::Character;
-use articula_formats::mpeg4::bap::{self, Residual};
+use articula_formats::mpeg4::bap::{self, BapResidual};
 use articula_formats::profile;
 
 /// A BAP file of the first clip; parameters that were read are written as they were.
-pub(super) fn written(opened: &Opened) -> Result<Written> {
+pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
     if let Some(parameters) = &opened.parameters {
         if !opened.clips_changed {
-            return Ok(Written {
+            return Ok(EncodedFile {
                 bytes: bap::write(parameters),
                 beside: None,
                 left_out: Vec::new(),
@@ -24,11 +24,11 @@ pub(super) fn written(opened: &Opened) -> Result<Written> {
     let mut figure = bap::figure();
     let standard = articula_build::joint_names::map(&figure.skeleton, profile::builtin(), None);
     let clip = &opened.character.clips[0];
-    let source = Figure {
+    let source = RetargetFigure {
         skeleton: &opened.character.skeleton,
         articulation: &opened.mapping.articulation,
     };
-    let target = Figure {
+    let target = RetargetFigure {
         skeleton: &figure.skeleton,
         articulation: &standard.articulation,
     };
@@ -38,12 +38,12 @@ pub(super) fn written(opened: &Opened) -> Result<Written> {
 }
 
 /// What the standard humanoid does as a BAP file; `source` has what no BAP file holds.
-fn parameters_of(figure: &Character, source: &Opened) -> Result<Written> {
+fn parameters_of(figure: &Character, source: &CharacterFile) -> Result<EncodedFile> {
     let standard = articula_build::joint_names::map(&figure.skeleton, profile::builtin(), None);
     let rate_hz = source.character.clips.first().map_or(30.0, source_rate_hz);
     let sampled = bap::sample(figure, &standard.articulation, 0, rate_hz)?;
     let unsaid = unsaid(&sampled.residuals);
-    Ok(Written {
+    Ok(EncodedFile {
         bytes: bap::write(&sampled.clip),
         beside: None,
         left_out: meshes(source).into_iter().chain(unsaid).collect(),
@@ -51,9 +51,9 @@ fn parameters_of(figure: &Character, source: &Opened) -> Result<Written> {
 }
 
 /// Turns that no parameter says.
-fn unsaid(residuals: &[Residual]) -> Option<LeftOut> {
+fn unsaid(residuals: &[BapResidual]) -> Option<LossyPart> {
     let worst = residuals.first()?;
-    Some(LeftOut::Turns {
+    Some(LossyPart::Turns {
         joints: residuals.len(),
         most: worst.joint.to_owned(),
         max_radians: worst.max_radians,

@@ -4,11 +4,11 @@
 //! joints) keys. The bound of the keys is against what they stood for just before.
 
 use crate::error::{Context, Error, Result};
-use crate::open::{Format, Opened};
+use crate::open::{Format, CharacterFile};
 use crate::work::Executor;
-use articula_build::clip_edit::{self, Subject};
-use articula_build::clip_edit::{CloseOptions, Cycle};
-use articula_build::clip_edit::{ReduceOptions, Reduced};
+use articula_build::clip_edit::{self, EditSubject};
+use articula_build::clip_edit::{CloseOptions, LoopCycle};
+use articula_build::clip_edit::{ReduceOptions, ReducedClip};
 use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey};
 use articula_core::source::Clip;
 use serde::{Serialize, Serializer};
@@ -212,7 +212,7 @@ impl ClipEdits {
     }
 
     /// Does all but the keys; gives one entry for each clip, or none if nothing is asked for.
-    pub(super) fn apply(&self, opened: &mut Opened, work: &Executor<'_>) -> Result<Vec<ClipEdited>> {
+    pub(super) fn apply(&self, opened: &mut CharacterFile, work: &Executor<'_>) -> Result<Vec<ClipEdited>> {
         if !self.asks() {
             return Ok(Vec::new());
         }
@@ -232,7 +232,7 @@ impl ClipEdits {
         Ok(edits)
     }
 
-    fn edit(&self, subject: &Subject<'_>, clip: &mut Clip) -> Result<ClipEdited> {
+    fn edit(&self, subject: &EditSubject<'_>, clip: &mut Clip) -> Result<ClipEdited> {
         Ok(ClipEdited {
             clip: clip.name.clone(),
             trim: self.trim.map(|part| part.trim(clip)).transpose()?,
@@ -252,7 +252,7 @@ impl ClipEdits {
     /// Drops keys, after everything else.
     pub(super) fn reduce_keys(
         &self,
-        opened: &mut Opened,
+        opened: &mut CharacterFile,
         edits: &mut [ClipEdited],
         work: &Executor<'_>,
     ) -> Result<()> {
@@ -273,7 +273,7 @@ impl ClipEdits {
     }
 }
 
-impl Opened {
+impl CharacterFile {
     /// Edits all clips of the character; gives one entry for each, or none if nothing is asked
     /// for. Jobs are the clips.
     ///
@@ -286,9 +286,9 @@ impl Opened {
     }
 }
 
-fn subject(opened: &Opened) -> Result<Subject<'_>> {
+fn subject(opened: &CharacterFile) -> Result<EditSubject<'_>> {
     let articulation = opened.articulation();
-    Ok(Subject::new(
+    Ok(EditSubject::new(
         &opened.character,
         articulation,
         &opened.end_sites,
@@ -296,7 +296,7 @@ fn subject(opened: &Opened) -> Result<Subject<'_>> {
 }
 
 /// Cuts a clip to its loop and closes it, if it has one.
-fn looped(subject: &Subject<'_>, clip: &mut Clip, options: &CloseOptions) -> Result<Looped> {
+fn looped(subject: &EditSubject<'_>, clip: &mut Clip, options: &CloseOptions) -> Result<Looped> {
     let part = clip_edit::find(subject, clip)?;
     let is_loop = part.is_some_and(|p| p.is_loop);
     let mut closed = None;
@@ -312,7 +312,7 @@ fn looped(subject: &Subject<'_>, clip: &mut Clip, options: &CloseOptions) -> Res
             seam_deg: out.seam_radians.to_degrees(),
         });
     }
-    let told = |part: Cycle| LoopPart {
+    let told = |part: LoopCycle| LoopPart {
         start_secs: part.start_secs,
         end_secs: part.end_secs,
         period_secs: part.end_secs - part.start_secs,
@@ -331,7 +331,7 @@ fn looped(subject: &Subject<'_>, clip: &mut Clip, options: &CloseOptions) -> Res
 }
 
 fn root_motion(
-    subject: &Subject<'_>,
+    subject: &EditSubject<'_>,
     clip: &mut Clip,
     options: &RootMotionOptions,
 ) -> Result<RootMotionEdited> {
@@ -387,7 +387,7 @@ impl ClipPart {
 }
 
 impl KeysReduced {
-    fn new(bound_metres: f32, out: &Reduced) -> Self {
+    fn new(bound_metres: f32, out: &ReducedClip) -> Self {
         let (before, after) = (out.before, out.after);
         Self {
             bound_m: bound_metres,

@@ -6,10 +6,10 @@
 use super::morphs;
 use super::same_joints::Twins;
 use crate::error::{Context, Error, Result};
-use crate::open::{Opened, choose};
+use crate::open::{CharacterFile, choose};
 use crate::work::Executor;
 use articula_build::bake;
-use articula_build::retarget::{Figure, RetargetOptions, RetargetReport, Retargeter};
+use articula_build::retarget::{RetargetFigure, RetargetOptions, RetargetReport, Retargeter};
 use articula_core::source::Clip;
 use std::borrow::Cow;
 use std::collections::HashSet;
@@ -70,7 +70,7 @@ pub struct ClipFit {
     pub retargeted: Option<RetargetReport>,
 }
 
-impl Opened {
+impl CharacterFile {
     /// Puts the clips of other files onto this character, and gives each a name of its own.
     ///
     /// Where the skeleton is the same, the clips go over as they are; else they are retargeted by
@@ -154,13 +154,13 @@ impl Opened {
 }
 
 /// Makes clips of a file for the character of another, which stays as it is;
-/// [`Opened::put_clips`] takes them.
+/// [`CharacterFile::put_clips`] takes them.
 ///
 /// # Errors
-/// See [`Opened::add_clips`].
+/// See [`CharacterFile::add_clips`].
 pub fn fit_clips(
-    file: &Opened,
-    character: &Opened,
+    file: &CharacterFile,
+    character: &CharacterFile,
     options: &AddClipsOptions,
 ) -> Result<Vec<FittedClip>> {
     let clips = chosen(file, options).with_context(|| &file.name)?;
@@ -171,11 +171,11 @@ pub fn fit_clips(
         Way::Names(twins)
     } else {
         check_mapped(file, character, options.by_names)?;
-        let from = Figure {
+        let from = RetargetFigure {
             skeleton: from,
             articulation: &articulations.0,
         };
-        let onto = Figure {
+        let onto = RetargetFigure {
             skeleton: onto,
             articulation: &articulations.1,
         };
@@ -243,7 +243,7 @@ impl Way<'_> {
 }
 
 /// Whether the map can help; `by_names` if the names were tried before.
-fn check_mapped(file: &Opened, character: &Opened, by_names: bool) -> Result<()> {
+fn check_mapped(file: &CharacterFile, character: &CharacterFile, by_names: bool) -> Result<()> {
     if !by_names {
         file.check_human()?;
         return character.check_human();
@@ -259,7 +259,7 @@ fn check_mapped(file: &Opened, character: &Opened, by_names: bool) -> Result<()>
 }
 
 /// The clips of a file that are wanted.
-fn chosen<'a>(file: &'a Opened, options: &AddClipsOptions) -> Result<Vec<&'a Clip>> {
+fn chosen<'a>(file: &'a CharacterFile, options: &AddClipsOptions) -> Result<Vec<&'a Clip>> {
     let clips = &file.character.clips;
     if clips.is_empty() {
         let what = "clips: there is none to put onto the character";
@@ -274,7 +274,7 @@ fn chosen<'a>(file: &'a Opened, options: &AddClipsOptions) -> Result<Vec<&'a Cli
 
 /// The file's name for its only clip; the clip's own where a file has several, with the file's
 /// before it where that is wanted.
-fn name(file: &Opened, clip: &Clip, options: &AddClipsOptions) -> String {
+fn name(file: &CharacterFile, clip: &Clip, options: &AddClipsOptions) -> String {
     let stem = Path::new(&file.name).file_stem().unwrap_or_default();
     let stem = stem.to_string_lossy();
     let prefix = &options.prefix;

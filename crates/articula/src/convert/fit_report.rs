@@ -3,8 +3,8 @@
 //! The field names are a promise to scripts that read them as JSON (`docs/commands.md`).
 
 use super::fit_clips::FittedClip;
-use crate::open::Opened;
-use articula_build::retarget::{self, Origin, RetargetReport};
+use crate::open::CharacterFile;
+use articula_build::retarget::{self, RotationOrigin, RetargetReport};
 use articula_core::source::Skeleton;
 use serde::Serialize;
 
@@ -58,29 +58,29 @@ pub struct FitClip {
 #[derive(Debug, Serialize)]
 pub struct FitQuality {
     /// How far resting feet move as the turns alone give it.
-    pub foot_slide_before_mm: Slide,
+    pub foot_slide_before_mm: FootSlideSummary,
     /// The same in the result.
-    pub foot_slide_mm: Slide,
+    pub foot_slide_mm: FootSlideSummary,
     /// The same of the source's own feet, at the character's size.
-    pub foot_slide_source_mm: Slide,
+    pub foot_slide_source_mm: FootSlideSummary,
     /// Deepest that a sole is below the floor as the turns alone give it.
     pub below_floor_before_mm: f32,
     /// The same in the result.
     pub below_floor_mm: f32,
     /// How far hands are from where the source has them, seen from the shoulders; in lengths of
     /// the arm.
-    pub hands_error: EndError,
+    pub hands_error: EndEffectorSummary,
     /// Feet likewise, from the hips.
-    pub feet_error: EndError,
+    pub feet_error: EndEffectorSummary,
     /// The head likewise.
-    pub head_error: EndError,
+    pub head_error: EndEffectorSummary,
     /// Share of frames and sides in which a knee or elbow bends to its wrong side.
     pub hinge_wrong_share: f32,
 }
 
 /// Over the contacts of a clip.
 #[derive(Debug, Serialize)]
-pub struct Slide {
+pub struct FootSlideSummary {
     /// Number of contacts.
     pub contacts: usize,
     /// Mean.
@@ -91,7 +91,7 @@ pub struct Slide {
 
 /// Over frames and sides.
 #[derive(Debug, Serialize)]
-pub struct EndError {
+pub struct EndEffectorSummary {
     /// Mean.
     pub mean: f32,
     /// Greatest.
@@ -99,14 +99,14 @@ pub struct EndError {
 }
 
 impl FitQuality {
-    fn new(quality: &retarget::Quality) -> Self {
-        let slide = |s: &retarget::Slide| Slide {
+    fn new(quality: &retarget::RetargetQuality) -> Self {
+        let slide = |s: &retarget::FootSlide| FootSlideSummary {
             contacts: s.contacts,
             // Adding zero: an empty sum is -0.
             mean: 1000.0 * s.mean_metres + 0.0,
             max: 1000.0 * s.max_metres + 0.0,
         };
-        let error = |e: &retarget::EndError| EndError {
+        let error = |e: &retarget::EndEffectorError| EndEffectorSummary {
             mean: e.mean,
             max: e.max,
         };
@@ -146,7 +146,7 @@ pub struct JointShare {
 
 impl FitReport {
     /// How the clips of a file came out on a character; `None` if none of them was retargeted.
-    pub fn new(file: &Opened, character: &Opened, fitted: &[FittedClip]) -> Option<Self> {
+    pub fn new(file: &CharacterFile, character: &CharacterFile, fitted: &[FittedClip]) -> Option<Self> {
         let (skeleton, from) = (&character.character.skeleton, &file.character.skeleton);
         let report = fitted
             .iter()
@@ -190,12 +190,12 @@ fn joints(skeleton: &Skeleton, from: &Skeleton, report: &RetargetReport) -> Vec<
     };
     let joint = |j: &retarget::JointReport| {
         let (origin, from) = match &j.origin {
-            Origin::Mapped { source } => ("mapped", vec![share(*source, 1.0)]),
-            Origin::Shared { sources } => (
+            RotationOrigin::Mapped { source } => ("mapped", vec![share(*source, 1.0)]),
+            RotationOrigin::Shared { sources } => (
                 "shared",
                 sources.iter().map(|(s, w)| share(*s, *w)).collect(),
             ),
-            Origin::Held => ("held", Vec::new()),
+            RotationOrigin::Held => ("held", Vec::new()),
         };
         FitJoint {
             joint: name(skeleton, j.joint),

@@ -2,14 +2,14 @@
 
 use super::pose_kind::pose_kind;
 use crate::error::Result;
-use crate::open::Opened;
+use crate::open::CharacterFile;
 use articula_formats::gltf::Document;
 use articula_formats::profile::vrm_bones;
 
 /// Writes them into the document that becomes the file. `node_of_joint` is the way from the
 /// joints to its nodes.
 pub(super) fn write(
-    opened: &Opened,
+    opened: &CharacterFile,
     document: &mut Document,
     node_of_joint: &[usize],
 ) -> Result<()> {

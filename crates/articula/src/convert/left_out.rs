@@ -1,22 +1,22 @@
 //! A written file, and what its format cannot hold.
 
-use crate::open::{Format, Opened};
+use crate::open::{Format, CharacterFile};
 
 /// The bytes of a file, and what they do not hold.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Written {
+pub struct EncodedFile {
     /// The file.
     pub bytes: Vec<u8>,
     /// The file that must lie beside it: the skeleton of a motion, or the motion of a skeleton.
     pub beside: Option<(Format, Vec<u8>)>,
     /// What the format cannot hold.
-    pub left_out: Vec<LeftOut>,
+    pub left_out: Vec<LossyPart>,
 }
 
 /// Something that the format of a written file cannot hold.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum LeftOut {
+pub enum LossyPart {
     /// So many meshes.
     Meshes(usize),
     /// So many end sites of joints.
@@ -39,10 +39,10 @@ pub enum LeftOut {
 }
 
 /// The meshes, which a format of joints cannot hold.
-pub(super) fn meshes(opened: &Opened) -> Option<LeftOut> {
-    counted(opened.character.meshes.len(), LeftOut::Meshes)
+pub(super) fn meshes(opened: &CharacterFile) -> Option<LossyPart> {
+    counted(opened.character.meshes.len(), LossyPart::Meshes)
 }
 
-pub(super) fn counted(count: usize, left_out: fn(usize) -> LeftOut) -> Option<LeftOut> {
+pub(super) fn counted(count: usize, left_out: fn(usize) -> LossyPart) -> Option<LossyPart> {
     (count > 0).then(|| left_out(count))
 }

@@ -25,21 +25,21 @@ mod written;
 pub use articula_build::clip_edit::CloseOptions;
 pub use articula_build::clip_edit::ReduceOptions;
 pub use articula_build::clip_edit::{RootMotionMode, RootMotionOptions};
-pub use articula_build::retarget::{Pinning, RetargetOptions, RetargetReport};
+pub use articula_build::retarget::{ContactPinning, RetargetOptions, RetargetReport};
 pub use clip_edits::{
     ClipEdited, ClipEdits, ClipPart, KeysReduced, LoopClosed, LoopPart, Looped, Resampled,
     RootMotionEdited, TrajectoryPlace, Trimmed,
 };
 pub use fit_clips::{AddClipsOptions, ClipFit, FittedClip, fit_clips};
-pub use fit_report::{EndError, FitClip, FitJoint, FitQuality, FitReport, JointShare, Slide};
-pub use left_out::{LeftOut, Written};
+pub use fit_report::{EndEffectorSummary, FitClip, FitJoint, FitQuality, FitReport, JointShare, FootSlideSummary};
+pub use left_out::{LossyPart, EncodedFile};
 pub use reduction::{
     AnimationSize, JointReduction, JointsHeld, JointsReduced, MovingJoints, hold_joints,
 };
 pub use written::{write, write_data};
 
 use crate::error::{Context, Error, Result};
-use crate::open::{Format, Opened, Writes, choose, conversions};
+use crate::open::{Format, CharacterFile, WriteSupport, choose, conversions};
 use crate::work::Executor;
 
 /// What is done with a character before it is written; the default is nothing.
@@ -60,7 +60,7 @@ pub struct ConvertOptions {
 #[derive(Debug)]
 pub struct Converted {
     /// The file, and what must lie beside it.
-    pub written: Written,
+    pub written: EncodedFile,
     /// Names of the clips that were written.
     pub clips: Vec<String>,
     /// What was done with each clip; empty if no edit was asked for.
@@ -116,7 +116,7 @@ pub struct Converted {
 /// [`Error::Argument`] if the format cannot hold what is asked for or no clip has the name; else
 /// an [`Error`] that names the file and what of it does not fit.
 pub fn convert(
-    mut opened: Opened,
+    mut opened: CharacterFile,
     format: Format,
     options: &ConvertOptions,
     work: &Executor<'_>,
@@ -133,7 +133,7 @@ pub fn convert(
     let made = written::written(&opened, format, options.khr_character);
     let mut written = made.with_context(|| &place)?;
     if dropped > 0 && options.clip.is_none() {
-        written.left_out.push(LeftOut::Clips(dropped));
+        written.left_out.push(LossyPart::Clips(dropped));
     }
     let clips = opened.character.clips.iter();
     Ok(Converted {
@@ -158,9 +158,9 @@ impl ConvertOptions {
             )));
         }
         let fits = match to.writes() {
-            Writes::Any => true,
-            Writes::Back => from == to,
-            Writes::Never => false,
+            WriteSupport::Any => true,
+            WriteSupport::Back => from == to,
+            WriteSupport::Never => false,
         };
         if fits {
             return Ok(());
@@ -175,7 +175,7 @@ impl ConvertOptions {
 }
 
 /// Keeps the clips that go into the output; says how many were dropped.
-fn choose_clips(wanted: Option<&str>, opened: &mut Opened, to: Format) -> Result<usize> {
+fn choose_clips(wanted: Option<&str>, opened: &mut CharacterFile, to: Format) -> Result<usize> {
     let clips = &mut opened.character.clips;
     let index = match wanted {
         Some(name) => choose("clip", name, clips.iter().map(|c| c.name.as_str()))?,

@@ -1,10 +1,10 @@
 //! The animation that a selection of joints leaves, and what that saves.
 
 use crate::error::{Context, Error, Result};
-use crate::open::Opened;
+use crate::open::CharacterFile;
 use articula_build::{MotionSize, motion_size, reduce};
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::{Expression, Selection, with_ancestors};
+use articula_core::loa::{LoaExpression, Selection, with_ancestors};
 use articula_core::source::Clip;
 use articula_core::{JointSet, Rig};
 use serde::Serialize;
@@ -25,7 +25,7 @@ pub struct JointReduction {
 #[derive(Debug, Clone)]
 pub enum MovingJoints {
     /// What an expression names, such as `loa(Low) + zone(hands)`.
-    Expression(Expression),
+    LoaExpression(LoaExpression),
     /// What a saved selection names.
     Selection(Selection),
 }
@@ -120,7 +120,7 @@ fn animated(clips: &[Clip]) -> usize {
 
 impl JointReduction {
     /// Reduces all clips of a character.
-    pub(super) fn apply(&self, opened: &mut Opened) -> Result<JointsReduced> {
+    pub(super) fn apply(&self, opened: &mut CharacterFile) -> Result<JointsReduced> {
         let place = opened.name.clone();
         if opened.character.clips.is_empty() {
             let what = "clips: there is none to reduce";
@@ -148,7 +148,7 @@ impl JointReduction {
 impl MovingJoints {
     fn joints(&self, rig: &Rig) -> Result<JointSet> {
         match self {
-            Self::Expression(expression) => expression
+            Self::LoaExpression(expression) => expression
                 .joints(rig)
                 .map_err(|e| Error::argument(e.to_string())),
             Self::Selection(selection) => selection

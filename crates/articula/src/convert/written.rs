@@ -2,10 +2,10 @@
 //!
 //! **A new format is one arm of [`written`] and one function below it.**
 
-use super::left_out::{LeftOut, Written, counted, meshes};
+use super::left_out::{LossyPart, EncodedFile, counted, meshes};
 use super::{body, khr_character};
 use crate::error::{Error, Result};
-use crate::open::{Data, DataFormat, Format, Opened};
+use crate::open::{Data, DataFormat, Format, CharacterFile};
 use articula_build::source_rate_hz;
 use articula_core::fap_table::FAPS;
 use articula_formats::gltf::Document;
@@ -20,7 +20,7 @@ use articula_formats::{acclaim, bvh};
 /// # Errors
 /// An [`Error`] that says what does not fit the format; see
 /// [`ConvertOptions::check`](super::ConvertOptions::check) for the formats that are written.
-pub fn write(opened: &Opened, format: Format) -> Result<Written> {
+pub fn write(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     super::ConvertOptions::default().check(opened.format, format)?;
     if format.needs_a_clip() && opened.character.clips.is_empty() {
         let what = "clips: there is none to write; give a file that has one";
@@ -33,10 +33,10 @@ pub fn write(opened: &Opened, format: Format) -> Result<Written> {
 ///
 /// # Errors
 /// [`Error::Unsuited`] for formats that are only read.
-pub fn write_data(data: &Data) -> Result<Written> {
+pub fn write_data(data: &Data) -> Result<EncodedFile> {
     let format = match data {
         Data::Fap(clip) => {
-            return Ok(Written {
+            return Ok(EncodedFile {
                 bytes: fap::write(clip),
                 beside: None,
                 left_out: still(clip).into_iter().collect(),
@@ -49,7 +49,7 @@ pub fn write_data(data: &Data) -> Result<Written> {
 }
 
 /// The same for a format that is known to be written and a character that has the clip for it.
-pub(super) fn written(opened: &Opened, format: Format, khr_character: bool) -> Result<Written> {
+pub(super) fn written(opened: &CharacterFile, format: Format, khr_character: bool) -> Result<EncodedFile> {
     match format {
         Format::Bvh => motion(opened),
         Format::Bap => body::written(opened),
@@ -60,14 +60,14 @@ pub(super) fn written(opened: &Opened, format: Format, khr_character: bool) -> R
 }
 
 /// Parameters that masks name, but that never move.
-fn still(clip: &FapClip) -> Option<LeftOut> {
+fn still(clip: &FapClip) -> Option<LossyPart> {
     let moving = clip.moving();
     let still = (0..FAPS).filter(|fap| clip.coded[*fap] && !moving[*fap]);
-    counted(still.count(), LeftOut::StillParameters)
+    counted(still.count(), LossyPart::StillParameters)
 }
 
 /// A skeleton and, if there is a clip, a motion; the one that was asked for comes first.
-fn acclaim_pair(opened: &Opened, format: Format) -> Result<Written> {
+fn acclaim_pair(opened: &CharacterFile, format: Format) -> Result<EncodedFile> {
     let clips = &opened.character.clips;
     let options = acclaim::WriteOptions {
         rate_hz: clips.first().map_or(30.0, source_rate_hz),
@@ -79,8 +79,8 @@ fn acclaim_pair(opened: &Opened, format: Format) -> Result<Written> {
         (Format::Amc, Some(motion)) => (motion, Some((Format::Asf, made.bytes))),
         (_, motion) => (made.bytes, motion.map(|motion| (Format::Amc, motion))),
     };
-    let notes = made.left_out.into_iter().map(LeftOut::Note);
-    Ok(Written {
+    let notes = made.left_out.into_iter().map(LossyPart::Note);
+    Ok(EncodedFile {
         bytes,
         beside,
         left_out: meshes(opened).into_iter().chain(notes).collect(),
@@ -88,14 +88,14 @@ fn acclaim_pair(opened: &Opened, format: Format) -> Result<Written> {
 }
 
 /// A BVH file of the first clip.
-fn motion(opened: &Opened) -> Result<Written> {
+fn motion(opened: &CharacterFile) -> Result<EncodedFile> {
     let rate_hz = opened.character.clips.first().map_or(30.0, source_rate_hz);
     let options = bvh::WriteOptions {
         rate_hz,
         end_sites: opened.end_sites.clone(),
         ..bvh::WriteOptions::default()
     };
-    Ok(Written {
+    Ok(EncodedFile {
         bytes: bvh::write(&opened.character, 0, &options)?,
         beside: None,
         left_out: meshes(opened).into_iter().collect(),
@@ -103,7 +103,7 @@ fn motion(opened: &Opened) -> Result<Written> {
 }
 
 /// An H-Anim figure with everything that X3D holds.
-fn humanoid(opened: &Opened) -> Result<Written> {
+fn humanoid(opened: &CharacterFile) -> Result<EncodedFile> {
     let site = |(joint, offset): &(usize, glam::Vec3)| Site {
         joint: *joint,
         name: String::new(),
@@ -111,8 +111,8 @@ fn humanoid(opened: &Opened) -> Result<Written> {
     };
     let sites: Vec<Site> = opened.end_sites.iter().map(site).collect();
     let written = x3d::write(&opened.character, &opened.articulation(), &sites)?;
-    let notes = written.left_out.into_iter().map(LeftOut::Note);
-    Ok(Written {
+    let notes = written.left_out.into_iter().map(LossyPart::Note);
+    Ok(EncodedFile {
         bytes: written.bytes,
         beside: None,
         left_out: notes.collect(),
@@ -120,11 +120,11 @@ fn humanoid(opened: &Opened) -> Result<Written> {
 }
 
 /// The document as it was but for its clips, or a new one.
-fn container(opened: &Opened, khr_character: bool) -> Result<Written> {
+fn container(opened: &CharacterFile, khr_character: bool) -> Result<EncodedFile> {
     let (mut document, nodes, left_out) = match &opened.gltf {
         None => {
             let document = Document::from_character(&opened.character)?;
-            let sites = counted(opened.end_sites.len(), LeftOut::EndSites);
+            let sites = counted(opened.end_sites.len(), LossyPart::EndSites);
             let nodes = (0..opened.character.skeleton.joints.len()).collect();
             (document, nodes, sites)
         }
@@ -140,7 +140,7 @@ fn container(opened: &Opened, khr_character: bool) -> Result<Written> {
     if khr_character {
         khr_character::write(opened, &mut document, &nodes)?;
     }
-    Ok(Written {
+    Ok(EncodedFile {
         bytes: document.write_glb()?,
         beside: None,
         left_out: left_out.into_iter().collect(),

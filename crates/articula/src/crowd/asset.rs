@@ -13,12 +13,12 @@ use articula_build::motion_bounds;
 use articula_build::{Asset, character};
 use articula_build::{CacheOptions, cached_poses};
 use articula_build::{
-    LevelOptions, LevelSkins, MergedLevels, joint_ladder, level_errors, level_skins, mean_pose,
-    named_ladder, skin_of,
+    LevelOptions, LevelSkins, MergedLevels, joint_lods, level_errors, level_skins, mean_pose,
+    named_joint_lods, skin_of,
 };
-use articula_core::crowd::{CrowdModel, CrowdParts, RootPath};
+use articula_core::crowd::{CrowdModel, CrowdParts, RootTrajectory};
 use articula_core::source::{Character, Property};
-use articula_core::{Clip, ClipSet, Ladder, Mesh, MotionBounds, PaletteMap, Tracks};
+use articula_core::{Clip, ClipSet, JointLods, Mesh, MotionBounds, PaletteMap, Tracks};
 use std::sync::Arc;
 
 /// How a clip carried its character, from its start on.
@@ -115,7 +115,7 @@ impl CrowdAsset {
             seed: options.seed,
             ..LevelOptions::default()
         };
-        let levels = joint_lods(&asset, &options.joints, &opts, work)?;
+        let levels = lods_with_skins(&asset, &options.joints, &opts, work)?;
         let (mesh_lods, levels, meshes) = if options.mesh_levels > 1 && has_mesh {
             let most = options.mesh_levels;
             let (lods, levels, meshes) = MeshLods::new(&asset, &levels, most, &opts)?;
@@ -232,7 +232,7 @@ impl CrowdAsset {
     }
 
     /// Joint order and levels.
-    pub(super) fn ladder(&self) -> &Ladder {
+    pub(super) fn ladder(&self) -> &JointLods {
         self.0.model.parts().clips.ladder()
     }
 
@@ -301,17 +301,17 @@ fn unmapped(asset: &Asset, wanted: &JointLodMethod) -> Option<String> {
 }
 
 /// Levels of the joints with their skins and errors.
-fn joint_lods(
+fn lods_with_skins(
     asset: &Asset,
     wanted: &JointLodMethod,
     opts: &LevelOptions,
     work: &Executor<'_>,
 ) -> Result<MergedLevels> {
     let ladder = match wanted {
-        JointLodMethod::Whole => Ladder::whole(&asset.rig),
-        JointLodMethod::Merged => joint_ladder(asset, &mean_pose(asset), opts),
+        JointLodMethod::Whole => JointLods::whole(&asset.rig),
+        JointLodMethod::Merged => joint_lods(asset, &mean_pose(asset), opts),
         JointLodMethod::Named(expression) => {
-            named_ladder(asset, &mean_pose(asset), std::slice::from_ref(expression))
+            named_joint_lods(asset, &mean_pose(asset), std::slice::from_ref(expression))
         }
     };
     let ladder = ladder.context("levels")?;
@@ -332,7 +332,7 @@ fn joint_lods(
 fn model(
     asset: &Asset,
     levels: &MergedLevels,
-    (bounds, paths): (MotionBounds, Vec<Option<RootPath>>),
+    (bounds, paths): (MotionBounds, Vec<Option<RootTrajectory>>),
     options: &CrowdOptions,
 ) -> Result<CrowdModel> {
     let palette = match options.matrices {

@@ -121,7 +121,7 @@ mod tests {
         assert_eq!(allocator.decide().cost_ns, 1e6);
         let work = Workload {
             characters: 1000,
-            ..Work::default()
+            ..Workload::default()
         };
         allocator.observe(&work, 200_000.0, 1000.0);
         // A little less where times were seen to spread.

@@ -4,9 +4,9 @@
 //! at the end of each lap. What stays within [`ROOM_METRES`] of where it begins is left alone: the
 //! sway and the steps of a dance belong to it.
 
-use articula_build::clip_edit::Subject;
+use articula_build::clip_edit::EditSubject;
 use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey, split};
-use articula_core::crowd::{RootPath, RootStep};
+use articula_core::crowd::{RootTrajectory, RootDelta};
 use articula_core::source::Character;
 use articula_core::{Articulation, Clip, Mismatch};
 use glam::Vec3;
@@ -19,14 +19,14 @@ const ROOM_METRES: f32 = 1.0;
 const SMOOTH_SECS: f32 = 1.0;
 
 /// Puts clips that travel on the spot; gives the way of each clip that did, from its start on, and warnings on
-/// clips that travel and could not be put. `end_sites` as [`Subject::new`] takes them.
+/// clips that travel and could not be put. `end_sites` as [`EditSubject::new`] takes them.
 pub fn put_in_place(
     character: &mut Character,
     articulation: Articulation,
     end_sites: &[(usize, Vec3)],
 ) -> (Vec<Option<Vec<TrajectoryKey>>>, Vec<String>) {
     let mut clips = std::mem::take(&mut character.clips);
-    let subject = Subject::new(character, articulation, end_sites);
+    let subject = EditSubject::new(character, articulation, end_sites);
     let mut warnings = Vec::new();
     let mut ways = vec![None; clips.len()];
     // A character without a figure to split has clips that stay as they are.
@@ -62,22 +62,22 @@ fn farthest(way: &[TrajectoryKey]) -> f32 {
 ///
 /// # Errors
 /// A [`Mismatch`] if the way holds numbers that are not finite.
-pub(super) fn root_path(way: &[TrajectoryKey], clip: &Clip) -> Result<RootPath, Mismatch> {
+pub(super) fn root_path(way: &[TrajectoryKey], clip: &Clip) -> Result<RootTrajectory, Mismatch> {
     let rate = clip.rate_hz();
     let places = (0..clip.frames()).map(|frame| place(way, frame as f32 / rate));
-    RootPath::new(rate, places.collect())
+    RootTrajectory::new(rate, places.collect())
 }
 
 /// The place at a time, straight between keys.
-fn place(way: &[TrajectoryKey], secs: f32) -> RootStep {
-    let step = |k: &TrajectoryKey| RootStep {
+fn place(way: &[TrajectoryKey], secs: f32) -> RootDelta {
+    let step = |k: &TrajectoryKey| RootDelta {
         offset: Vec3::new(k.x_metres, 0.0, k.z_metres),
         yaw_radians: k.yaw_radians,
     };
     let after = way.partition_point(|k| k.secs < secs);
     let next = way.get(after).or(way.last());
     let Some((before, next)) = way.get(after.saturating_sub(1)).zip(next) else {
-        return RootStep::default();
+        return RootDelta::default();
     };
     let (a, b) = (step(before), step(next));
     let span = next.secs - before.secs;
@@ -86,7 +86,7 @@ fn place(way: &[TrajectoryKey], secs: f32) -> RootStep {
     } else {
         0.0
     };
-    RootStep {
+    RootDelta {
         offset: a.offset.lerp(b.offset, t),
         yaw_radians: a.yaw_radians + (b.yaw_radians - a.yaw_radians) * t,
     }
@@ -109,7 +109,7 @@ mod tests {
         assert_eq!(farthest(&way), 2.0);
         assert_eq!(place(&way, 0.25).offset.x, 0.5);
         assert_eq!(place(&way, 3.0).offset.x, 2.0);
-        assert_eq!(place(&[], 1.0), RootStep::default());
+        assert_eq!(place(&[], 1.0), RootDelta::default());
         let clip = Clip::new("walk", 4.0, 5, 1, Tracks::default()).unwrap();
         let path = root_path(&way, &clip).unwrap();
         assert!((path.at(0.75).offset.x - 1.5).abs() < 1e-6);

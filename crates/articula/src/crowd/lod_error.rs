@@ -9,9 +9,9 @@
 use super::asset::CrowdAsset;
 use super::mesh_lods::Watch;
 use super::player::CrowdPlayer;
-use articula_core::crowd::Voice;
+use articula_core::crowd::ClipState;
 use articula_core::percentile;
-use articula_core::visibility::{Bodies, LEAST_DEPTH_METRES, Seen, View, Visibility, see};
+use articula_core::visibility::{Bodies, LEAST_DEPTH_METRES, CullResult, View, Visibility, see};
 use articula_core::{Camera, LocalPose, PosedMesh, Sphere, Wrap, blend, sample, skin_points};
 use glam::{Affine3A, Vec3};
 use serde::Serialize;
@@ -186,7 +186,7 @@ impl ErrorMeter {
             .points(&self.vertices, &mut self.truth);
     }
 
-    fn sample(&mut self, voice: &Voice, which: Which) {
+    fn sample(&mut self, voice: &ClipState, which: Which) {
         let asset = self.asset.full();
         let pose = match which {
             Which::Pose => &mut self.pose,
@@ -238,7 +238,7 @@ fn visible(player: &CrowdPlayer, camera: &Camera) -> Vec<(usize, usize)> {
         })
         .collect();
     let wakes = vec![0.0; spheres.len()];
-    let mut seen = vec![Seen::default(); spheres.len()];
+    let mut seen = vec![CullResult::default(); spheres.len()];
     if let Ok(bodies) = Bodies::new(&spheres, &wakes) {
         see(&[View::of(camera)], bodies, &mut seen);
     }

@@ -38,6 +38,6 @@ pub use player::{CrowdGroup, CrowdPlayer, FramePart, PoseSource};
 pub use scene_file::{MOST_MEMBERS, read_scene, write_scene};
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 
-pub use articula_core::crowd::{CacheUse, Crowd, CrowdReport, Detail, Draw, Notice, Sight};
+pub use articula_core::crowd::{CacheUse, Crowd, CrowdReport, Detail, Draw, CrowdEvent, Culling};
 pub use articula_core::visibility::View;
-pub use articula_core::{Backend, Camera, PaletteForm, Storage, Viewport};
+pub use articula_core::{Backend, Camera, PaletteForm, ClipStorage, Viewport};

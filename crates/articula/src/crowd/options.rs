@@ -1,7 +1,7 @@
 //! How the character of a crowd is prepared.
 
-use articula_core::loa::Expression;
-use articula_core::{Backend, PaletteForm, Storage};
+use articula_core::loa::LoaExpression;
+use articula_core::{Backend, PaletteForm, ClipStorage};
 
 /// Which joint LODs a crowd has.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -13,7 +13,7 @@ pub enum JointLodMethod {
     #[default]
     Merged,
     /// Every joint, and the joints that an expression names, such as `loa(Low) + zone(hands)`.
-    Named(Expression),
+    Named(LoaExpression),
 }
 
 /// Which matrices are written.
@@ -65,7 +65,7 @@ pub struct CrowdOptions {
     /// How they are written.
     pub form: PaletteForm,
     /// How clips are held in memory.
-    pub storage: Storage,
+    pub storage: ClipStorage,
     /// Whether poses are cached; needs [`PaletteMatrices::Skin`] and a form of matrices.
     pub pose_cache: bool,
     /// Instruction set; all give the same bits.
@@ -85,7 +85,7 @@ impl Default for CrowdOptions {
             mesh_levels: 1,
             matrices: PaletteMatrices::default(),
             form: PaletteForm::Matrix,
-            storage: Storage::Float,
+            storage: ClipStorage::Float,
             pose_cache: false,
             backend: Backend::best(),
             seed: 1,

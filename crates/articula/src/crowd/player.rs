@@ -8,9 +8,9 @@ use super::options::PaletteMatrices;
 use super::palettes::{PaletteSlice, Palettes, split};
 use crate::error::{Error, Result};
 use articula_core::batch::Scratch;
-use articula_core::budget::{CostModel, Policy};
+use articula_core::budget::{CostModel, BudgetPolicy};
 use articula_core::crowd::{
-    CacheUse, Crowd, CrowdModel, CrowdReport, Detail, Draw, Frame, Notice, Sight, Voice,
+    CacheUse, Crowd, CrowdModel, CrowdReport, Detail, Draw, Frame, CrowdEvent, Culling, ClipState,
 };
 use articula_core::visibility::View;
 use articula_core::{BlendRecord, Camera, Mesh, PaletteRows, SkinnedMesh, skin};
@@ -133,7 +133,7 @@ impl CrowdPlayer {
     /// If there is no such character or clip.
     pub fn play(&mut self, character: usize, clip: usize, secs: f32) {
         let clips = &self.asset.model().parts().clips;
-        let state = Voice::new(clips, clip).at_secs(clips, secs);
+        let state = ClipState::new(clips, clip).at_secs(clips, secs);
         self.crowd.play(character, state.into());
     }
 
@@ -142,7 +142,7 @@ impl CrowdPlayer {
     /// # Panics
     /// If there is no such character or clip.
     pub fn fade_to(&mut self, character: usize, clip: usize, fade_secs: f32) {
-        let state = Voice::new(&self.asset.model().parts().clips, clip);
+        let state = ClipState::new(&self.asset.model().parts().clips, clip);
         self.crowd.fade_to(character, state, fade_secs);
     }
 
@@ -153,11 +153,11 @@ impl CrowdPlayer {
     /// # Errors
     /// [`Error::Mismatch`] if the cap is no number of pixels.
     pub fn set_budget(&mut self, cap_px: f32) -> Result<()> {
-        let policy = Policy {
+        let policy = BudgetPolicy {
             cap_px,
             // Everyone is posed in every frame, so nobody waits.
             patience_frames: 0,
-            ..Policy::default()
+            ..BudgetPolicy::default()
         };
         let (model, costs) = (self.asset.model(), CostModel::default());
         self.crowd.set_budget(model, policy, &costs)?;
@@ -176,7 +176,7 @@ impl CrowdPlayer {
     /// One frame before one camera, on this thread.
     pub fn frame(&mut self, dt_secs: f32, camera: &Camera) -> CrowdReport {
         let views = [View::of(camera)];
-        let report = self.plan(dt_secs, Sight::Views(&views), &mut |_| ());
+        let report = self.plan(dt_secs, Culling::Views(&views), &mut |_| ());
         self.evaluate();
         report
     }
@@ -186,8 +186,8 @@ impl CrowdPlayer {
     pub fn plan(
         &mut self,
         dt_secs: f32,
-        sight: Sight<'_>,
-        tell: &mut dyn FnMut(Notice),
+        sight: Culling<'_>,
+        tell: &mut dyn FnMut(CrowdEvent),
     ) -> CrowdReport {
         let frame = Frame {
             dt_secs,

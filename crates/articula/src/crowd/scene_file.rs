@@ -6,7 +6,7 @@
 use crate::camera_path::{Key, checked, ensure, malformed};
 use crate::error::{Context, Error, Result};
 use crate::open::choose;
-use articula_build::{CrossFade, Member, Play, Scene};
+use articula_build::{CrossFade, SceneCharacter, ClipPlayback, Scene};
 use articula_core::{Clip, Viewport};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -111,7 +111,7 @@ pub fn read_scene(bytes: &[u8], clips: &[Clip], display_hz: f64) -> Result<Scene
     })
 }
 
-fn member(file: &MemberFile, clips: &[Clip]) -> Result<Member> {
+fn member(file: &MemberFile, clips: &[Clip]) -> Result<SceneCharacter> {
     let near = file.position.iter().all(|p| p.abs() <= FARTHEST_METRES);
     ensure(near, || {
         format!("position: give metres within {FARTHEST_METRES} of the origin")
@@ -133,7 +133,7 @@ fn member(file: &MemberFile, clips: &[Clip]) -> Result<Member> {
             start: fade.start,
         })
     });
-    Ok(Member {
+    Ok(SceneCharacter {
         position: Vec3::from(file.position),
         yaw_radians: file.yaw_deg.to_radians(),
         play: play((&file.clip, file.phase, file.speed), clips)?,
@@ -141,7 +141,7 @@ fn member(file: &MemberFile, clips: &[Clip]) -> Result<Member> {
     })
 }
 
-fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> Result<Play> {
+fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> Result<ClipPlayback> {
     ensure((0.0..=1.0).contains(&phase), || {
         "phase: give 0 to 1".to_owned()
     })?;
@@ -151,7 +151,7 @@ fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> Result<Play> 
     let names = clips.iter().map(|c| c.name.as_str());
     // A wrong name in a file is no wrong argument.
     let found = choose("clip", clip, names).map_err(|e| Error::unsuited(e.to_string()))?;
-    Ok(Play {
+    Ok(ClipPlayback {
         clip: found,
         phase,
         speed,
@@ -218,7 +218,7 @@ mod tests {
         };
         assert_eq!(member.position, Vec3::new(1.0, 0.0, 2.0));
         assert!((member.yaw_radians - std::f32::consts::PI).abs() < 1e-6);
-        let expected = Play {
+        let expected = ClipPlayback {
             clip: 1,
             phase: 0.0,
             speed: 1.0,

@@ -7,8 +7,8 @@ use super::asset::CrowdAsset;
 use super::budget::FrameBudget;
 use super::player::CrowdPlayer;
 use crate::error::{Error, Result};
-use articula_build::{CrossFade, Play, Scene};
-use articula_core::crowd::{CacheUse, CrowdReport, Detail, Player, Sight, Voice};
+use articula_build::{CrossFade, ClipPlayback, Scene};
+use articula_core::crowd::{CacheUse, CrowdReport, Detail, CharacterState, Culling, ClipState};
 use articula_core::visibility::View;
 use articula_core::{Camera, ClipSet};
 
@@ -59,7 +59,7 @@ pub struct ScenePlayer<'a> {
 #[derive(Debug, Clone, Copy)]
 struct Turning {
     character: usize,
-    own: Play,
+    own: ClipPlayback,
     fade: CrossFade,
     /// Whether it goes to the other clip, or comes back.
     goes: bool,
@@ -148,8 +148,8 @@ impl<'a> ScenePlayer<'a> {
         }
         self.turn_fades();
         let sight = match self.detail {
-            DetailGoal::Full => Sight::Everyone,
-            _ => Sight::Views(&views),
+            DetailGoal::Full => Culling::Everyone,
+            _ => Culling::Views(&views),
         };
         Ok(self.player.plan(dt_secs as f32, sight, &mut |_| ()))
     }
@@ -188,21 +188,21 @@ impl<'a> ScenePlayer<'a> {
 
 impl Turning {
     /// What it plays at time 0.
-    fn start(&self, clips: &ClipSet) -> Player {
+    fn start(&self, clips: &ClipSet) -> CharacterState {
         let own = voice(clips, &self.own, 0.0);
         let other = voice(clips, &self.fade.other, 0.0);
         let share = self.fade.share(0.0);
         if self.fade.fade_secs > 0.0 && self.goes {
-            Player::fading(own, other, share, self.fade.fade_secs)
+            CharacterState::fading(own, other, share, self.fade.fade_secs)
         } else if self.fade.fade_secs > 0.0 {
-            Player::fading(other, own, 1.0 - share, self.fade.fade_secs)
+            CharacterState::fading(other, own, 1.0 - share, self.fade.fade_secs)
         } else {
-            Player::blend(own, other, share)
+            CharacterState::blend(own, other, share)
         }
     }
 
     /// Where it goes to now.
-    fn next(&self, clips: &ClipSet, secs: f64) -> Voice {
+    fn next(&self, clips: &ClipSet, secs: f64) -> ClipState {
         let play = if self.goes {
             &self.fade.other
         } else {
@@ -213,10 +213,10 @@ impl Turning {
 }
 
 /// A clip at a time of the scene.
-fn voice(clips: &ClipSet, play: &Play, secs: f64) -> Voice {
+fn voice(clips: &ClipSet, play: &ClipPlayback, secs: f64) -> ClipState {
     let duration = clips.duration_secs(play.clip);
     let secs = play.clip_secs(secs, duration) as f32;
-    Voice::new(clips, play.clip)
+    ClipState::new(clips, play.clip)
         .at_speed(play.speed)
         .at_secs(clips, secs)
 }

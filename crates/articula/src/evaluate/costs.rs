@@ -4,7 +4,7 @@
 //! whose model matrix changes. Time is that of sampling the set and computing all model
 //! matrices on this machine with the plain code: a report, not a benchmark.
 
-use articula_build::evaluate::{Method, Stage, play};
+use articula_build::evaluate::{Method, ClipEvaluator, play};
 use articula_core::loa;
 use articula_core::{Complexity, JointSet, ModelPose, Region, Wrap, Zone, local_to_model, sample};
 use serde::Serialize;
@@ -45,7 +45,7 @@ type Nanoseconds<'a> = &'a dyn Fn(&mut dyn FnMut()) -> f64;
 impl Costs {
     /// Works out all costs of a clip; `nanoseconds` runs what it is given once and says how long
     /// that took.
-    pub fn new(stage: &Stage<'_>, nanoseconds: Nanoseconds<'_>) -> Self {
+    pub fn new(stage: &ClipEvaluator<'_>, nanoseconds: Nanoseconds<'_>) -> Self {
         let rig = &stage.asset.rig;
         let cost = |name: String, set: JointSet| cost(stage, name, &set, nanoseconds);
         let deepest = rig.skin_joints().iter().map(|j| rig.depth(j)).max();
@@ -69,7 +69,7 @@ impl Costs {
     }
 }
 
-fn cost(stage: &Stage<'_>, name: String, set: &JointSet, nanoseconds: Nanoseconds<'_>) -> Cost {
+fn cost(stage: &ClipEvaluator<'_>, name: String, set: &JointSet, nanoseconds: Nanoseconds<'_>) -> Cost {
     let trial = play(stage, &Method::Loa(vec![*set]), 0.0).0;
     Cost {
         name,
@@ -80,7 +80,7 @@ fn cost(stage: &Stage<'_>, name: String, set: &JointSet, nanoseconds: Nanosecond
     }
 }
 
-fn measured(stage: &Stage<'_>, set: &JointSet, nanoseconds: Nanoseconds<'_>) -> f64 {
+fn measured(stage: &ClipEvaluator<'_>, set: &JointSet, nanoseconds: Nanoseconds<'_>) -> f64 {
     let (rig, clip) = (&stage.asset.rig, &stage.clip);
     let mut local = rig.rest_pose().clone();
     let mut model = ModelPose::new(rig.len());

@@ -18,10 +18,10 @@ mod rows;
 pub use costs::{Cost, Costs};
 pub use methods::NamedMethod;
 pub use path::{CameraPath, PathSummary, PlayedPath};
-pub use rows::{ErrorPx, MethodRow, MethodTable, Tuning, rows};
+pub use rows::{ErrorPx, MethodRow, MethodTable, ParameterChoice, rows};
 
 use crate::figure::Figure;
-use articula_build::evaluate::{MethodOptions, Setup, Stage};
+use articula_build::evaluate::{MethodOptions, EvaluationSetup, ClipEvaluator};
 
 /// What is played: a clip of a character, before these viewers.
 #[derive(Debug, Clone)]
@@ -31,16 +31,16 @@ pub struct EvaluatedClip<'a> {
     /// Index of the clip.
     pub clip: usize,
     /// The viewers, and what they watch.
-    pub setup: Setup,
+    pub setup: EvaluationSetup,
     /// What methods need besides their parameter.
     pub options: MethodOptions,
 }
 
 impl EvaluatedClip<'_> {
     /// Works out the truth of the clip; one for each thread.
-    pub fn stage(&self) -> Stage<'_> {
+    pub fn stage(&self) -> ClipEvaluator<'_> {
         let asset = &self.figure.asset;
         let clip = &asset.clips[self.clip];
-        Stage::new(asset, clip, self.setup.clone(), self.options)
+        ClipEvaluator::new(asset, clip, self.setup.clone(), self.options)
     }
 }

@@ -4,7 +4,7 @@
 
 use super::rows::MethodRow;
 use crate::error::{Error, Result};
-use articula_build::evaluate::{CameraKey, PathFrame, PathRun, Stage, play_camera_path};
+use articula_build::evaluate::{CameraKey, PathFrame, PathRun, ClipEvaluator, play_camera_path};
 use articula_core::{DriftOptions, JointSet, Rig};
 use serde::Serialize;
 
@@ -58,7 +58,7 @@ impl CameraPath {
     ///
     /// # Errors
     /// [`Error::Unsuited`] if the path has no key frame.
-    pub fn play(&self, stage: &Stage<'_>, limit_px: Option<f32>) -> Result<PlayedPath> {
+    pub fn play(&self, stage: &ClipEvaluator<'_>, limit_px: Option<f32>) -> Result<PlayedPath> {
         let play = |epsilon_px: f32| {
             let options = DriftOptions {
                 epsilon_px,
@@ -77,7 +77,7 @@ impl CameraPath {
 
     fn played(
         &self,
-        stage: &Stage<'_>,
+        stage: &ClipEvaluator<'_>,
         run: PathRun,
         options: &DriftOptions,
         limit_px: Option<f32>,

@@ -3,12 +3,12 @@
 use super::{EvaluatedClip, NamedMethod};
 use crate::error::Result;
 use crate::work::Executor;
-use articula_build::evaluate::{self, Method, Row, Stage, Trial, calibrate, play, sweep};
+use articula_build::evaluate::{self, Method, DistanceRow, ClipEvaluator, MethodRun, calibrate, play, sweep};
 use serde::Serialize;
 
 /// How the one parameter of a method is found.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Tuning {
+pub enum ParameterChoice {
     /// What the method would take at each distance.
     Usual,
     /// This value at every distance.
@@ -81,9 +81,9 @@ pub struct MethodTable {
 
 /// Plays a method at every distance; a method without any parameter to calibrate is played as
 /// it usually is.
-pub fn rows(stage: &Stage<'_>, method: &Method, distances_m: &[f32], tuning: Tuning) -> Vec<Row> {
+pub fn rows(stage: &ClipEvaluator<'_>, method: &Method, distances_m: &[f32], tuning: ParameterChoice) -> Vec<DistanceRow> {
     let swept = match tuning {
-        Tuning::Calibrated(_) => sweep(stage, method),
+        ParameterChoice::Calibrated(_) => sweep(stage, method),
         _ => Vec::new(),
     };
     let row =
@@ -92,17 +92,17 @@ pub fn rows(stage: &Stage<'_>, method: &Method, distances_m: &[f32], tuning: Tun
 }
 
 fn trial(
-    stage: &Stage<'_>,
+    stage: &ClipEvaluator<'_>,
     method: &Method,
-    swept: &[Trial],
+    swept: &[MethodRun],
     distance_m: f32,
-    tuning: Tuning,
-) -> Trial {
+    tuning: ParameterChoice,
+) -> MethodRun {
     let usual = || play(stage, method, stage.usual_parameter(method, distance_m)).0;
     match tuning {
-        Tuning::Usual => usual(),
-        Tuning::Fixed(parameter) => play(stage, method, parameter).0,
-        Tuning::Calibrated(limit) => {
+        ParameterChoice::Usual => usual(),
+        ParameterChoice::Fixed(parameter) => play(stage, method, parameter).0,
+        ParameterChoice::Calibrated(limit) => {
             calibrate(stage, swept, distance_m, limit).unwrap_or_else(usual)
         }
     }
@@ -117,7 +117,7 @@ impl EvaluatedClip<'_> {
         &self,
         methods: &[NamedMethod],
         distances_m: &[f32],
-        tuning: Tuning,
+        tuning: ParameterChoice,
         work: &Executor<'_>,
     ) -> Result<Vec<MethodTable>> {
         work.map("playing methods", methods.iter().collect(), |named| {
@@ -130,10 +130,10 @@ impl EvaluatedClip<'_> {
     }
 }
 
-fn named_row(named: &NamedMethod, row: &Row, tuning: Tuning) -> MethodRow {
+fn named_row(named: &NamedMethod, row: &DistanceRow, tuning: ParameterChoice) -> MethodRow {
     let trial = &row.trial;
     let target = match tuning {
-        Tuning::Calibrated(limit) => Some(row.error_px.p95 <= limit * 1.0001),
+        ParameterChoice::Calibrated(limit) => Some(row.error_px.p95 <= limit * 1.0001),
         _ => None,
     };
     MethodRow {

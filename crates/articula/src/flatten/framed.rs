@@ -8,7 +8,7 @@ use crate::figure::Figure;
 use crate::work::Executor;
 use articula_build::decimate;
 use articula_core::{ModelPose, Viewport, local_to_model};
-use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn, bake};
+use articula_flat::planar::{BakeOptions, Lighting, PlanarSubject, Turntable, bake};
 use articula_flat::planar::{MAX_FRAMES, MAX_TRIANGLES};
 use articula_flat::planar::{PlanarClip, PlanarError};
 use articula_flat::{Appearance, Projection};
@@ -42,7 +42,7 @@ pub struct Shot {
     pub triangles: Option<usize>,
 }
 
-/// What [`Framed::new`] finds by itself.
+/// What [`FramedCharacter::new`] finds by itself.
 #[derive(Debug, Clone)]
 pub struct FramedParts {
     /// Camera, light, rate and turn.
@@ -55,7 +55,7 @@ pub struct FramedParts {
 
 /// A character before a camera.
 #[derive(Debug)]
-pub struct Framed<'a> {
+pub struct FramedCharacter<'a> {
     figure: &'a Figure,
     shot: Shot,
     look: Appearance,
@@ -67,7 +67,7 @@ pub struct Framed<'a> {
     pub moments_secs: Vec<f64>,
 }
 
-impl<'a> Framed<'a> {
+impl<'a> FramedCharacter<'a> {
     /// Puts up the camera, leaves out what it never sees, and makes the rest as coarse as asked.
     ///
     /// # Errors
@@ -88,9 +88,9 @@ impl<'a> Framed<'a> {
                 shot.viewport,
             ),
             projection: Projection::Perspective,
-            lamp: Lamp::default(),
+            lamp: Lighting::default(),
             fps,
-            turn: Turn {
+            turn: Turntable {
                 axis: (0.0, 0.0),
                 radians_per_sec: if length > 0.0 {
                     shot.turn_deg.to_radians() / length as f32
@@ -146,9 +146,9 @@ impl<'a> Framed<'a> {
     }
 
     /// The subject as it is shown.
-    pub fn subject(&self) -> Subject<'_> {
+    pub fn subject(&self) -> PlanarSubject<'_> {
         let asset = &self.figure.asset;
-        Subject {
+        PlanarSubject {
             rig: &asset.rig,
             mesh: &asset.mesh,
             triangles: &self.triangles,
@@ -204,12 +204,12 @@ impl<'a> Framed<'a> {
         };
         let subject = self.subject();
         let bounds = subject
-            .bounds(&looks, &Turn::default())
+            .bounds(&looks, &Turntable::default())
             .ok_or_else(unseen)?;
         let rig = &self.figure.asset.rig;
         let mut model = ModelPose::new(rig.len());
         local_to_model(rig, rig.rest_pose(), &mut model);
-        let turn = Turn {
+        let turn = Turntable {
             axis: (bounds.middle().x, bounds.middle().z),
             ..self.options.turn
         };
@@ -240,7 +240,7 @@ impl<'a> Framed<'a> {
         let clip = self.shot.clip;
         let weights = head_weights(self.figure);
         let mut triangles = decimate(asset, &seen, clip, count, &weights).with_context(place)?;
-        let shown = Subject {
+        let shown = PlanarSubject {
             triangles: &triangles,
             ..self.subject()
         };

@@ -1,7 +1,7 @@
 //! A character whose morph targets a host drives: its shapes, and the clip that plays meanwhile.
 
 use super::expressions::expressions;
-use super::framed::Framed;
+use super::framed::FramedCharacter;
 use crate::error::{Context, Error, Result};
 use articula_flat::planar::bake_shapes;
 use articula_flat::portrait::{Head, PortraitClip};
@@ -9,7 +9,7 @@ use articula_flat::vector::player::LiveSource;
 use glam::Vec3;
 
 /// All expressions of a character as inputs, seen by a camera.
-pub(super) fn live_source(framed: &Framed<'_>) -> Result<LiveSource> {
+pub(super) fn live_source(framed: &FramedCharacter<'_>) -> Result<LiveSource> {
     let (figure, clip) = (framed.figure(), framed.shot().clip);
     let asset = &figure.asset;
     let all = expressions(figure);

@@ -1,7 +1,7 @@
 //! From 3D to 2D: a character in motion before a camera as vector graphics, or its face as a
 //! portrait.
 //!
-//! [`flatten()`] does all of it; [`Framed`] and [`FramedHead`] are the steps between, for whoever
+//! [`flatten()`] does all of it; [`FramedCharacter`] and [`FramedHead`] are the steps between, for whoever
 //! wants to look at them.
 
 mod expressions;
@@ -9,14 +9,14 @@ mod framed;
 mod head;
 mod live;
 
-pub use framed::{Framed, FramedParts, Shot};
+pub use framed::{FramedCharacter, FramedParts, Shot};
 pub use head::FramedHead;
 
 use crate::error::{Context, Result};
 use crate::work::Executor;
 use articula_core::Progress;
 use articula_flat::flatten::{
-    Flattened, PrepareOptions, Prepared, Settings, Truth, flatten as write, flatten_live,
+    Flattened, PrepareClipOptions, PreparedClip, Settings, ReferenceFrames, flatten as write, flatten_live,
     sampled_frames,
 };
 use articula_flat::planar::OrderOptions;
@@ -28,8 +28,8 @@ use articula_flat::vector::player::LiveSource;
 /// An [`Error`](crate::Error) that names the file and what cannot be converted, or
 /// [`Error::Cancelled`](crate::Error::Cancelled).
 pub fn flatten(
-    framed: &Framed<'_>,
-    options: PrepareOptions,
+    framed: &FramedCharacter<'_>,
+    options: PrepareClipOptions,
     settings: &Settings,
     work: &Executor<'_>,
 ) -> Result<Flattened> {
@@ -37,9 +37,9 @@ pub fn flatten(
     work.step("projecting", 0, 1)?;
     let clip = framed.clip()?;
     let frames = sampled_frames(clip.frames.len());
-    let truth = Truth::new(&framed.at_frames(&frames)?, &frames).with_context(name)?;
+    let truth = ReferenceFrames::new(&framed.at_frames(&frames)?, &frames).with_context(name)?;
     let prepared = work
-        .with_progress("painting order", |p| Prepared::new(clip, &options, p))
+        .with_progress("painting order", |p| PreparedClip::new(clip, &options, p))
         .with_context(name)?;
     work.with_progress("writing", |p| write(&prepared, settings, &truth, p))
         .with_context(name)
@@ -50,8 +50,8 @@ pub fn flatten(
 /// # Errors
 /// As [`flatten()`], and if the character has no morph target.
 pub fn flatten_driven(
-    framed: &Framed<'_>,
-    options: PrepareOptions,
+    framed: &FramedCharacter<'_>,
+    options: PrepareClipOptions,
     settings: &Settings,
     work: &Executor<'_>,
 ) -> Result<Flattened> {
@@ -59,16 +59,16 @@ pub fn flatten_driven(
     let frames = sampled_frames(source.weights.len().max(1));
     let fps = f64::from(source.shapes.fps);
     let moments: Vec<f64> = frames.iter().map(|f| f / fps).collect();
-    let truth = Truth::new(&framed.at(&moments)?, &frames).with_context(|| framed.name())?;
+    let truth = ReferenceFrames::new(&framed.at(&moments)?, &frames).with_context(|| framed.name())?;
     // Whatever is driven is painted in one order.
-    let options = PrepareOptions {
+    let options = PrepareClipOptions {
         order: OrderOptions {
             max_epochs: 1,
             ..options.order
         },
         ..options
     };
-    let shapes = Prepared::new(source.shapes, &options, &mut Progress::none());
+    let shapes = PreparedClip::new(source.shapes, &options, &mut Progress::none());
     let shapes = shapes.with_context(|| framed.name())?;
     let source = LiveSource {
         shapes: shapes.clip.clone(),

@@ -9,8 +9,8 @@
 mod skeleton;
 
 use crate::error::{Context, Error, Result};
-use crate::open::{self, Format, OpenOptions, Opened};
-use articula_formats::{Guess, Warning};
+use crate::open::{self, Format, OpenOptions, CharacterFile};
+use articula_formats::{Assumption, Warning};
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
@@ -20,7 +20,7 @@ use std::path::{Component, Path, PathBuf};
 ///
 /// # Errors
 /// See [`open_with`].
-pub fn open(path: impl AsRef<Path>) -> Result<Opened> {
+pub fn open(path: impl AsRef<Path>) -> Result<CharacterFile> {
     open_with(path, &OpenOptions::default())
 }
 
@@ -28,7 +28,7 @@ pub fn open(path: impl AsRef<Path>) -> Result<Opened> {
 ///
 /// # Errors
 /// An [`Error`] that names the file: it cannot be read, or see [`open()`](crate::open()).
-pub fn open_with(path: impl AsRef<Path>, options: &OpenOptions) -> Result<Opened> {
+pub fn open_with(path: impl AsRef<Path>, options: &OpenOptions) -> Result<CharacterFile> {
     let path = path.as_ref();
     let name = shown(path);
     if let Some(data) = open::DataFormat::of_name(&name) {
@@ -52,7 +52,7 @@ pub fn open_with(path: impl AsRef<Path>, options: &OpenOptions) -> Result<Opened
             let warning = Warning {
                 at: "skeleton".to_owned(),
                 what,
-                guess: Some(Guess::Skeleton),
+                guess: Some(Assumption::Skeleton),
             };
             opened.warnings.insert(0, warning);
         }

@@ -1,7 +1,7 @@
 //! What is in files of MPEG-4 without a character: what moves, in which range, in which units.
 
 use super::{Face, Warning};
-use crate::open::{Data, DataFormat, OpenedData};
+use crate::open::{Data, DataFormat, DataFile};
 use articula_core::fap_table::{FAPS, GROUPS, TABLE};
 use articula_formats::mpeg4::epf::EpfFrame;
 use articula_formats::mpeg4::fap::FapClip;
@@ -11,7 +11,7 @@ use serde::Serialize;
 /// What was found. The fields that every `inspect` has come first; a file of data has no
 /// skeleton and no mesh.
 #[derive(Debug, Default, Serialize)]
-pub struct DataFindings {
+pub struct DataInspection {
     /// The file, as errors call it.
     pub file: String,
     /// Name of the format.
@@ -134,7 +134,7 @@ pub struct EncoderSettings {
 }
 
 /// Looks at a file of data.
-pub fn inspect_data(opened: OpenedData, file: &str, format: DataFormat) -> DataFindings {
+pub fn inspect_data(opened: DataFile, file: &str, format: DataFormat) -> DataInspection {
     let found = match &opened.data {
         Data::Fap(clip) => of_fap(clip),
         Data::Epf(frames) => of_epf(frames),
@@ -144,7 +144,7 @@ pub fn inspect_data(opened: OpenedData, file: &str, format: DataFormat) -> DataF
         at: w.at,
         what: w.what,
     };
-    DataFindings {
+    DataInspection {
         file: file.to_owned(),
         format: format.name(),
         bytes: opened.bytes,
@@ -153,7 +153,7 @@ pub fn inspect_data(opened: OpenedData, file: &str, format: DataFormat) -> DataF
     }
 }
 
-fn of_fap(clip: &FapClip) -> DataFindings {
+fn of_fap(clip: &FapClip) -> DataInspection {
     let ends = clip.frames.first().zip(clip.frames.last());
     let moving = clip.moving();
     let mut first = 0;
@@ -171,7 +171,7 @@ fn of_fap(clip: &FapClip) -> DataFindings {
     let parameters: Vec<FapParameter> = coded
         .map(|index| parameter(index, clip.range(index + 1), moving[index]))
         .collect();
-    DataFindings {
+    DataInspection {
         name: clip.name.clone(),
         clips: vec![DataClip {
             name: clip.name.clone(),
@@ -183,7 +183,7 @@ fn of_fap(clip: &FapClip) -> DataFindings {
         face: face(parameters.len()),
         groups,
         parameters,
-        ..DataFindings::default()
+        ..DataInspection::default()
     }
 }
 
@@ -200,17 +200,17 @@ fn parameter(index: usize, range: Option<(i32, i32)>, moves: bool) -> FapParamet
     }
 }
 
-fn of_fdp(file: &FdpFile) -> DataFindings {
+fn of_fdp(file: &FdpFile) -> DataInspection {
     let moved = file.moved();
     let units = file.fapu;
-    let point = |p: &fdp::Point| FeaturePoint {
+    let point = |p: &fdp::FeaturePoint| FeaturePoint {
         point: format!("{}.{}", p.point.0, p.point.1),
         vertices: p.zone.len(),
         faps: p.influences.iter().map(|i| i.fap).collect(),
     };
     let parameters = (0..FAPS).filter(|index| moved[*index]);
     let parameters: Vec<FapParameter> = parameters.map(|i| parameter(i, None, true)).collect();
-    DataFindings {
+    DataInspection {
         face: face(parameters.len()),
         parameters,
         fapu: Some(FaceUnits {
@@ -221,16 +221,16 @@ fn of_fdp(file: &FdpFile) -> DataFindings {
             mw0: units.mw0,
         }),
         points: file.points.iter().map(point).collect(),
-        ..DataFindings::default()
+        ..DataInspection::default()
     }
 }
 
-fn of_epf(frames: &[EpfFrame]) -> DataFindings {
+fn of_epf(frames: &[EpfFrame]) -> DataInspection {
     let count = |is: fn(&EpfFrame) -> bool| frames.iter().filter(|f| is(f)).count();
     let quantisers = frames
         .iter()
         .flat_map(|f| [f.face.quantiser, f.body.quantiser]);
-    DataFindings {
+    DataInspection {
         coding: Some(EncoderSettings {
             frames: frames.len(),
             intra: count(|f| f.intra == Some(true)),
@@ -239,7 +239,7 @@ fn of_epf(frames: &[EpfFrame]) -> DataFindings {
             fps: frames.iter().find_map(|f| f.rate_hz),
             quantiser_max: quantisers.flatten().max(),
         }),
-        ..DataFindings::default()
+        ..DataInspection::default()
     }
 }
 

@@ -1,7 +1,7 @@
 //! What a file says of a human beyond joints and meshes: origin and licence, expressions, what is
 //! kept but not simulated.
 
-use crate::open::Opened;
+use crate::open::CharacterFile;
 use articula_core::source;
 use serde::Serialize;
 
@@ -125,7 +125,7 @@ pub struct Pose {
 }
 
 /// Looks at a file.
-pub(super) fn of(opened: &Opened) -> Human {
+pub(super) fn of(opened: &CharacterFile) -> Human {
     let behind = opened.gltf.as_ref();
     let character = &opened.character;
     let kept = behind.map_or(&[][..], |b| &b.kept);
@@ -191,7 +191,7 @@ fn expression(character: &source::Character, found: &source::Expression) -> Expr
     }
 }
 
-fn khr_character(opened: &Opened) -> Option<KhrCharacter> {
+fn khr_character(opened: &CharacterFile) -> Option<KhrCharacter> {
     let found = opened.gltf.as_ref()?.khr_character.as_ref()?;
     let clip = |index: usize| {
         let clip = opened.character.clips.get(index);

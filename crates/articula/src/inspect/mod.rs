@@ -10,13 +10,13 @@ mod skeletons;
 mod stream;
 
 pub use data::{
-    DataClip, DataFindings, EncoderSettings, FaceUnits, FapGroup, FapParameter, FeaturePoint,
+    DataClip, DataInspection, EncoderSettings, FaceUnits, FapGroup, FapParameter, FeaturePoint,
     inspect_data,
 };
 pub use extent::Extent;
 pub use human::{Credits, Expression, Human, Kept, KhrCharacter, Morph, Pose, Rig, Term};
 pub use mesh_levels::{Level, Levels, MeshLevel};
-pub use stream::{StreamFindings, StreamLevel, inspect_stream};
+pub use stream::{StreamInspection, StreamLevel, inspect_stream};
 
 use crate::error::Result;
 use crate::figure::Figure;
@@ -34,7 +34,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 /// Everything that was found in one file.
 #[derive(Debug, Serialize)]
-pub struct Findings {
+pub struct Inspection {
     /// The file, as errors call it.
     pub file: String,
     /// Name of the format.
@@ -189,7 +189,7 @@ pub struct Warning {
 ///
 /// # Errors
 /// [`Error::Cancelled`](crate::Error::Cancelled) alone.
-pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<Findings> {
+pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<Inspection> {
     let (opened, asset) = (&figure.opened, &figure.asset);
     let character = &opened.character;
     const WHAT: &str = "measuring clips";
@@ -202,7 +202,7 @@ pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<
         measured.push(clip_of(&character.clips[*clip], figure, *clip, bounds));
         work.step(WHAT, measured.len(), clips.len())?;
     }
-    let mut findings = Findings {
+    let mut findings = Inspection {
         file: opened.name.clone(),
         format: opened.format.name(),
         name: character.name.clone(),
@@ -390,7 +390,7 @@ fn warnings_of(figure: &Figure) -> Vec<Warning> {
 }
 
 /// What is odd about the whole, beside what the reader noticed.
-fn oddities(found: &Findings) -> Vec<Warning> {
+fn oddities(found: &Inspection) -> Vec<Warning> {
     let mut odd = Vec::new();
     let mut say = |at: &str, what: String| {
         odd.push(Warning {

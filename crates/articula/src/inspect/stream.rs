@@ -7,7 +7,7 @@ use serde::Serialize;
 
 /// What was found in a stream of mesh levels.
 #[derive(Debug, Serialize)]
-pub struct StreamFindings {
+pub struct StreamInspection {
     /// The file, as errors call it.
     pub file: String,
     /// Name of the format, which is also the extension of its files.
@@ -48,10 +48,10 @@ pub struct StreamLevel {
 ///
 /// # Errors
 /// An [`Error`](crate::Error) that names the file and the place in it.
-pub fn inspect_stream(bytes: &[u8], file: &str, limits: &StreamLimits) -> Result<StreamFindings> {
+pub fn inspect_stream(bytes: &[u8], file: &str, limits: &StreamLimits) -> Result<StreamInspection> {
     let received = Receiver::read(bytes, limits).context(file)?;
     let stream = received.stream();
-    Ok(StreamFindings {
+    Ok(StreamInspection {
         file: file.to_owned(),
         format: "ams",
         bytes: bytes.len(),

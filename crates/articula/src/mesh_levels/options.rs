@@ -2,7 +2,7 @@
 
 use crate::error::{Context, Error, Result};
 use articula_build::MeshLevelOptions as BuildOptions;
-use articula_build::{SimplifyOptions, Weighting, region_weights};
+use articula_build::{SimplifyOptions, ErrorWeighting, region_weights};
 use articula_core::{Mesh, Part, Rig, Zone};
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ pub struct MeshLevelOptions {
     /// Zones that may be shown at a level of their own, with their names; the rest is one more.
     pub split: Vec<(String, Zone)>,
     /// Which errors count.
-    pub weighting: Weighting,
+    pub weighting: ErrorWeighting,
     /// Vertices that no level removes, by the name of their mesh, numbered within it.
     pub locked: BTreeMap<String, Vec<u32>>,
     /// Whether the coarser levels are written as `MSFT_lod` nodes too.
@@ -33,7 +33,7 @@ impl MeshLevelOptions {
             targets: default_targets(count),
             region_weights: Vec::new(),
             split: Vec::new(),
-            weighting: Weighting::PoseSummed,
+            weighting: ErrorWeighting::PoseSummed,
             locked: BTreeMap::new(),
             msft_lod: false,
         }

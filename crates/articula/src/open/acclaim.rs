@@ -1,16 +1,16 @@
 //! Acclaim files: a skeleton (`.asf`), or a motion (`.amc`) with the skeleton it was made for.
 
-use super::{Input, Opened};
+use super::{Input, CharacterFile};
 use crate::error::{Error, Result};
 use articula_formats::{ReadOptions, acclaim};
 
 /// Reads a skeleton file by itself.
-pub(super) fn open_skeleton(input: &mut Input<'_, '_>) -> Result<Opened> {
+pub(super) fn open_skeleton(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     read(input, input.bytes, None)
 }
 
 /// Reads a motion and its skeleton.
-pub(super) fn open_motion(input: &mut Input<'_, '_>) -> Result<Opened> {
+pub(super) fn open_motion(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let Some(skeleton) = &input.options.skeleton else {
         let what = "a motion without its skeleton; give the .asf file that it was made for";
         return Err(Error::Skeleton(what.into()));
@@ -18,7 +18,7 @@ pub(super) fn open_motion(input: &mut Input<'_, '_>) -> Result<Opened> {
     read(input, skeleton, Some(input.bytes))
 }
 
-fn read(input: &Input<'_, '_>, asf: &[u8], amc: Option<&[u8]>) -> Result<Opened> {
+fn read(input: &Input<'_, '_>, asf: &[u8], amc: Option<&[u8]>) -> Result<CharacterFile> {
     let options = ReadOptions {
         scale_to_metres: input.options.unit_metres,
         up: input.options.up,

@@ -1,11 +1,11 @@
 //! BAP files: the standard humanoid in motion.
 
-use super::{Input, Opened};
+use super::{Input, CharacterFile};
 use crate::error::Result;
 use articula_formats::mpeg4::bap;
 
 /// Reads a BAP file; its parameters are kept, so that they can be written back as they are.
-pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
+pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let options = input.options;
     let read = bap::read(input.bytes, options.absent, &options.limits)?;
     let character = bap::character(&read.value);

@@ -1,11 +1,11 @@
 //! BVA files: segments without a hierarchy, put together if their names are known.
 
-use super::{Input, Opened};
+use super::{Input, CharacterFile};
 use crate::error::Result;
 use articula_formats::{ReadOptions, Warning, bva};
 
 /// Reads a BVA file.
-pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
+pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let options = ReadOptions {
         scale_to_metres: input.options.unit_metres,
         up: input.options.up,

@@ -1,11 +1,11 @@
 //! BVH files.
 
-use super::{Input, Opened};
+use super::{Input, CharacterFile};
 use crate::error::Result;
 use articula_formats::{ReadOptions, bvh};
 
 /// Reads a BVH file; the unit and the up axis are the caller's or a guess.
-pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
+pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let options = ReadOptions {
         scale_to_metres: input.options.unit_metres,
         up: input.options.up,

@@ -32,7 +32,7 @@ pub enum Data {
 
 /// A file as it was read.
 #[derive(Debug)]
-pub struct OpenedData {
+pub struct DataFile {
     /// What it holds.
     pub data: Data,
     /// Length of the file itself.
@@ -84,7 +84,7 @@ pub fn open_data(
     name: &str,
     format: DataFormat,
     options: &OpenOptions,
-) -> Result<OpenedData> {
+) -> Result<DataFile> {
     let limits = &options.limits;
     let (data, warnings) = match format {
         DataFormat::Fap => parts(
@@ -94,7 +94,7 @@ pub fn open_data(
         DataFormat::Epf => parts(epf::read(bytes, limits).context(name)?, Data::Epf),
         DataFormat::Fdp => parts(fdp::read(bytes, limits).context(name)?, Data::Fdp),
     };
-    Ok(OpenedData {
+    Ok(DataFile {
         data,
         bytes: bytes.len(),
         warnings,

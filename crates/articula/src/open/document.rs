@@ -1,9 +1,9 @@
 //! GLB, glTF, VRM and VRM animation files: the whole document stays behind the character.
 
-use super::{Input, Opened};
+use super::{Input, CharacterFile};
 use crate::error::Result;
 use articula_core::source::Character;
-use articula_formats::gltf::{self, Document, GltfFile, Kept, KhrCharacter};
+use articula_formats::gltf::{self, Document, GltfFile, PassThrough, KhrCharacter};
 
 /// The document of a glTF file, which of its nodes the character came from, and what it says of a
 /// human beyond the character.
@@ -22,7 +22,7 @@ pub struct GltfSource {
     /// What the draft glTF extensions for characters say.
     pub khr_character: Option<KhrCharacter>,
     /// What stays in the document but changes nothing here.
-    pub kept: Vec<Kept>,
+    pub kept: Vec<PassThrough>,
 }
 
 impl GltfSource {
@@ -42,7 +42,7 @@ impl GltfSource {
 }
 
 /// Reads a glTF file and what lies beside it.
-pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
+pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let read = gltf::read(input.bytes, &input.options.limits, input.beside)?;
     let (character, gltf) = GltfSource::split(read.value);
     let mut opened = input.opened(character, read.warnings, gltf.humanoid.as_deref());

@@ -42,12 +42,12 @@ struct Row {
     name: &'static str,
     open: Opener,
     /// Whether a character in memory can be written so; others are only written back.
-    writes: Writes,
+    writes: WriteSupport,
 }
 
 /// What can be written in a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Writes {
+pub enum WriteSupport {
     /// Any character.
     Any,
     /// Only what was read from the same format.
@@ -61,73 +61,73 @@ const ROWS: &[Row] = &[
         format: Format::Glb,
         name: "glb",
         open: document::open,
-        writes: Writes::Any,
+        writes: WriteSupport::Any,
     },
     Row {
         format: Format::Gltf,
         name: "gltf",
         open: document::open,
-        writes: Writes::Never,
+        writes: WriteSupport::Never,
     },
     Row {
         format: Format::Vrm,
         name: "vrm",
         open: document::open,
-        writes: Writes::Back,
+        writes: WriteSupport::Back,
     },
     Row {
         format: Format::Vrma,
         name: "vrma",
         open: document::open,
-        writes: Writes::Back,
+        writes: WriteSupport::Back,
     },
     Row {
         format: Format::Bvh,
         name: "bvh",
         open: bvh::open,
-        writes: Writes::Any,
+        writes: WriteSupport::Any,
     },
     Row {
         format: Format::X3d,
         name: "x3d",
         open: x3d::open,
-        writes: Writes::Any,
+        writes: WriteSupport::Any,
     },
     Row {
         format: Format::X3dv,
         name: "x3dv",
         open: x3d::open,
-        writes: Writes::Never,
+        writes: WriteSupport::Never,
     },
     Row {
         format: Format::Wrl,
         name: "wrl",
         open: x3d::open,
-        writes: Writes::Never,
+        writes: WriteSupport::Never,
     },
     Row {
         format: Format::Bva,
         name: "bva",
         open: bva::open,
-        writes: Writes::Never,
+        writes: WriteSupport::Never,
     },
     Row {
         format: Format::Asf,
         name: "asf",
         open: acclaim::open_skeleton,
-        writes: Writes::Any,
+        writes: WriteSupport::Any,
     },
     Row {
         format: Format::Amc,
         name: "amc",
         open: acclaim::open_motion,
-        writes: Writes::Any,
+        writes: WriteSupport::Any,
     },
     Row {
         format: Format::Bap,
         name: "bap",
         open: bap::open,
-        writes: Writes::Any,
+        writes: WriteSupport::Any,
     },
 ];
 
@@ -181,7 +181,7 @@ impl Format {
     }
 
     /// What can be written in it.
-    pub fn writes(self) -> Writes {
+    pub fn writes(self) -> WriteSupport {
         self.row().writes
     }
 
@@ -233,11 +233,11 @@ pub fn conversions() -> String {
         let rows = ROWS.iter().filter(move |row| row.writes == writes);
         rows.map(|row| row.name.to_owned())
     };
-    let back = named(Writes::Back).map(|name| format!("{name} to {name}"));
+    let back = named(WriteSupport::Back).map(|name| format!("{name} to {name}"));
     format!(
         "{} to {}; {}",
         listed(ROWS.iter().map(|row| row.name.to_owned())),
-        listed(named(Writes::Any)),
+        listed(named(WriteSupport::Any)),
         back.collect::<Vec<_>>().join("; ")
     )
 }

@@ -1,6 +1,6 @@
 //! The reference human as a file that was opened.
 
-use super::{OpenOptions, Opened, open};
+use super::{OpenOptions, CharacterFile, open};
 use crate::error::{Error, Result};
 use articula_formats::Resolver;
 use articula_formats::gltf::Document;
@@ -11,7 +11,7 @@ use articula_human::{HumanOptions, human};
 ///
 /// # Errors
 /// None that the caller could mend.
-pub fn reference_human() -> Result<Opened> {
+pub fn reference_human() -> Result<CharacterFile> {
     let made = human(&HumanOptions::default());
     let character = made.map_err(|e| Error::Unsuited(e.to_string()))?;
     let glb = Document::from_character(&character)?.write_glb()?;

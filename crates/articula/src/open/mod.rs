@@ -11,16 +11,16 @@ mod human;
 mod options;
 mod x3d;
 
-pub use data::{Data, DataFormat, OpenedData, open_data};
+pub use data::{Data, DataFormat, DataFile, open_data};
 pub use document::GltfSource;
-pub use format::{Format, Writes, conversions, readable};
+pub use format::{Format, WriteSupport, conversions, readable};
 pub use human::reference_human;
 pub use options::OpenOptions;
 
 use crate::error::{Context, Error, Result};
 use articula_build::joint_names::Mapping;
 use articula_core::Articulation;
-use articula_core::joint_names::Profile;
+use articula_core::joint_names::JointMap;
 use articula_core::source::{Character, Property};
 use articula_formats::mpeg4::bap::BapClip;
 use articula_formats::profile;
@@ -28,7 +28,7 @@ use articula_formats::{Resolver, Warning};
 
 /// A file that was opened: its character, and what is needed to write it back.
 #[derive(Debug, Clone)]
-pub struct Opened {
+pub struct CharacterFile {
     /// What errors and reports call the file.
     pub name: String,
     /// How the file is written.
@@ -67,7 +67,7 @@ pub fn open(
     name: &str,
     options: &OpenOptions,
     beside: &mut Resolver<'_>,
-) -> Result<Opened> {
+) -> Result<CharacterFile> {
     if let Some(data) = DataFormat::of_name(name) {
         return Err(Error::unsuited(data.advice())).context(name);
     }
@@ -78,7 +78,7 @@ pub fn open(
         );
         return Err(Error::unsuited(what)).context(name);
     };
-    let profiles: Vec<Profile> = options.all_profiles();
+    let profiles: Vec<JointMap> = options.all_profiles();
     let mut input = Input {
         name,
         format,
@@ -96,12 +96,12 @@ struct Input<'a, 'r> {
     format: Format,
     bytes: &'a [u8],
     options: &'a OpenOptions,
-    profiles: &'a [Profile],
+    profiles: &'a [JointMap],
     beside: &'a mut Resolver<'r>,
 }
 
 /// Turns the bytes of one format into a character; the caller names the file in errors.
-type Opener = fn(&mut Input<'_, '_>) -> Result<Opened>;
+type Opener = fn(&mut Input<'_, '_>) -> Result<CharacterFile>;
 
 impl Input<'_, '_> {
     /// A character as read; `given` is the map to VRM human bones that the file brings itself.
@@ -110,8 +110,8 @@ impl Input<'_, '_> {
         character: Character,
         warnings: Vec<Warning>,
         given: Option<&[(usize, String)]>,
-    ) -> Opened {
-        Opened {
+    ) -> CharacterFile {
+        CharacterFile {
             name: self.name.to_owned(),
             format: self.format,
             bytes: self.bytes.len(),
@@ -126,7 +126,7 @@ impl Input<'_, '_> {
     }
 }
 
-impl Opened {
+impl CharacterFile {
     /// A character that was made, not read; its joints are told by their names.
     pub fn from_character(name: &str, character: Character) -> Self {
         Self {

@@ -1,20 +1,20 @@
 //! How a file is understood where it does not say it.
 
-use articula_core::joint_names::Profile;
+use articula_core::joint_names::JointMap;
 use articula_formats::mpeg4::fap::Absent;
 use articula_formats::profile;
-use articula_formats::{Limits, Up};
+use articula_formats::{Limits, UpAxis};
 
 /// How a file is understood: its joint names and, where it does not say, its unit, up axis and
 /// rate.
 #[derive(Debug, Clone, Default)]
 pub struct OpenOptions {
     /// Joint-name profiles that are asked before the built-in ones.
-    pub profiles: Vec<Profile>,
+    pub profiles: Vec<JointMap>,
     /// BVH, ASF, BVA: metres of one unit; told from the figure's height without it.
     pub unit_metres: Option<f32>,
     /// BVH, ASF, BVA: the axis that points up; told from where the head is without it.
-    pub up: Up,
+    pub up: UpAxis,
     /// AMC: the bytes of the skeleton (`.asf`) that the motion was made for.
     pub skeleton: Option<Vec<u8>>,
     /// AMC: frames a second; 120 without it, unless the file says it.
@@ -27,7 +27,7 @@ pub struct OpenOptions {
 
 impl OpenOptions {
     /// The caller's profiles, then the built-in ones.
-    pub(super) fn all_profiles(&self) -> Vec<Profile> {
+    pub(super) fn all_profiles(&self) -> Vec<JointMap> {
         let built_in = profile::builtin().iter();
         self.profiles.iter().chain(built_in).cloned().collect()
     }

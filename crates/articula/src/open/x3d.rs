@@ -1,12 +1,12 @@
 //! H-Anim figures in X3D and VRML97.
 
-use super::{Input, Opened};
+use super::{Input, CharacterFile};
 use crate::error::Result;
 use articula_formats::x3d::{self, Site};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Reads an X3D file and the pictures that lie beside it.
-pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
+pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let read = x3d::read(input.bytes, &input.options.limits, input.beside)?;
     let file = read.value;
     let mut opened = input.opened(file.character, read.warnings, None);
@@ -15,7 +15,7 @@ pub(super) fn open(input: &mut Input<'_, '_>) -> Result<Opened> {
 }
 
 /// The far end of each last joint, where the file names it: the site farthest from the joint.
-fn end_sites(opened: &Opened, sites: &[Site]) -> Vec<(usize, glam::Vec3)> {
+fn end_sites(opened: &CharacterFile, sites: &[Site]) -> Vec<(usize, glam::Vec3)> {
     let joints = &opened.character.skeleton.joints;
     let parents: BTreeSet<usize> = joints.iter().filter_map(|j| j.parent).collect();
     let mut ends: BTreeMap<usize, glam::Vec3> = BTreeMap::new();

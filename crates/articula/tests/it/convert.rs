@@ -4,7 +4,7 @@ use crate::real::real_data;
 use articula::convert::{ClipEdits, ClipFit, ClipPart, ReduceOptions, write};
 use articula::glam::Vec3;
 use articula::{
-    AddClipsOptions, ConvertOptions, Error, Figure, Format, OpenOptions, Opened, PrepareOptions,
+    AddClipsOptions, ConvertOptions, Error, Figure, Format, OpenOptions, CharacterFile, PrepareOptions,
     Executor, convert, fs, open, prepare,
 };
 use articula_core::source::evaluate;
@@ -19,7 +19,7 @@ const AVATAR: &str = "vrm/Godette_vrm_v4.vrm";
 const FOX: &str = "glb/Fox.glb";
 
 /// A character with the clips of a file, and where they come from.
-fn added(data: &Path, character: &str, file: &str) -> (Opened, Vec<ClipFit>) {
+fn added(data: &Path, character: &str, file: &str) -> (CharacterFile, Vec<ClipFit>) {
     let mut opened = fs::open(data.join(character)).unwrap();
     let files = [fs::open(data.join(file)).unwrap()];
     let options = AddClipsOptions::default();
@@ -38,7 +38,7 @@ fn refused(data: &Path, character: &str, file: &str) -> Error {
 }
 
 /// Joint positions at a time of a clip, by name.
-fn positions(opened: &Opened, clip: &str, secs: f32) -> Vec<(String, Vec3)> {
+fn positions(opened: &CharacterFile, clip: &str, secs: f32) -> Vec<(String, Vec3)> {
     let skeleton = &opened.character.skeleton;
     let rig = Rig::new(skeleton, opened.articulation()).unwrap();
     let clips = &opened.character.clips;
@@ -55,7 +55,7 @@ fn positions(opened: &Opened, clip: &str, secs: f32) -> Vec<(String, Vec3)> {
 }
 
 /// Reads a GLB that was written.
-fn again(bytes: &[u8]) -> Opened {
+fn again(bytes: &[u8]) -> CharacterFile {
     let nothing = &mut |_: &str| Err("nothing lies beside it".into());
     open(bytes, "written.glb", &OpenOptions::default(), nothing).unwrap()
 }
@@ -190,7 +190,7 @@ Frame Time: 0.1
 0 90 2 0 0 0 0 0 0
 ";
 
-fn nod() -> Opened {
+fn nod() -> CharacterFile {
     let nothing = &mut |_: &str| Err("nothing lies beside it".into());
     open(NOD.as_bytes(), "nod.bvh", &OpenOptions::default(), nothing).unwrap()
 }
@@ -241,6 +241,6 @@ fn without_a_clip_formats_of_motion_are_refused_and_pairs_come_as_two() {
     let why = write(&still, Format::Bvh).unwrap_err().to_string();
     assert!(why.contains("there is none to write"), "{why}");
     assert!(write(&still, Format::Asf).unwrap().beside.is_none());
-    let made = Opened::from_character("made", nod().character);
+    let made = CharacterFile::from_character("made", nod().character);
     assert_eq!(made.mapping.humanoid, nod().mapping.humanoid);
 }

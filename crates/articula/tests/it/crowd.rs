@@ -3,16 +3,16 @@
 use crate::real::real_data;
 use articula::crowd::{
     Camera, CrowdAsset, CrowdOptions, CrowdPlayer, JointLodMethod, PaletteForm, PaletteHash,
-    PaletteMatrices, PaletteSlice, RootMotion, Sight, View, Viewport,
+    PaletteMatrices, PaletteSlice, RootMotion, Culling, View, Viewport,
 };
-use articula::{AddClipsOptions, Figure, OpenOptions, Opened, Executor};
-use articula_core::loa::Expression;
+use articula::{AddClipsOptions, Figure, OpenOptions, CharacterFile, Executor};
+use articula_core::loa::LoaExpression;
 use glam::Vec3;
 use std::sync::OnceLock;
 
 /// The reference human, made once for all tests.
-fn human() -> Opened {
-    static HUMAN: OnceLock<Opened> = OnceLock::new();
+fn human() -> CharacterFile {
+    static HUMAN: OnceLock<CharacterFile> = OnceLock::new();
     let made = HUMAN.get_or_init(|| {
         let options = articula_human::HumanOptions { triangles: 2000 };
         let character = articula_human::human(&options).unwrap();
@@ -24,7 +24,7 @@ fn human() -> Opened {
     made.clone()
 }
 
-fn asset_of(opened: Opened, options: &CrowdOptions) -> CrowdAsset {
+fn asset_of(opened: CharacterFile, options: &CrowdOptions) -> CrowdAsset {
     let figure = Figure::new(opened).unwrap();
     CrowdAsset::new(&figure, options, &Executor::default()).unwrap()
 }
@@ -135,7 +135,7 @@ fn a_named_level_of_unknown_joints_says_the_mend() {
     let Some(data) = real_data() else { return };
     let opened = articula::fs::open(data.join("glb/Fox.glb")).unwrap();
     let options = CrowdOptions {
-        joints: JointLodMethod::Named("loa(Low)".parse::<Expression>().unwrap()),
+        joints: JointLodMethod::Named("loa(Low)".parse::<LoaExpression>().unwrap()),
         ..CrowdOptions::default()
     };
     let asset = asset_of(opened, &options);
@@ -160,7 +160,7 @@ fn who_evaluates_changes_no_bit() {
             let mut hash = PaletteHash::default();
             for _ in 0..3 {
                 let views = [View::of(&camera)];
-                crowd.plan(1.0 / 60.0, Sight::Views(&views), &mut |_| ());
+                crowd.plan(1.0 / 60.0, Culling::Views(&views), &mut |_| ());
                 let mut parts: Vec<_> = crowd.parts(parts).collect();
                 if backwards {
                     parts.reverse();
@@ -227,7 +227,7 @@ fn clips_are_chosen_by_name_and_unknown_ones_are_told() {
     let name = figure.asset.clips[1].name.clone();
     let options = |name: &str| CrowdOptions {
         clips: vec![name.to_owned()],
-        joints: JointLodMethod::Named("loa(Low)".parse::<Expression>().unwrap()),
+        joints: JointLodMethod::Named("loa(Low)".parse::<LoaExpression>().unwrap()),
         root_motion: RootMotion::Extracted,
         ..CrowdOptions::default()
     };

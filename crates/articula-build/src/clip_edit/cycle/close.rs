@@ -13,7 +13,7 @@ use super::super::channel::{self, SAME_SECS};
 use super::super::grid::grid;
 use super::super::heading::yaw;
 use super::super::root_motion::similarity::Similarity;
-use super::super::subject::{Posed, Subject};
+use super::super::subject::{Posed, EditSubject};
 use crate::clip::{source_rate_hz, steps_at};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
 use articula_core::{Mismatch, angle_between, same_hemisphere};
@@ -34,7 +34,7 @@ pub struct CloseOptions {
 
 /// A closed loop.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Closed {
+pub struct ClosedLoop {
     /// The clip.
     pub clip: Clip,
     /// Time at either end over which the seam was shared.
@@ -54,7 +54,7 @@ pub struct Closed {
 ///
 /// # Errors
 /// A [`Mismatch`] if the clip is not one of this character, or is longer than can be verified.
-pub fn close(subject: &Subject<'_>, clip: &Clip, opts: &CloseOptions) -> Result<Closed, Mismatch> {
+pub fn close(subject: &EditSubject<'_>, clip: &Clip, opts: &CloseOptions) -> Result<ClosedLoop, Mismatch> {
     subject.check(clip)?;
     let end = clip.duration_secs;
     steps_at(clip, end, crate::clip_edit::grid::VERIFIED_HZ, 1)?;
@@ -82,7 +82,7 @@ pub fn close(subject: &Subject<'_>, clip: &Clip, opts: &CloseOptions) -> Result<
     }
     subject.pose(&out, 0.0, &mut a);
     subject.pose(&out, end, &mut b);
-    Ok(Closed {
+    Ok(ClosedLoop {
         clip: out,
         window_secs,
         moved_metres,
@@ -106,7 +106,7 @@ struct Round {
 }
 
 impl Round {
-    fn of(subject: &Subject<'_>, clip: &Clip) -> Self {
+    fn of(subject: &EditSubject<'_>, clip: &Clip) -> Self {
         let (mut first, mut last) = (subject.rest(), subject.rest());
         subject.pose(clip, 0.0, &mut first);
         subject.pose(clip, clip.duration_secs, &mut last);
@@ -167,7 +167,7 @@ impl Round {
 
 /// The joint from the hips upwards that comes farthest over the ground by itself; without any way
 /// the topmost that moves.
-fn traveller(subject: &Subject<'_>, clip: &Clip, first: &Posed, last: &Posed) -> usize {
+fn traveller(subject: &EditSubject<'_>, clip: &Clip, first: &Posed, last: &Posed) -> usize {
     let hips = subject.hips();
     let up = std::iter::successors(Some(hips), |j| subject.rig.parent(*j));
     let moves = |j: &usize| {
@@ -195,7 +195,7 @@ fn traveller(subject: &Subject<'_>, clip: &Clip, first: &Posed, last: &Posed) ->
 const LEAST_WAY: f64 = 1e-3;
 
 /// Model-from-parent of a joint.
-fn placed(subject: &Subject<'_>, joint: usize, posed: &Posed) -> Similarity {
+fn placed(subject: &EditSubject<'_>, joint: usize, posed: &Posed) -> Similarity {
     let above = std::iter::successors(subject.rig.parent(joint), |j| subject.rig.parent(*j));
     above.fold(Similarity::IDENTITY, |below, j| {
         Similarity::of(posed.local.get(j)) * below

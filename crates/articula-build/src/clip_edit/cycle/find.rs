@@ -6,7 +6,7 @@
 //! a frame is its velocity; so a pair costs a hundred numbers and all pairs can be looked at.
 
 use super::super::root_motion::trajectory::Trajectory;
-use super::super::subject::Subject;
+use super::super::subject::EditSubject;
 use crate::clip::{source_rate_hz, steps_at};
 use articula_core::source::Clip;
 use articula_core::{Mismatch, Region};
@@ -46,7 +46,7 @@ const LEAST_SECS: f32 = 0.4;
 /// A part of a clip, and how its end goes over into its start. Root motion does not count:
 /// both are laid to where the hips are and face.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Cycle {
+pub struct LoopCycle {
     /// Where it starts.
     pub start_secs: f32,
     /// Where it ends, and is at its start again.
@@ -77,7 +77,7 @@ struct Frames {
 }
 
 impl Frames {
-    fn at(subject: &Subject<'_>, clip: &Clip, around_secs: f32, times: Vec<f32>) -> Self {
+    fn at(subject: &EditSubject<'_>, clip: &Clip, around_secs: f32, times: Vec<f32>) -> Self {
         let joints = compared(subject);
         let trajectory = Trajectory::new(subject, clip, 0.0);
         let mut posed = subject.rest();
@@ -139,7 +139,7 @@ impl Frames {
         )
     }
 
-    fn cycle(&self, i: usize, j: usize, spread: f32) -> Cycle {
+    fn cycle(&self, i: usize, j: usize, spread: f32) -> LoopCycle {
         let ((p, v), (q, w)) = (self.frame(i), self.frame(j));
         let mean = |a: &[Vec3], b: &[Vec3]| -> f32 {
             let pairs = a.iter().zip(b);
@@ -148,7 +148,7 @@ impl Frames {
         };
         let apart = p.iter().zip(q).map(|(a, b)| a.distance(*b));
         let score = 1.0 - self.distance(i, j) / spread.max(1e-9);
-        Cycle {
+        LoopCycle {
             start_secs: self.times[i],
             end_secs: self.times[j],
             seam_metres: apart.fold(0.0, f32::max),
@@ -163,7 +163,7 @@ impl Frames {
 
 /// The joints whose places are compared: those of the standard but for hands and face, which are
 /// many and small. Where fewer than four are known, all of the skin.
-fn compared(subject: &Subject<'_>) -> Vec<usize> {
+fn compared(subject: &EditSubject<'_>) -> Vec<usize> {
     let articulation = &subject.rig.articulation().joints;
     let body = |j: &usize| {
         let joint = &articulation[*j];
@@ -209,7 +209,7 @@ fn by_length(frames: &Frames, least: usize, spread: f32) -> Vec<Option<(usize, f
 ///
 /// # Errors
 /// A [`Mismatch`] if the clip is not one of this character, or is longer than can be looked at.
-pub fn find(subject: &Subject<'_>, clip: &Clip) -> Result<Option<Cycle>, Mismatch> {
+pub fn find(subject: &EditSubject<'_>, clip: &Clip) -> Result<Option<LoopCycle>, Mismatch> {
     subject.check(clip)?;
     let source_hz = source_rate_hz(clip);
     let rate = source_hz.min(COMPARED_HZ);
@@ -227,7 +227,7 @@ pub fn find(subject: &Subject<'_>, clip: &Clip) -> Result<Option<Cycle>, Mismatc
     let whole = at(vec![0.0, clip.duration_secs]).cycle(0, 1, spread);
     if whole.seam_metres <= WHOLE_SEAM * height(subject) {
         let score = 1.0 - whole.seam_rms_metres / spread.max(1e-9);
-        return Ok(Some(Cycle {
+        return Ok(Some(LoopCycle {
             score,
             is_loop: true,
             is_whole: true,
@@ -260,7 +260,7 @@ fn refined(
     spread: f32,
     end_secs: f32,
     at: impl Fn(Vec<f32>) -> Frames,
-) -> Cycle {
+) -> LoopCycle {
     let step = (frames.times[1] - frames.times[0]) / PARTS as f32;
     let near = |k: usize| {
         let time = frames.times[k];
@@ -281,7 +281,7 @@ fn refined(
 }
 
 /// Height of the joints that are compared, at rest.
-fn height(subject: &Subject<'_>) -> f32 {
+fn height(subject: &EditSubject<'_>) -> f32 {
     let rest = subject.rest();
     let heights = compared(subject)
         .into_iter()

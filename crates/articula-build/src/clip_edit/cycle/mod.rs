@@ -6,12 +6,12 @@
 mod close;
 mod find;
 
-pub use close::{CloseOptions, Closed, close};
-pub use find::{Cycle, LEAST_SCORE, find};
+pub use close::{CloseOptions, ClosedLoop, close};
+pub use find::{LoopCycle, LEAST_SCORE, find};
 
 #[cfg(test)]
 mod tests {
-    use super::super::Subject;
+    use super::super::EditSubject;
     use super::super::test_clips::bar;
     use super::*;
     use articula_core::angle_between;
@@ -47,9 +47,9 @@ mod tests {
         }
     }
 
-    fn figure(character: &Character) -> Subject<'_> {
+    fn figure(character: &Character) -> EditSubject<'_> {
         let (_, articulation) = bar(3);
-        Subject::new(character, articulation, &[]).unwrap()
+        EditSubject::new(character, articulation, &[]).unwrap()
     }
 
     #[test]
@@ -138,8 +138,8 @@ mod tests {
         let (drift, curve) = (turning(0.2), turning(1.2));
         assert_eq!(drift.turn_radians, 0.0);
         assert!((curve.turn_radians - 1.2).abs() < 1e-5);
-        let end = |closed: &Closed| Quat::from_slice(&closed.clip.channels[2].values[30 * 4..]);
-        let start = |closed: &Closed| Quat::from_slice(&closed.clip.channels[2].values);
+        let end = |closed: &ClosedLoop| Quat::from_slice(&closed.clip.channels[2].values[30 * 4..]);
+        let start = |closed: &ClosedLoop| Quat::from_slice(&closed.clip.channels[2].values);
         assert!(angle_between(start(&drift), end(&drift)) < 1e-6);
         assert!((angle_between(start(&curve), end(&curve)) - 1.2).abs() < 1e-5);
         assert!(curve.seam_radians < 1e-6 && curve.moved_metres < 0.01);

@@ -1,7 +1,7 @@
 //! Which keys of one channel are kept, and the first choice by that channel's own share.
 
 use super::super::channel;
-use super::super::subject::Subject;
+use super::super::subject::EditSubject;
 use super::ReduceOptions;
 use super::morphs::MorphErrors;
 use super::watch::Watch;
@@ -112,7 +112,7 @@ impl<'a> Choice<'a> {
 
 /// The first choice for every channel, at its share of the bound.
 pub(super) fn first<'a>(
-    subject: &Subject<'_>,
+    subject: &EditSubject<'_>,
     clip: &'a Clip,
     opts: &ReduceOptions,
     watch: &Watch,
@@ -265,7 +265,7 @@ pub(super) fn distance(property: Property, a: &[f32], b: &[f32]) -> f32 {
 }
 
 /// What values may differ by so that nothing below the joint moves by more than `metres`.
-fn tolerance(subject: &Subject<'_>, source: &Channel, levers: &[f32], metres: f32) -> f32 {
+fn tolerance(subject: &EditSubject<'_>, source: &Channel, levers: &[f32], metres: f32) -> f32 {
     let joint = source.target;
     match source.property {
         Property::Rotation => (metres / levers[joint]).min(MOST_RADIANS),
@@ -282,7 +282,7 @@ fn tolerance(subject: &Subject<'_>, source: &Channel, levers: &[f32], metres: f3
     }
 }
 
-fn rest(subject: &Subject<'_>, source: &Channel) -> Vec<f32> {
+fn rest(subject: &EditSubject<'_>, source: &Channel) -> Vec<f32> {
     if source.property == Property::Weights {
         let slot = subject.mesh.morph_slots[source.target];
         let count = subject.morph_counts[source.target];

@@ -17,7 +17,7 @@ mod watch;
 
 use super::channel;
 use super::grid::{VERIFIED_HZ, grid};
-use super::subject::Subject;
+use super::subject::EditSubject;
 use crate::clip::steps_at;
 use crate::reduce::{MotionSize, size_of};
 use articula_core::Mismatch;
@@ -39,7 +39,7 @@ pub struct ReduceOptions {
 
 /// A clip with fewer keys.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Reduced {
+pub struct ReducedClip {
     /// The clip.
     pub clip: Clip,
     /// Greatest distance of any joint, skin or end point from where the source has it, at any
@@ -63,10 +63,10 @@ pub struct Reduced {
 /// A [`Mismatch`] if the clip is not one of this character, the bound is not positive, or the clip
 /// is longer than can be verified.
 pub fn reduce_keys(
-    subject: &Subject<'_>,
+    subject: &EditSubject<'_>,
     clip: &Clip,
     opts: &ReduceOptions,
-) -> Result<Reduced, Mismatch> {
+) -> Result<ReducedClip, Mismatch> {
     subject.check(clip)?;
     if !(opts.bound_metres.is_finite() && opts.bound_metres > 0.0) {
         let what = format!("{} is not a positive length", opts.bound_metres);
@@ -92,7 +92,7 @@ pub fn reduce_keys(
         out.channels.extend(choices.first().map(Choice::shown));
     }
     channel::keep_length(&mut out);
-    Ok(Reduced {
+    Ok(ReducedClip {
         worst_metres,
         times: times.len(),
         before: size_of(clip.channels.iter()),
@@ -133,7 +133,7 @@ mod tests {
         }
     }
 
-    fn keys(bar: &Subject<'_>, clip: &Clip, bound_metres: f32, drop_rest: bool) -> Vec<usize> {
+    fn keys(bar: &EditSubject<'_>, clip: &Clip, bound_metres: f32, drop_rest: bool) -> Vec<usize> {
         let opts = ReduceOptions {
             bound_metres,
             drop_rest,
@@ -148,7 +148,7 @@ mod tests {
     #[test]
     fn an_even_turn_needs_two_keys_and_a_bump_as_many_as_it_shows() {
         let (character, articulation) = bar(2);
-        let bar = Subject::new(&character, articulation, &END).unwrap();
+        let bar = EditSubject::new(&character, articulation, &END).unwrap();
         let mut even: Vec<f32> = (0..=10).map(|i| 0.05 * i as f32).collect();
         assert_eq!(keys(&bar, &clip(vec![turns(0, &even)]), 1e-4, false), [2]);
         // The end of the bar is 1.5 m away: 4 mrad are 6 mm there.
@@ -163,7 +163,7 @@ mod tests {
     fn errors_of_a_chain_count_together() {
         // Each joint alone errs by 0.9 mm at the end of the bar; both together by 1.8 mm.
         let (character, articulation) = bar(2);
-        let bar = Subject::new(&character, articulation, &END).unwrap();
+        let bar = EditSubject::new(&character, articulation, &END).unwrap();
         let bump = |size: f32| (0..=10).map(move |i| if i == 5 { size } else { 0.0 });
         let near: Vec<f32> = bump(0.0009 / 1.5).collect();
         let far: Vec<f32> = bump(0.0009 / 0.5).collect();
@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn what_stands_still_keeps_one_key_and_at_rest_none() {
         let (character, articulation) = bar(3);
-        let bar = Subject::new(&character, articulation, &[]).unwrap();
+        let bar = EditSubject::new(&character, articulation, &[]).unwrap();
         let rest = line(&[0.0, 0.5, 1.0], &[0.0; 3]).channels.remove(0);
         let still = clip(vec![turns(1, &[0.3; 11]), rest, turns(2, &[0.0; 11])]);
         // One channel shows where the clip ends.
@@ -205,19 +205,19 @@ mod tests {
         let twist = clip(vec![turns(1, &twist)]);
         // Without skin a lever of half of the last bone stands for it: 0.01 rad move it by less
         // than 5 mm.
-        let bar_alone = Subject::new(&character, articulation.clone(), &[]).unwrap();
+        let bar_alone = EditSubject::new(&character, articulation.clone(), &[]).unwrap();
         assert_eq!(keys(&bar_alone, &twist, 0.005, false), [2]);
         assert!(keys(&bar_alone, &twist, 0.001, false)[0] > 2);
         // An end that is 2 m away moves by 2 cm.
         let ends = [(1, Vec3::new(2.0, 0.0, 0.0))];
-        let with_end = Subject::new(&character, articulation, &ends).unwrap();
+        let with_end = EditSubject::new(&character, articulation, &ends).unwrap();
         assert!(keys(&with_end, &twist, 0.005, false)[0] > 2);
     }
 
     #[test]
     fn splines_keep_their_keys_and_bad_bounds_are_refused() {
         let (character, articulation) = bar(1);
-        let bar = Subject::new(&character, articulation, &[]).unwrap();
+        let bar = EditSubject::new(&character, articulation, &[]).unwrap();
         let mut spline = line(&[0.0, 0.5, 1.0], &[0.0; 3]);
         spline.channels[0].interpolation = Interpolation::CubicSpline;
         spline.channels[0].values = vec![0.0; 27];

@@ -5,7 +5,7 @@
 //! greatest length of every target: a bound that is some fifty sums and not fifty for each vertex.
 
 use super::super::channel;
-use super::super::subject::Subject;
+use super::super::subject::EditSubject;
 use articula_core::JointSet;
 use articula_core::source::{Channel, Clip, Property};
 
@@ -26,7 +26,7 @@ pub(super) struct MorphErrors {
 }
 
 impl MorphErrors {
-    pub(super) fn new(subject: &Subject<'_>, clip: &Clip) -> Self {
+    pub(super) fn new(subject: &EditSubject<'_>, clip: &Clip) -> Self {
         let driven = clip.channels.iter().enumerate();
         let driven = driven.filter(|(_, c)| c.property == Property::Weights);
         Self {
@@ -67,7 +67,7 @@ impl Gathering {
     }
 }
 
-fn gathered(subject: &Subject<'_>, source_mesh: usize) -> Vec<Gathering> {
+fn gathered(subject: &EditSubject<'_>, source_mesh: usize) -> Vec<Gathering> {
     let mesh = &subject.mesh;
     let (slot, count) = (
         mesh.morph_slots[source_mesh],

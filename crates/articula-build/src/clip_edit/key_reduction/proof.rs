@@ -1,6 +1,6 @@
 //! A choice of keys played beside its source, and keys put back until the bound holds.
 
-use super::super::subject::{Posed, Subject};
+use super::super::subject::{Posed, EditSubject};
 use super::choice::{Choice, distance};
 use super::morphs::MorphErrors;
 use super::watch::Watch;
@@ -10,7 +10,7 @@ use glam::Vec3A;
 
 /// What a choice is held to.
 pub(super) struct Proof<'a> {
-    subject: &'a Subject<'a>,
+    subject: &'a EditSubject<'a>,
     clip: &'a Clip,
     times: &'a [f32],
     watch: &'a Watch,
@@ -74,7 +74,7 @@ impl Mended {
 
 impl<'a> Proof<'a> {
     pub(super) fn new(
-        subject: &'a Subject<'a>,
+        subject: &'a EditSubject<'a>,
         clip: &'a Clip,
         times: &'a [f32],
         watch: &'a Watch,

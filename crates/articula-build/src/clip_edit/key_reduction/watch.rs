@@ -4,7 +4,7 @@
 //! the joint matrices put the vertex in their own spaces. All vertices of a joint lie in a box
 //! of its space, and a box is moved most at a corner: nine points a joint bound the whole skin.
 
-use super::super::subject::{Posed, Subject};
+use super::super::subject::{Posed, EditSubject};
 use crate::motion_error::joint_lever::JointLever;
 use articula_core::source::{Clip, Property};
 use glam::{Affine3A, Vec3, Vec3A};
@@ -49,7 +49,7 @@ pub(super) struct Watch {
 impl Watch {
     /// The skin of each joint with the morph targets that the clip may show. Last joints without
     /// skin stand for a little lever, so that their turns count.
-    pub(super) fn new(subject: &Subject<'_>, clip: &Clip) -> Self {
+    pub(super) fn new(subject: &EditSubject<'_>, clip: &Clip) -> Self {
         let rig = &subject.rig;
         let mut hulls: Vec<Option<Hull>> = vec![None; rig.len()];
         let morphed = morphed(subject, clip);
@@ -124,7 +124,7 @@ impl Watch {
     }
 
     /// Distance of the farthest watched point of a joint or below it from the joint, at rest.
-    pub(super) fn levers(&self, subject: &Subject<'_>) -> Vec<f32> {
+    pub(super) fn levers(&self, subject: &EditSubject<'_>) -> Vec<f32> {
         let rest = subject.rest();
         let rig = &subject.rig;
         let mut levers = vec![JointLever::FLOOR_METRES; rig.len()];
@@ -149,7 +149,7 @@ impl Watch {
 
 /// A lever for a last joint that moves no skin, in its own space: half of the bone that leads
 /// to it where there is no mesh at all, else the least that counts.
-fn least_lever(subject: &Subject<'_>, rest: &Posed, joint: usize) -> f32 {
+fn least_lever(subject: &EditSubject<'_>, rest: &Posed, joint: usize) -> f32 {
     let matrix = &rest.model.matrices[joint];
     let scale = matrix.matrix3.x_axis.length().max(1e-6);
     let bone = subject.rig.parent(joint).map_or(0.0, |p| {
@@ -164,7 +164,7 @@ fn least_lever(subject: &Subject<'_>, rest: &Posed, joint: usize) -> f32 {
 }
 
 /// How far morph targets may take each vertex along each axis, down and up.
-fn morphed(subject: &Subject<'_>, clip: &Clip) -> Vec<(Vec3, Vec3)> {
+fn morphed(subject: &EditSubject<'_>, clip: &Clip) -> Vec<(Vec3, Vec3)> {
     let mesh = &subject.mesh;
     let mut greatest = mesh.morph_weights.clone();
     let mut least = mesh.morph_weights.clone();

@@ -1,6 +1,6 @@
 //! The joint above the hips that can carry root motion.
 
-use super::super::subject::{Posed, Subject};
+use super::super::subject::{Posed, EditSubject};
 use super::similarity::Similarity;
 use articula_core::JointSet;
 use articula_core::source::Clip;
@@ -17,7 +17,7 @@ pub(super) struct Carrier {
 impl Carrier {
     /// The topmost joint of the skin above the hips, or else the nearest node above them, that
     /// all of the skin hangs from and that neither it nor what it hangs from stretches or mirrors.
-    pub(super) fn find(subject: &Subject<'_>, clip: &Clip) -> Option<Self> {
+    pub(super) fn find(subject: &EditSubject<'_>, clip: &Clip) -> Option<Self> {
         let above: Vec<usize> = above(subject, subject.hips());
         let skin = subject.rig.skin_joints();
         let (of_skin, nodes): (Vec<usize>, Vec<usize>) =
@@ -33,7 +33,7 @@ impl Carrier {
     }
 
     /// The world, from which the roots hang.
-    pub(super) fn world(subject: &Subject<'_>) -> Self {
+    pub(super) fn world(subject: &EditSubject<'_>) -> Self {
         Self {
             joint: None,
             children: children(subject, None),
@@ -41,7 +41,7 @@ impl Carrier {
     }
 
     /// Model-from-parent and model-from-carrier in a pose.
-    pub(super) fn placed(&self, subject: &Subject<'_>, posed: &Posed) -> (Similarity, Similarity) {
+    pub(super) fn placed(&self, subject: &EditSubject<'_>, posed: &Posed) -> (Similarity, Similarity) {
         let Some(joint) = self.joint else {
             return (Similarity::IDENTITY, Similarity::IDENTITY);
         };
@@ -53,7 +53,7 @@ impl Carrier {
     }
 
     /// The children below which something moves.
-    pub(super) fn moving_children(&self, subject: &Subject<'_>, clip: &Clip) -> Vec<usize> {
+    pub(super) fn moving_children(&self, subject: &EditSubject<'_>, clip: &Clip) -> Vec<usize> {
         let keyed = clip.channels.iter().filter(|c| c.property.is_of_joint());
         let keyed: JointSet = keyed.map(|c| c.target).collect();
         let moves = |child: &usize| keyed.iter().any(|j| subject.rig.is_at_or_below(j, *child));
@@ -62,22 +62,22 @@ impl Carrier {
 }
 
 /// The joints above one, nearest first.
-fn above(subject: &Subject<'_>, joint: usize) -> Vec<usize> {
+fn above(subject: &EditSubject<'_>, joint: usize) -> Vec<usize> {
     std::iter::successors(subject.rig.parent(joint), |j| subject.rig.parent(*j)).collect()
 }
 
-fn children(subject: &Subject<'_>, joint: Option<usize>) -> Vec<usize> {
+fn children(subject: &EditSubject<'_>, joint: Option<usize>) -> Vec<usize> {
     let rig = &subject.rig;
     (0..rig.len()).filter(|j| rig.parent(*j) == joint).collect()
 }
 
-fn carries_all(subject: &Subject<'_>, joint: usize) -> bool {
+fn carries_all(subject: &EditSubject<'_>, joint: usize) -> bool {
     let mut skin = subject.rig.skin_joints().iter();
     skin.all(|j| subject.rig.is_at_or_below(j, joint))
 }
 
 /// Whether the joint and all above it are similarities, at rest and at every key of theirs.
-fn is_even(subject: &Subject<'_>, clip: &Clip, joint: usize) -> bool {
+fn is_even(subject: &EditSubject<'_>, clip: &Clip, joint: usize) -> bool {
     let chain: Vec<usize> = std::iter::once(joint)
         .chain(above(subject, joint))
         .collect();

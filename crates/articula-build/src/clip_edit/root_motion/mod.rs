@@ -17,7 +17,7 @@ pub use trajectory::TrajectoryKey;
 
 use super::channel::{self, SAME_SECS};
 use super::grid::{grid, rising};
-use super::subject::{Posed, Subject};
+use super::subject::{Posed, EditSubject};
 use crate::clip::steps_at;
 use articula_core::source::{Channel, Clip, Interpolation, Property};
 use articula_core::{Mismatch, Transform, angle_between, same_hemisphere};
@@ -82,7 +82,7 @@ const JUMP_SECS: f32 = 1e-4;
 /// # Errors
 /// A [`Mismatch`] if the clip is not one of this character, or is longer than can be verified.
 pub fn split(
-    subject: &Subject<'_>,
+    subject: &EditSubject<'_>,
     clip: &Clip,
     opts: &RootMotionOptions,
 ) -> Result<RootMotion, Mismatch> {
@@ -111,7 +111,7 @@ pub fn split(
 
 /// What is needed to move joints against the trajectory.
 struct Split<'a> {
-    subject: &'a Subject<'a>,
+    subject: &'a EditSubject<'a>,
     clip: &'a Clip,
     trajectory: &'a Trajectory<'a>,
     carrier: Carrier,
@@ -139,7 +139,7 @@ struct Frame {
 
 impl<'a> Split<'a> {
     fn new(
-        subject: &'a Subject<'a>,
+        subject: &'a EditSubject<'a>,
         clip: &'a Clip,
         trajectory: &'a Trajectory<'a>,
         found: Option<&Carrier>,
@@ -382,7 +382,7 @@ mod tests {
 
     fn done(character: &Character, clip: &Clip, mode: RootMotionMode) -> RootMotion {
         let (_, articulation) = figure(Vec3::ONE);
-        let subject = Subject::new(character, articulation, &[]).unwrap();
+        let subject = EditSubject::new(character, articulation, &[]).unwrap();
         let opts = RootMotionOptions {
             mode,
             smooth_secs: 0.0,

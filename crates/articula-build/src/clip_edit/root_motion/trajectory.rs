@@ -2,7 +2,7 @@
 
 use super::super::grid::VERIFIED_HZ;
 use super::super::heading::{wrapped, yaw};
-use super::super::subject::{Posed, Subject};
+use super::super::subject::{Posed, EditSubject};
 use super::similarity::Similarity;
 use articula_core::source::Clip;
 use glam::{DVec2, DVec3, Quat};
@@ -30,7 +30,7 @@ const UNSURE: f64 = 0.15;
 
 /// The trajectory of one clip.
 pub(in super::super) struct Trajectory<'a> {
-    subject: &'a Subject<'a>,
+    subject: &'a EditSubject<'a>,
     clip: &'a Clip,
     hips: usize,
     /// Hips in the first frame.
@@ -55,7 +55,7 @@ impl<'a> Trajectory<'a> {
     /// With `smooth_secs` above 0, each place is a weighted mean over that time around it (over
     /// less near the ends, so that these stay).
     pub(in super::super) fn new(
-        subject: &'a Subject<'a>,
+        subject: &'a EditSubject<'a>,
         clip: &'a Clip,
         smooth_secs: f32,
     ) -> Self {
@@ -153,7 +153,7 @@ fn followed(before: f64, yaw: f64) -> f64 {
 }
 
 /// Rotation of a joint in model space.
-fn turn(subject: &Subject<'_>, joint: usize, posed: &Posed) -> Quat {
+fn turn(subject: &EditSubject<'_>, joint: usize, posed: &Posed) -> Quat {
     let mut turn = posed.local.rotations[joint];
     let mut at = subject.rig.parent(joint);
     while let Some(j) = at {
@@ -163,7 +163,7 @@ fn turn(subject: &Subject<'_>, joint: usize, posed: &Posed) -> Quat {
     turn.normalize()
 }
 
-fn place(subject: &Subject<'_>, hips: usize, posed: &Posed, first: Quat) -> Place {
+fn place(subject: &EditSubject<'_>, hips: usize, posed: &Posed, first: Quat) -> Place {
     let p = posed.model.position(hips);
     let turn = turn(subject, hips, posed) * first.conjugate();
     Place {

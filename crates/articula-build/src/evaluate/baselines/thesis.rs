@@ -10,7 +10,7 @@ use glam::{Quat, Vec3};
 
 /// Which direction's change is the position term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Direction {
+pub enum BoneDirection {
     /// From the joint to the mean of its children.
     #[default]
     Bone,
@@ -20,7 +20,7 @@ pub enum Direction {
 
 /// How the lengths of the segments below a joint are combined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Radius {
+pub enum SegmentRadius {
     /// `sum l^2 / sum l`: a length-weighted mean, in metres.
     #[default]
     Mean,
@@ -30,33 +30,33 @@ pub enum Radius {
 
 /// Parameters of the formula.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ThesisOptions {
+pub struct ThesisMetricOptions {
     /// Weight of the angle terms against the position term, metres a radian.
     pub alpha: f32,
     /// 1: orientation only; 0: angular velocity only.
     pub beta: f32,
     /// Which direction turns.
-    pub direction: Direction,
+    pub direction: BoneDirection,
     /// Which lever arm.
-    pub radius: Radius,
+    pub radius: SegmentRadius,
     /// Whether the clip's first frame follows its last.
     pub looping: bool,
 }
 
-impl Default for ThesisOptions {
+impl Default for ThesisMetricOptions {
     fn default() -> Self {
         Self {
             alpha: 1.0,
             beta: 0.5,
-            direction: Direction::Bone,
-            radius: Radius::Mean,
+            direction: BoneDirection::Bone,
+            radius: SegmentRadius::Mean,
             looping: false,
         }
     }
 }
 
 /// Lever arm `r(j)` of every joint over all its descendants, at rest; 0 for a leaf.
-pub(crate) fn radii(rig: &Rig, kind: Radius) -> Vec<f32> {
+pub(crate) fn radii(rig: &Rig, kind: SegmentRadius) -> Vec<f32> {
     let mut model = ModelPose::new(rig.len());
     local_to_model(rig, rig.rest_pose(), &mut model);
     (0..rig.len())
@@ -66,9 +66,9 @@ pub(crate) fn radii(rig: &Rig, kind: Radius) -> Vec<f32> {
                 .map(|c| model.position(j).distance(model.position(c)));
             let (squares, sum) = lengths.fold((0.0, 0.0), |(q, s), l| (q + l * l, s + l));
             match kind {
-                Radius::Sum => sum,
-                Radius::Mean if sum > 0.0 => squares / sum,
-                Radius::Mean => 0.0,
+                SegmentRadius::Sum => sum,
+                SegmentRadius::Mean if sum > 0.0 => squares / sum,
+                SegmentRadius::Mean => 0.0,
             }
         })
         .collect()
@@ -82,7 +82,7 @@ pub(crate) fn error_matrix(
     asset: &Asset,
     clip: &Clip,
     moving: &JointSet,
-    opts: &ThesisOptions,
+    opts: &ThesisMetricOptions,
 ) -> ErrorMatrix {
     let rig = &asset.rig;
     let radii = radii(rig, opts.radius);
@@ -120,7 +120,7 @@ fn angle(a: Vec3, b: Vec3) -> f32 {
 }
 
 /// Local rotations and model-space directions of all frames.
-fn play(rig: &Rig, clip: &Clip, direction: Direction) -> (Vec<Vec<Quat>>, Vec<Vec<Vec3>>) {
+fn play(rig: &Rig, clip: &Clip, direction: BoneDirection) -> (Vec<Vec<Quat>>, Vec<Vec<Vec3>>) {
     let mut pose = rig.rest_pose().clone();
     let mut model = ModelPose::new(rig.len());
     let mut rotations = Vec::with_capacity(clip.frames());
@@ -135,8 +135,8 @@ fn play(rig: &Rig, clip: &Clip, direction: Direction) -> (Vec<Vec<Quat>>, Vec<Ve
         positions.push((0..rig.len()).map(|j| model.position(j) - ground).collect());
     }
     let directions = match direction {
-        Direction::Bone => positions.iter().map(|p| bones(rig, p)).collect(),
-        Direction::Path => (0..positions.len())
+        BoneDirection::Bone => positions.iter().map(|p| bones(rig, p)).collect(),
+        BoneDirection::Path => (0..positions.len())
             .map(|i| {
                 let from = &positions[i.saturating_sub(1)];
                 let steps = positions[i].iter().zip(from).map(|(to, from)| *to - *from);

@@ -2,14 +2,14 @@
 
 use super::figure::retarget;
 use super::figure::{Human, arms_up, as_it_is, reference, rotation};
-use articula_build::retarget::{Origin, Pinning, RetargetOptions, Retargeted};
+use articula_build::retarget::{RotationOrigin, ContactPinning, RetargetOptions, Retargeted};
 use articula_core::angle_between;
 use articula_core::source::Clip;
 use glam::{Quat, Vec3};
 
 const AS_IT_IS: RetargetOptions = RetargetOptions {
     rate_hz: None,
-    pinning: Pinning::Nothing,
+    pinning: ContactPinning::Nothing,
     floor_metres: None,
 };
 
@@ -143,7 +143,7 @@ fn more_joints_than_the_source_share_its_bend() {
     assert!(steps.fold(0.0, f32::max) < 0.2, "no kink: {turns:?}");
     let shared = |name: &str| {
         let origin = &made.report.joints[human.find(name)].origin;
-        matches!(origin, Origin::Shared { sources } if sources.len() == 2)
+        matches!(origin, RotationOrigin::Shared { sources } if sources.len() == 2)
     };
     assert!(shared("vt12") && shared("vl1"));
 }

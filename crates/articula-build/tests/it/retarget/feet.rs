@@ -2,7 +2,7 @@
 
 use super::figure::retarget;
 use super::figure::{Human, reference};
-use articula_build::retarget::{Pinning, RetargetOptions};
+use articula_build::retarget::{ContactPinning, RetargetOptions};
 use articula_core::source::{Channel, Clip, Interpolation, Property};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
@@ -90,7 +90,7 @@ fn resting_feet_stay_where_they_are() {
 fn pinning_can_be_left_out() {
     let human = walking();
     let options = RetargetOptions {
-        pinning: Pinning::Nothing,
+        pinning: ContactPinning::Nothing,
         ..RetargetOptions::default()
     };
     let clip = human.clip("forward");
@@ -125,7 +125,7 @@ fn resting_hands_stay_too_if_wanted() {
             values: values.collect(),
         }],
     }];
-    let moved = |pinning: Pinning| {
+    let moved = |pinning: ContactPinning| {
         let options = RetargetOptions {
             pinning,
             ..RetargetOptions::default()
@@ -142,8 +142,8 @@ fn resting_hands_stay_too_if_wanted() {
             .map(|p| p.distance(places[0]))
             .fold(0.0, f32::max)
     };
-    assert!(moved(Pinning::Feet) > 8e-3);
-    assert!(moved(Pinning::FeetAndHands) < 1e-3);
+    assert!(moved(ContactPinning::Feet) > 8e-3);
+    assert!(moved(ContactPinning::FeetAndHands) < 1e-3);
 }
 
 proptest! {

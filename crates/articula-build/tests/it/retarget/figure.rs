@@ -2,7 +2,7 @@
 //! fewer joints, other sizes and other limbs.
 
 use crate::reference_human::of_2000;
-use articula_build::retarget::{Figure, RetargetOptions, Retargeted, Retargeter};
+use articula_build::retarget::{RetargetFigure, RetargetOptions, Retargeted, Retargeter};
 use articula_core::source::{Channel, Clip, Interpolation, Joint, Property, Skeleton, evaluate};
 use articula_core::{
     Articulation, JointArticulation, LocalPose, Mismatch, Region, Transform, same_hemisphere,
@@ -19,8 +19,8 @@ pub(crate) struct Human {
 
 /// One clip put onto another figure.
 pub(crate) fn retarget(
-    source: Figure<'_>,
-    target: Figure<'_>,
+    source: RetargetFigure<'_>,
+    target: RetargetFigure<'_>,
     clip: &Clip,
     options: &RetargetOptions,
 ) -> Result<Retargeted, Mismatch> {
@@ -38,8 +38,8 @@ pub(crate) fn reference() -> Human {
 }
 
 impl Human {
-    pub(crate) fn figure(&self) -> Figure<'_> {
-        Figure {
+    pub(crate) fn figure(&self) -> RetargetFigure<'_> {
+        RetargetFigure {
             skeleton: &self.skeleton,
             articulation: &self.articulation,
         }

@@ -2,7 +2,7 @@
 
 use super::figure::retarget;
 use super::figure::{Human, reference};
-use articula_build::retarget::{Pinning, RetargetOptions, Retargeter};
+use articula_build::retarget::{ContactPinning, RetargetOptions, Retargeter};
 use articula_core::source::{Clip, Property};
 use articula_core::{Articulation, Transform};
 use glam::{Quat, Vec3};
@@ -10,7 +10,7 @@ use proptest::prelude::*;
 
 const EVERYTHING: RetargetOptions = RetargetOptions {
     rate_hz: None,
-    pinning: Pinning::FeetAndHands,
+    pinning: ContactPinning::FeetAndHands,
     floor_metres: None,
 };
 

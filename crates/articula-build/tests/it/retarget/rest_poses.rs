@@ -2,14 +2,14 @@
 
 use super::figure::retarget;
 use super::figure::{Human, arms_up, as_it_is, farthest, reference};
-use articula_build::retarget::{Pinning, RetargetOptions};
+use articula_build::retarget::{ContactPinning, RetargetOptions};
 use articula_core::source::{Clip, Interpolation, Property};
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use proptest::prelude::*;
 
 const AS_IT_IS: RetargetOptions = RetargetOptions {
     rate_hz: None,
-    pinning: Pinning::Nothing,
+    pinning: ContactPinning::Nothing,
     floor_metres: None,
 };
 

@@ -5,7 +5,7 @@ mod hostile;
 mod seams;
 mod shapes;
 
-use articula_build::{LevelTriangles, SimplifyOptions, Weighting, simplify};
+use articula_build::{LevelTriangles, SimplifyOptions, ErrorWeighting, simplify};
 use checks::{check, is_closed, of};
 use glam::Vec3;
 use shapes::{ball, sheet};
@@ -98,7 +98,7 @@ fn what_does_not_fit_is_refused() {
     }
     let bad = SimplifyOptions {
         regions: vec![0; 3],
-        weighting: Weighting::Rest,
+        weighting: ErrorWeighting::Rest,
         ..SimplifyOptions::default()
     };
     assert_eq!(at(&poses, &bad), "regions");

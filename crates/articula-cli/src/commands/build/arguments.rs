@@ -2,7 +2,7 @@
 
 use anyhow::Context;
 use articula::MeshLevelOptions;
-use articula_build::Weighting;
+use articula_build::ErrorWeighting;
 use articula_core::{Region, Zone};
 use clap::{Args, ValueEnum};
 use std::collections::BTreeMap;
@@ -107,9 +107,9 @@ impl MeshLevelArgs {
             region_weights: self.region_weight.clone(),
             split: self.split.clone(),
             weighting: match self.weighting {
-                None | Some(Counted::Poses) => Weighting::PoseSummed,
-                Some(Counted::Rest) => Weighting::Rest,
-                Some(Counted::Joint) => Weighting::Joint {
+                None | Some(Counted::Poses) => ErrorWeighting::PoseSummed,
+                Some(Counted::Rest) => ErrorWeighting::Rest,
+                Some(Counted::Joint) => ErrorWeighting::Joint {
                     strength: JOINT_STRENGTH,
                 },
             },

@@ -13,7 +13,7 @@ use crate::{fault, files};
 use anyhow::Context;
 use arguments::MeshLevelArgs;
 use articula::convert::ClipFit;
-use articula::{AddClipsOptions, ClipTables, Format, Opened, PrepareOptions, Prepared, prepare};
+use articula::{AddClipsOptions, ClipTables, Format, CharacterFile, PrepareOptions, PreparedAsset, prepare};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -94,7 +94,7 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     };
     let mut files = args.inputs.iter().map(|p| open::character(p, &args.names));
     let mut opened = files.next().context("no character was named")??;
-    let motions: Vec<Opened> = files.collect::<Result<_, _>>()?;
+    let motions: Vec<CharacterFile> = files.collect::<Result<_, _>>()?;
     let added = added(&mut opened, &motions, console)?;
     let built = console.work(|work| prepare(opened, &options, work));
     let built = built.map_err(|error| match (error.cause(), &args.mesh_levels.lock) {
@@ -118,7 +118,7 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
 }
 
 /// Gives the character the clips of other files.
-fn added(opened: &mut Opened, motions: &[Opened], console: &Console) -> anyhow::Result<Vec<Added>> {
+fn added(opened: &mut CharacterFile, motions: &[CharacterFile], console: &Console) -> anyhow::Result<Vec<Added>> {
     if motions.is_empty() {
         return Ok(Vec::new());
     }
@@ -133,7 +133,7 @@ fn added(opened: &mut Opened, motions: &[Opened], console: &Console) -> anyhow::
 }
 
 impl Report {
-    fn new(args: &BuildArgs, built: &Prepared) -> Self {
+    fn new(args: &BuildArgs, built: &PreparedAsset) -> Self {
         let (figure, made) = (&built.figure, built.mesh_levels.as_ref());
         let asset = &figure.asset;
         let articulation = asset.rig.articulation();

@@ -8,7 +8,7 @@ use super::report::{self, Onto, Report};
 use crate::console::on_all_processors;
 use crate::{files, open};
 use anyhow::bail;
-use articula::Opened;
+use articula::CharacterFile;
 use articula::convert::ConvertOptions;
 use indicatif::ProgressBar;
 use rayon::prelude::*;
@@ -54,7 +54,7 @@ impl Recipe<'_> {
     }
 
     /// One file as it is.
-    fn read(&self, job: &Job) -> anyhow::Result<(Opened, Report)> {
+    fn read(&self, job: &Job) -> anyhow::Result<(CharacterFile, Report)> {
         let input = &job.inputs[0];
         let opened = open::character(&input.path, &self.args.names)?;
         self.options(self.args.clip.clone())
@@ -76,7 +76,7 @@ impl Recipe<'_> {
         job: &Job,
         hero: &Hero,
         faults: &mut Vec<(PathBuf, anyhow::Error)>,
-    ) -> anyhow::Result<Option<(Opened, Report)>> {
+    ) -> anyhow::Result<Option<(CharacterFile, Report)>> {
         self.options(None).check(hero.opened.format, job.format)?;
         let mut report = Report::new(job, job.named.clone());
         report.warnings = open::warnings(&hero.opened);
@@ -130,7 +130,7 @@ impl Recipe<'_> {
     }
 
     /// Changes what is asked for, and writes.
-    fn finished(&self, job: &Job, opened: Opened, mut report: Report) -> anyhow::Result<Report> {
+    fn finished(&self, job: &Job, opened: CharacterFile, mut report: Report) -> anyhow::Result<Report> {
         let reduces = self.selected.is_some();
         if reduces && opened.character.clips.is_empty() && !job.format.needs_a_clip() {
             let place = &opened.name;

@@ -7,9 +7,9 @@ use crate::fault::clean;
 use crate::open;
 use crate::table::Table;
 use anyhow::Context;
-use articula::Opened;
+use articula::CharacterFile;
 use articula::convert::{
-    AddClipsOptions, FitClip, FitReport, FittedClip, JointShare, Pinning, RetargetOptions, Slide,
+    AddClipsOptions, FitClip, FitReport, FittedClip, JointShare, ContactPinning, RetargetOptions, FootSlideSummary,
     fit_clips,
 };
 use clap::ValueEnum;
@@ -18,7 +18,7 @@ use std::path::Path;
 /// The character that receives motions.
 #[derive(Debug)]
 pub(super) struct Hero {
-    pub(super) opened: Opened,
+    pub(super) opened: CharacterFile,
     options: AddClipsOptions,
 }
 
@@ -34,11 +34,11 @@ pub(super) enum Pin {
 }
 
 impl Pin {
-    fn pinning(self) -> Pinning {
+    fn pinning(self) -> ContactPinning {
         match self {
-            Self::Feet => Pinning::Feet,
-            Self::Hands => Pinning::FeetAndHands,
-            Self::None => Pinning::Nothing,
+            Self::Feet => ContactPinning::Feet,
+            Self::Hands => ContactPinning::FeetAndHands,
+            Self::None => ContactPinning::Nothing,
         }
     }
 }
@@ -101,7 +101,7 @@ impl Hero {
 /// A line of the table of clips.
 pub(super) fn row(motion: &FitReport, clip: &FitClip) -> [String; 9] {
     let quality = &clip.quality;
-    let slide = |s: &Slide| match s.contacts {
+    let slide = |s: &FootSlideSummary| match s.contacts {
         0 => "-".to_owned(),
         _ => format!("{:.0}", s.mean),
     };

@@ -5,7 +5,7 @@ use crate::{fault, files};
 use anyhow::Context;
 use articula::convert::{JointReduction, JointsReduced, MovingJoints};
 use articula_core::joint_state::PassivePolicy;
-use articula_core::loa::Expression;
+use articula_core::loa::LoaExpression;
 use articula_formats::{Limits, loa_profile};
 use serde::Serialize;
 
@@ -26,10 +26,10 @@ impl Selected {
             (Some(text), _) => {
                 let place = format!("--loa \"{text}\"");
                 let expression = text
-                    .parse::<Expression>()
+                    .parse::<LoaExpression>()
                     .map_err(|e| fault::usage(e.to_string()));
                 let expression = expression.with_context(|| place.clone())?;
-                (text.clone(), place, MovingJoints::Expression(expression))
+                (text.clone(), place, MovingJoints::LoaExpression(expression))
             }
             (None, Some(path)) => {
                 let place = files::shown(path);

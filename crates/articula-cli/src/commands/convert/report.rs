@@ -7,7 +7,7 @@ use super::reduction::Reduction;
 use crate::fault::{self, clean};
 use crate::files;
 use crate::table::{Table, counted};
-use articula::convert::{ClipEdited, FitReport, LeftOut};
+use articula::convert::{ClipEdited, FitReport, LossyPart};
 use serde::Serialize;
 use std::path::Path;
 
@@ -79,9 +79,9 @@ impl Failure {
 }
 
 /// What a file does not hold, in words; `format` is the name of its format.
-pub(super) fn left_out(what: &LeftOut, format: &str) -> String {
+pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
     match what {
-        LeftOut::Meshes(count) => {
+        LossyPart::Meshes(count) => {
             let why = match format {
                 "bap" => "BAP holds one clip of a body",
                 "bvh" => "BVH holds joints and one clip",
@@ -89,15 +89,15 @@ pub(super) fn left_out(what: &LeftOut, format: &str) -> String {
             };
             format!("{} ({why})", counted(*count, "mesh", "meshes"))
         }
-        LeftOut::EndSites(count) => {
+        LossyPart::EndSites(count) => {
             let sites = counted(*count, "end site", "end sites");
             format!("{sites} (GLB has no such thing)")
         }
-        LeftOut::Clips(count) => {
+        LossyPart::Clips(count) => {
             let dropped = counted(*count, "clip", "clips");
             format!("{dropped} (a .{format} file holds one; --clip NAME chooses)")
         }
-        LeftOut::Turns {
+        LossyPart::Turns {
             joints,
             most,
             max_radians,
@@ -106,10 +106,10 @@ pub(super) fn left_out(what: &LeftOut, format: &str) -> String {
             counted(*joints, "joint", "joints"),
             max_radians.to_degrees(),
         ),
-        LeftOut::StillParameters(count) => {
+        LossyPart::StillParameters(count) => {
             format!("{count} of the parameters in its masks (they stay neutral)")
         }
-        LeftOut::Note(note) => note.clone(),
+        LossyPart::Note(note) => note.clone(),
         other => format!("{other:?}"),
     }
 }

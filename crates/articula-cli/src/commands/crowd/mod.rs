@@ -13,11 +13,11 @@ use crate::{fault, files};
 use anyhow::Context;
 use articula::crowd::{
     Backend, CacheUse, CrowdAsset, CrowdOptions, DetailGoal, ErrorSummary, JointLodMethod, MOST_MEMBERS,
-    MOST_MESH_LEVELS, PaletteForm, PaletteMatrices, RootMotion, Storage, read_scene, write_scene,
+    MOST_MESH_LEVELS, PaletteForm, PaletteMatrices, RootMotion, ClipStorage, read_scene, write_scene,
 };
 use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
 use articula_core::Clip;
-use articula_core::loa::Expression;
+use articula_core::loa::LoaExpression;
 use articula_report::{Plot, PlotOptions, Series, line_plot, stacked};
 use clap::{Args, ValueEnum};
 use report::Report;
@@ -275,7 +275,7 @@ impl CrowdArgs {
             "auto" => JointLodMethod::Merged,
             text => {
                 let parsed = text
-                    .parse::<Expression>()
+                    .parse::<LoaExpression>()
                     .map_err(|e| fault::usage(e.to_string()));
                 JointLodMethod::Named(parsed.with_context(|| format!("--level \"{text}\""))?)
             }
@@ -299,8 +299,8 @@ impl CrowdArgs {
                 FormName::HalfRigid => PaletteForm::HalfRigid,
             },
             storage: match self.storage.storage {
-                StorageName::Float => Storage::Float,
-                StorageName::Short => Storage::Short,
+                StorageName::Float => ClipStorage::Float,
+                StorageName::Short => ClipStorage::Short,
             },
             backend: self.storage.backend.unwrap_or_else(Backend::best),
             seed: self.seed,

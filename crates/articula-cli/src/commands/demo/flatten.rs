@@ -4,12 +4,12 @@ use super::Folder;
 use crate::commands::flatten::report::{Made, Report};
 use crate::console::Console;
 use articula::evaluate::EvaluatedClip;
-use articula::flatten::{Framed, Shot, flatten};
+use articula::flatten::{FramedCharacter, Shot, flatten};
 use articula_core::Viewport;
-use articula_flat::flatten::{PrepareOptions, Profile, Quality, Settings};
+use articula_flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
 use articula_flat::planar::Shading;
-use articula_flat::vector::ThesisOptions;
-use articula_flat::vector::player::Output;
+use articula_flat::vector::ThesisSvgOptions;
+use articula_flat::vector::player::PlayerOutput;
 
 /// Side of the pictures, pixels.
 const SIDE: u32 = 360;
@@ -35,19 +35,19 @@ pub(super) fn of(
         },
         triangles: Some(1000),
     };
-    let framed = console.work(|work| Framed::new(scene.figure, shot, work))?;
+    let framed = console.work(|work| FramedCharacter::new(scene.figure, shot, work))?;
     let mut reports = Vec::new();
     for (file, profile, shading) in [
         (
             "walk-thesis.svg",
-            Profile::Thesis(ThesisOptions::default()),
+            Profile::Thesis(ThesisSvgOptions::default()),
             Shading::Flat,
         ),
         ("walk.svg", Profile::Smil, Shading::Gouraud),
         ("walk-flat.svg", Profile::Smil, Shading::Flat),
         (
             "walk-player.svg",
-            Profile::Player(Output::Svg),
+            Profile::Player(PlayerOutput::Svg),
             Shading::Gouraud,
         ),
         ("walk.json", Profile::Lottie, Shading::Gouraud),
@@ -61,7 +61,7 @@ pub(super) fn of(
             name: "walk".into(),
             max_bytes: None,
         };
-        let options = PrepareOptions::default();
+        let options = PrepareClipOptions::default();
         let flat = console.work(|work| flatten(&framed, options, &settings, work))?;
         folder.write(file, &flat.bytes)?;
         let made = Made {

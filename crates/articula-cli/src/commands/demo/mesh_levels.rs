@@ -9,7 +9,7 @@ use articula::{CodedMeshLevels, Figure};
 use articula_core::source;
 use articula_core::{Region, Wrap, sample};
 use articula_flat::Picture;
-use articula_report::{Cell, ContactSheet, Row};
+use articula_report::{SheetCell, ContactSheet, SheetRow};
 use serde::Serialize;
 
 /// What the levels of the asset show, lose and weigh.
@@ -50,7 +50,7 @@ pub(super) fn draw(folder: &Folder, scene: &EvaluatedClip<'_>) -> anyhow::Result
     folder.write("mesh-levels.png", &picture.to_png()?)
 }
 
-fn row(scene: &EvaluatedClip<'_>, level: usize) -> anyhow::Result<Row> {
+fn row(scene: &EvaluatedClip<'_>, level: usize) -> anyhow::Result<SheetRow> {
     let figure = at_level(scene.figure, level)?;
     let clip = &figure.asset.clips[scene.clip];
     let mut pose = figure.asset.rig.rest_pose().clone();
@@ -67,8 +67,8 @@ fn row(scene: &EvaluatedClip<'_>, level: usize) -> anyhow::Result<Row> {
         pictures.push((caption, artist.figure(&pose, morphs.clone())?));
     }
     let triangles = figure.asset.mesh.triangles.len();
-    let cell = |(caption, picture): (&str, Picture)| Cell::of(picture, caption);
-    Ok(Row {
+    let cell = |(caption, picture): (&str, Picture)| SheetCell::of(picture, caption);
+    Ok(SheetRow {
         label: format!("{triangles} triangles"),
         cells: pictures.into_iter().map(cell).collect(),
     })

@@ -19,9 +19,9 @@ use crate::play::motion_plots::{error_plot, gain_plot, updates_plot};
 use crate::play::{drawn, nanoseconds};
 use crate::{fault, files};
 use anyhow::Context;
-use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, Tuning};
+use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
 use articula::{Figure, MeshLevelOptions, PrepareOptions, prepare, stored_tables};
-use articula_build::evaluate::{MethodOptions, Setup};
+use articula_build::evaluate::{MethodOptions, EvaluationSetup};
 use articula_formats::gltf::Document;
 use articula_human::HumanOptions;
 use clap::Args;
@@ -60,7 +60,7 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
     stored_tables(&figure)?;
     let scene = scene_of(&figure, CLIP)?;
     let chosen = NamedMethod::all(&figure.asset.rig);
-    let tuning = Tuning::Calibrated(TARGET_PX);
+    let tuning = ParameterChoice::Calibrated(TARGET_PX);
     let tables = console.work(|work| scene.tables(&chosen, &DISTANCES_M, tuning, work))?;
     let clips = over_clips(&figure, &chosen, console)?;
     let levels = levels_of(&figure);
@@ -128,7 +128,7 @@ fn scene_of<'a>(figure: &'a Figure, clip: &str) -> anyhow::Result<EvaluatedClip<
     Ok(EvaluatedClip {
         figure,
         clip: clip.unwrap_or(0),
-        setup: Setup::default(),
+        setup: EvaluationSetup::default(),
         options: MethodOptions::default(),
     })
 }
@@ -143,7 +143,7 @@ fn over_clips(
     let mut all = Vec::new();
     for clip in &figure.asset.clips {
         let scene = scene_of(figure, &clip.name)?;
-        let tuning = Tuning::Calibrated(TARGET_PX);
+        let tuning = ParameterChoice::Calibrated(TARGET_PX);
         let tables = console.work(|work| scene.tables(ours, &DISTANCES_M, tuning, work))?;
         all.push(ClipRows {
             clip: clip.name.clone(),

@@ -7,7 +7,7 @@ use articula::evaluate::{EvaluatedClip, MethodTable};
 use articula_build::evaluate::Method;
 use articula_core::Region;
 use articula_flat::Picture;
-use articula_report::{Cell, ContactSheet, MotionLine, Row};
+use articula_report::{SheetCell, ContactSheet, MotionLine, SheetRow};
 use std::f32::consts::FRAC_PI_2;
 
 /// Draws one picture of what was played.
@@ -32,10 +32,10 @@ pub(super) fn character(scene: &EvaluatedClip<'_>, _: &[MethodTable]) -> anyhow:
         artist.frame_region(rest, region);
         tiles.push((caption, artist.figure(rest, morphs.clone())?));
     }
-    let cell = |(caption, picture): (&str, Picture)| Cell::of(picture, caption);
+    let cell = |(caption, picture): (&str, Picture)| SheetCell::of(picture, caption);
     let sheet = ContactSheet {
         title: "The reference human at rest".into(),
-        rows: vec![Row {
+        rows: vec![SheetRow {
             label: String::new(),
             cells: tiles.into_iter().map(cell).collect(),
         }],

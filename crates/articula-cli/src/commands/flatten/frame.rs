@@ -5,7 +5,7 @@ use super::arguments::FrameArgs;
 use crate::console::Console;
 use crate::{fault, files};
 use anyhow::Context;
-use articula_flat::vector::MovingSvg;
+use articula_flat::vector::AnimatedSvg;
 use articula_flat::vector::raster;
 use serde::Serialize;
 use std::path::Path;
@@ -62,11 +62,11 @@ pub(super) fn run(args: &FrameArgs, console: &Console) -> anyhow::Result<()> {
 }
 
 /// Reads an SVG of ours; errors name the file and what to give instead.
-pub(super) fn read(path: &Path) -> anyhow::Result<MovingSvg> {
+pub(super) fn read(path: &Path) -> anyhow::Result<AnimatedSvg> {
     let bytes = files::read(path, MOST_BYTES)?;
     let place = || files::shown(path);
     let text = String::from_utf8(bytes)
         .ok()
         .with_context(|| format!("{}: not text; give an SVG that flatten wrote", place()))?;
-    MovingSvg::read(&text).with_context(place)
+    AnimatedSvg::read(&text).with_context(place)
 }

@@ -12,14 +12,14 @@ use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
 use arguments::{ConvertArgs, FlattenCommand, FormName, ProfileName, ShadingName, Switch};
-use articula::flatten::{Framed, Shot, flatten, flatten_driven};
+use articula::flatten::{FramedCharacter, Shot, flatten, flatten_driven};
 use articula_core::Viewport;
-use articula_flat::flatten::{PrepareOptions, Profile, Quality, Settings};
+use articula_flat::flatten::{PrepareClipOptions, Profile, Quality, Settings};
 use articula_flat::planar::OrderOptions;
 use articula_flat::planar::Shading;
 use articula_flat::planar::SplitOptions;
-use articula_flat::vector::player::Output;
-use articula_flat::vector::{ThesisForm, ThesisOptions};
+use articula_flat::vector::player::PlayerOutput;
+use articula_flat::vector::{ThesisForm, ThesisSvgOptions};
 use report::{Made, Report};
 
 /// Converts, or renders what was converted.
@@ -46,7 +46,7 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     let figure = open::figure(&args.character())?;
     let clip = figure.clip(args.motion.clip.as_deref())?;
     let shot = args.shot(profile, clip);
-    let framed = console.work(|work| Framed::new(&figure, shot, work))?;
+    let framed = console.work(|work| FramedCharacter::new(&figure, shot, work))?;
     let settings = args.settings(profile, &framed)?;
     let options = args.prepare_options();
     let flat = if args.special.live {
@@ -131,8 +131,8 @@ impl ConvertArgs {
         }
     }
 
-    fn prepare_options(&self) -> PrepareOptions {
-        PrepareOptions {
+    fn prepare_options(&self) -> PrepareClipOptions {
+        PrepareClipOptions {
             order: OrderOptions {
                 order_tol: f64::from(self.quality.order_tol) / 100.0,
                 ..OrderOptions::default()
@@ -141,7 +141,7 @@ impl ConvertArgs {
         }
     }
 
-    fn settings(&self, profile: ProfileName, framed: &Framed<'_>) -> anyhow::Result<Settings> {
+    fn settings(&self, profile: ProfileName, framed: &FramedCharacter<'_>) -> anyhow::Result<Settings> {
         let clip = framed.subject().clip;
         let clip_secs = clip.map_or(0.0, |c| f64::from(c.duration_secs()));
         let length = clip_secs * f64::from(self.motion.cycles);
@@ -157,14 +157,14 @@ impl ConvertArgs {
         let profile = match profile {
             ProfileName::Smil | ProfileName::Portrait => Profile::Smil,
             ProfileName::Flipbook => Profile::Flipbook,
-            ProfileName::Player if is_module => Profile::Player(Output::Module),
-            ProfileName::Player => Profile::Player(Output::Svg),
+            ProfileName::Player if is_module => Profile::Player(PlayerOutput::Module),
+            ProfileName::Player => Profile::Player(PlayerOutput::Svg),
             ProfileName::Lottie => Profile::Lottie,
             ProfileName::Still => Profile::Still {
                 frame: 0,
                 exact: self.special.exact,
             },
-            ProfileName::Thesis => Profile::Thesis(ThesisOptions {
+            ProfileName::Thesis => Profile::Thesis(ThesisSvgOptions {
                 form: match self.special.form {
                     FormName::Polygon => ThesisForm::Polygon,
                     FormName::Path => ThesisForm::Path,

@@ -9,9 +9,9 @@ use anyhow::Context;
 use articula::flatten::FramedHead;
 use articula_core::Progress;
 use articula_core::Viewport;
-use articula_flat::flatten::{Entry, Sizes};
+use articula_flat::flatten::{Representation, Sizes};
 use articula_flat::portrait::PictureFormat;
-use articula_flat::portrait::{Enclosed, PageOptions, page};
+use articula_flat::portrait::{EmbeddedFile, PageOptions, page};
 use articula_flat::portrait::{HeadPose, Portrait, PortraitOptions, build};
 use serde::Serialize;
 use std::path::Path;
@@ -102,7 +102,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         frames: portrait.clips.first().map_or(0, |c| c.poses.len()),
         size_px: portrait.size,
         error,
-        entry: EntryReport::new(Entry {
+        entry: EntryReport::new(Representation {
             modality: "portrait".into(),
             bytes: sizes.raw,
             error_px: f64::from(options.tolerance_px),
@@ -172,7 +172,7 @@ fn write(args: &ConvertArgs, portrait: &Portrait) -> anyhow::Result<Vec<(String,
         .collect())
 }
 
-fn enclosed(path: Option<&Path>) -> anyhow::Result<Option<Enclosed>> {
+fn enclosed(path: Option<&Path>) -> anyhow::Result<Option<EmbeddedFile>> {
     let Some(path) = path else {
         return Ok(None);
     };
@@ -190,7 +190,7 @@ fn enclosed(path: Option<&Path>) -> anyhow::Result<Option<Enclosed>> {
             return Err(fault::usage(format!("{}: {what}", files::shown(path))));
         }
     };
-    Ok(Some(Enclosed {
+    Ok(Some(EmbeddedFile {
         media_type: media_type.into(),
         bytes: files::read(path, MOST_BYTES)?,
     }))

@@ -1,6 +1,6 @@
 //! What `flatten` answers.
 
-use articula_flat::flatten::{Entry, Flattened, ImageError, Quality, Trial};
+use articula_flat::flatten::{Representation, Flattened, ImageError, Quality, Trial};
 use articula_flat::planar::Shading;
 use serde::Serialize;
 
@@ -224,7 +224,7 @@ impl ErrorReport {
 }
 
 impl EntryReport {
-    pub(crate) fn new(entry: Entry) -> Self {
+    pub(crate) fn new(entry: Representation) -> Self {
         Self {
             modality: entry.modality,
             bytes: entry.bytes,

@@ -7,7 +7,7 @@ use crate::open;
 use crate::table::Table;
 use crate::{fault, files};
 use articula::DataFormat;
-use articula::inspect::{DataFindings, inspect_data};
+use articula::inspect::{DataInspection, inspect_data};
 
 /// Reads the file and prints what was found.
 pub(super) fn run(
@@ -27,7 +27,7 @@ pub(super) fn run(
     console.result(&found, |found| text(found, map))
 }
 
-fn text(found: &DataFindings, map: bool) -> String {
+fn text(found: &DataInspection, map: bool) -> String {
     let mut text = head_line(&found.file, found.format, found.bytes, &found.name);
     for clip in &found.clips {
         text.push_str(&format!(
@@ -79,7 +79,7 @@ fn text(found: &DataFindings, map: bool) -> String {
     text
 }
 
-fn parameters(found: &DataFindings) -> Table {
+fn parameters(found: &DataInspection) -> Table {
     let mut table = Table::new(&["FAP", "name", "unit", "min", "max", "moves"]);
     let number = |value: Option<i32>| value.map_or_else(|| "-".to_owned(), |v| v.to_string());
     for p in &found.parameters {

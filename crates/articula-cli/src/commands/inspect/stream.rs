@@ -5,7 +5,7 @@ use crate::arguments::CharacterArgs;
 use crate::console::Console;
 use crate::table::{Table, millimetres};
 use crate::{fault, files};
-use articula::inspect::{StreamFindings, inspect_stream};
+use articula::inspect::{StreamInspection, inspect_stream};
 use articula_stream::StreamLimits;
 use std::path::Path;
 
@@ -30,7 +30,7 @@ pub(super) fn run(args: &CharacterArgs, console: &Console) -> anyhow::Result<()>
     console.result(&findings, text)
 }
 
-fn text(found: &StreamFindings) -> String {
+fn text(found: &StreamInspection) -> String {
     let mut text = head_line(&found.file, found.format, found.bytes, "");
     text.push_str(&format!(
         "{} parts, a head of {} bytes\n",

@@ -3,14 +3,14 @@
 use super::{human, mesh_levels};
 use crate::fault::clean;
 use crate::table::Table;
-use articula::inspect::{Clip, Extent, Findings, Skeleton, Warning};
+use articula::inspect::{Clip, Extent, Inspection, Skeleton, Warning};
 
 /// Most rows of a table of clips or meshes, and most names in a list.
 const MOST_ROWS: usize = 100;
 const MOST_NAMES: usize = 24;
 
 /// All tables; with `map` every joint is listed.
-pub(super) fn of(found: &Findings, map: bool) -> String {
+pub(super) fn of(found: &Inspection, map: bool) -> String {
     let mut text = head(found);
     for skeleton in &found.skeletons {
         text.push_str(&skeleton_text(skeleton));
@@ -67,7 +67,7 @@ pub(super) fn head_line(file: &str, format: &str, bytes: usize, name: &str) -> S
     text
 }
 
-fn head(found: &Findings) -> String {
+fn head(found: &Inspection) -> String {
     let mut text = head_line(&found.file, found.format, found.bytes, &found.name);
     text.push_str(&human::head(&found.human));
     if let (Some(height), Some(bounds)) = (found.height_m, &found.bounds) {
@@ -134,7 +134,7 @@ fn skeleton_text(skeleton: &Skeleton) -> String {
     text
 }
 
-fn clips(found: &Findings) -> Table {
+fn clips(found: &Inspection) -> Table {
     let stored = |c: &Clip| c.motion_tables.filter(|t| t.any());
     let any = found.clips.iter().any(|c| stored(c).is_some());
     let headings = [
@@ -171,7 +171,7 @@ fn clips(found: &Findings) -> Table {
     table
 }
 
-fn meshes(found: &Findings) -> Table {
+fn meshes(found: &Inspection) -> Table {
     let any = found.meshes.iter().any(|m| !m.levels.is_empty());
     let headings = ["name", "vertices", "triangles", "influences", "morphs"];
     let levels = any.then_some("coarser levels: triangles (least share of the screen)");
@@ -205,7 +205,7 @@ fn shared(triangles: usize, screen_coverage: Option<f32>) -> String {
     }
 }
 
-fn joints(found: &Findings) -> Table {
+fn joints(found: &Inspection) -> Table {
     let mut table = Table::new(&["joint", "parent", "H-Anim", "level", "region"]);
     for joint in &found.map {
         let parent = joint.parent.map_or("", |p| found.map[p].name.as_str());

@@ -12,9 +12,9 @@ use crate::play::{drawn, nanoseconds};
 use crate::{fault, files};
 use anyhow::Context;
 use articula::Figure;
-use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, Tuning};
+use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
 use articula::{StoredTables, stored_tables};
-use articula_build::evaluate::{Method, Setup};
+use articula_build::evaluate::{Method, EvaluationSetup};
 use articula_flat::Picture;
 use articula_report::{motion_sheet, rest_sheet, stacked};
 use clap::Args;
@@ -175,16 +175,16 @@ impl LodArgs {
         Ok(stored_tables(figure)?)
     }
 
-    fn tuning(&self) -> Tuning {
+    fn tuning(&self) -> ParameterChoice {
         match (self.calibrate, self.parameter) {
-            (Some(limit), _) => Tuning::Calibrated(limit),
-            (None, Some(parameter)) => Tuning::Fixed(parameter),
-            (None, None) => Tuning::Usual,
+            (Some(limit), _) => ParameterChoice::Calibrated(limit),
+            (None, Some(parameter)) => ParameterChoice::Fixed(parameter),
+            (None, None) => ParameterChoice::Usual,
         }
     }
 
-    fn setup(&self) -> Setup {
-        Setup {
+    fn setup(&self) -> EvaluationSetup {
+        EvaluationSetup {
             viewport: self.view.viewport(),
             seed: self.seed,
             ..Setup::default()

@@ -5,7 +5,7 @@
 //! wrong samples of any order is exact, without painting anything again.
 
 use super::painting::Painting;
-use crate::item_buffer::{Faces, ItemBuffer, Samples};
+use crate::item_buffer::{Faces, ItemBuffer, Supersampling};
 use crate::planar::clip::PlanarClip;
 use crate::planar::drawn::{Drawn, draw_frame};
 use crate::planar::error::PlanarError;
@@ -13,7 +13,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 /// How finely pixels are looked at; the same as for [`Drawn`], so that every owner is painted.
-const SAMPLES: Samples = Samples::Two;
+const SAMPLES: Supersampling = Supersampling::Two;
 /// Most different sets of a clip.
 const MAX_SETS: usize = 1 << 22;
 

@@ -3,7 +3,7 @@
 use super::graph::first_order;
 use super::sift::sift;
 use super::*;
-use crate::item_buffer::{Faces, ItemBuffer, Samples};
+use crate::item_buffer::{Faces, ItemBuffer, Supersampling};
 use crate::planar::clip::PlanarClip;
 use crate::planar::clip::fixture;
 use crate::planar::drawn::Drawn;
@@ -208,7 +208,7 @@ fn loose(triangles: &[[[f32; 3]; 3]], frames: usize) -> PlanarClip {
 
 /// Paints a frame and counts where it differs from the item buffer.
 fn painted_wrong(clip: &PlanarClip, drawn: &Drawn, painting: &Painting, f: usize) -> u32 {
-    let mut buffer = ItemBuffer::new(clip.width, clip.height, Samples::Two).unwrap();
+    let mut buffer = ItemBuffer::new(clip.width, clip.height, Supersampling::Two).unwrap();
     draw_frame(clip, f, &mut buffer);
     let (w, h) = buffer.sample_size();
     let mut painted = vec![None; (w * h) as usize];

@@ -14,11 +14,11 @@ mod real;
 
 use super::lottie;
 use crate::compare::{rmse, ssim};
-use crate::item_buffer::Samples;
+use crate::item_buffer::Supersampling;
 use crate::picture::Picture;
 use crate::planar::keyed_clip::{GRID, KeyedClip, KeyedPaint, KeyedShape, KeyedTrack, LineUnits};
 use crate::planar::shading::{Shading, flat_color};
-use crate::planar::{PlanarClip, PlanarFrame, Surface, reference};
+use crate::planar::{PlanarClip, PlanarFrame, PlanarMaterial, reference};
 use crate::vector::smil::smil;
 use glam::{Mat3, Vec2, Vec3};
 use judges::browser::{self, Item, shots};
@@ -76,7 +76,7 @@ fn cube() -> PlanarClip {
         frames.extend([between(pair), pair[1].clone()]);
     }
     let triangles = triangles();
-    let surfaces = COLORS.map(|albedo| Surface {
+    let surfaces = COLORS.map(|albedo| PlanarMaterial {
         name: String::new(),
         albedo: Some(albedo),
     });
@@ -252,7 +252,7 @@ fn players_show_the_cube_at_whole_frames_and_between_them() {
         for (i, picture) in player.pictures.iter().enumerate() {
             let at = format!("{} at frame {}", item.kind, frames[i]);
             let moment = (frames[i] * 2.0) as usize;
-            let truth = reference(&cube, moment, Samples::Eight, [255; 4]).unwrap();
+            let truth = reference(&cube, moment, Supersampling::Eight, [255; 4]).unwrap();
             let apart = rmse(&truth, picture).unwrap();
             assert!(apart <= 4.5, "{at}: {apart} levels");
             let inside = quantile_of_differences(&truth, picture, 0.05);
@@ -278,7 +278,7 @@ fn players_show_the_flat_cube() {
     };
     let [a, b] = [0, 1].map(|i: usize| &seen[i].pictures[0]);
     assert!(quantile_of_differences(a, b, 0.05) <= 1);
-    let truth = reference(&cube, 5, Samples::Eight, [255; 4]).unwrap();
+    let truth = reference(&cube, 5, Supersampling::Eight, [255; 4]).unwrap();
     for picture in [a, b] {
         let apart = rmse(&truth, picture).unwrap();
         assert!((4.5..10.0).contains(&apart), "{apart} levels");

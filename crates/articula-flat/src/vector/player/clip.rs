@@ -4,7 +4,7 @@
 
 use crate::low_rank::quantised::Quantised;
 use crate::planar::shading::Shading;
-use crate::planar::{PlanarClip, PlanarFrame, Surface};
+use crate::planar::{PlanarClip, PlanarFrame, PlanarMaterial};
 use glam::Vec2;
 use std::ops::Range;
 
@@ -57,7 +57,7 @@ pub struct PlayerClip {
 
 /// One moment of a clip of the player.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Moment {
+pub struct PlayerFrame {
     /// Place of each wedge, pixels.
     pub xy: Vec<Vec2>,
     /// Light of each wedge, 0 to 1 and a little beyond; ones with flat shading.
@@ -74,7 +74,7 @@ impl PlayerClip {
     }
 
     /// Places and light at a moment, in frames; straight between frames, held beyond the ends.
-    pub fn moment(&self, frame: f64) -> Moment {
+    pub fn moment(&self, frame: f64) -> PlayerFrame {
         let numbers = self.motion.row(frame);
         let place = |p: &u32| {
             let at = 2 * *p as usize;
@@ -87,7 +87,7 @@ impl PlayerClip {
                 .map(|n| (n / self.light_weight) as f32)
                 .collect(),
         };
-        Moment {
+        PlayerFrame {
             xy: self.wedge_points.iter().map(place).collect(),
             light,
         }
@@ -166,7 +166,7 @@ impl PlayerClip {
             triangles,
             surface: vec![0; count],
             part: vec![0; count],
-            surfaces: vec![Surface {
+            surfaces: vec![PlanarMaterial {
                 name: String::new(),
                 albedo: None,
             }],

@@ -5,7 +5,7 @@
 use super::clip::{PlayerClip, PlayerEpoch};
 use super::container::{PartSizes, encode, encode_parts};
 use super::fit::{Errors, Numbers, fit};
-use super::page::{Output, page, script};
+use super::page::{PlayerOutput, page, script};
 use super::topology::Topology;
 use crate::low_rank::quantised::Quantised;
 use crate::planar::shading::Shading;
@@ -21,7 +21,7 @@ pub(crate) struct PlayerOptions {
     /// How triangles are filled.
     pub shading: Shading,
     /// What kind of file is written.
-    pub output: Output,
+    pub output: PlayerOutput,
 }
 
 impl Default for PlayerOptions {
@@ -30,7 +30,7 @@ impl Default for PlayerOptions {
             pos_tol_px: 0.1,
             col_tol_levels: 1.0,
             shading: Shading::Gouraud,
-            output: Output::Svg,
+            output: PlayerOutput::Svg,
         }
     }
 }
@@ -110,7 +110,7 @@ pub(super) fn allowed(options: &PlayerOptions) -> Result<Errors, PlanarError> {
 }
 
 /// Text and figures of a clip that is complete.
-pub(super) fn finish(made: &PlayerClip, errors: &Errors, output: Output) -> PlayerFile {
+pub(super) fn finish(made: &PlayerClip, errors: &Errors, output: PlayerOutput) -> PlayerFile {
     let (container, parts) = encode_parts(made);
     PlayerFile {
         text: page(made, &container, output),

@@ -4,7 +4,7 @@
 //!
 //! - [`PlayerClip`]: the noun, what the container holds; [`encode`] and [`decode`] write and read it
 //! - [`LiveSource`]: a clip that named inputs drive
-//! - [`Output`]: the text around it, with the player's script
+//! - [`PlayerOutput`]: the text around it, with the player's script
 //! - [`PlayerError`]: what can be wrong with bytes
 
 mod clip;
@@ -20,12 +20,12 @@ mod stream;
 mod tests;
 mod topology;
 
-pub use clip::{Moment, PlayerClip};
+pub use clip::{PlayerFrame, PlayerClip};
 pub use container::encode;
 pub use decode::decode;
 pub use error::PlayerError;
 pub use live::LiveSource;
-pub use page::Output;
+pub use page::PlayerOutput;
 
 pub(crate) use live::live_player;
 pub(crate) use make::{PlayerOptions, player};

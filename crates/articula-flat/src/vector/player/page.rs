@@ -15,7 +15,7 @@ const SCRIPT: &str = include_str!("player.js");
 
 /// What kind of file is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Output {
+pub enum PlayerOutput {
     /// An SVG that plays where scripts run.
     #[default]
     Svg,
@@ -43,15 +43,15 @@ pub(super) fn script(shading: Shading, is_live: bool) -> String {
 }
 
 /// The file of a clip whose container is given.
-pub(super) fn page(clip: &PlayerClip, container: &[u8], output: Output) -> String {
+pub(super) fn page(clip: &PlayerClip, container: &[u8], output: PlayerOutput) -> String {
     let script = script(clip.shading, !clip.inputs.is_empty());
     let data = BASE64_STANDARD.encode(container);
     let (w, h) = (clip.width, clip.height);
     match output {
-        Output::Svg => format!(
+        PlayerOutput::Svg => format!(
             r#"<svg xmlns="http://www.w3.org/2000/svg" width="{w}" height="{h}" viewBox="0 0 {w} {h}"><foreignObject width="{w}" height="{h}"><canvas xmlns="http://www.w3.org/1999/xhtml" style="width:100%;height:100%"></canvas></foreignObject><script><![CDATA[{{let e=document.currentScript.parentNode;({script})(e.querySelector("canvas"),"{data}",e)}}]]></script></svg>"#
         ),
-        Output::Module => {
+        PlayerOutput::Module => {
             format!(r#"export const data="{data}",mount=(c,d=data,e=c)=>({script})(c,d,e)"#)
         }
     }

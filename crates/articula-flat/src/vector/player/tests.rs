@@ -6,7 +6,7 @@ use super::decode::decode;
 use super::error::PlayerError;
 use super::make::PlayerFile;
 use super::*;
-use crate::item_buffer::Samples;
+use crate::item_buffer::Supersampling;
 use crate::planar::clip::fixture::{loose, turning_cube};
 use crate::planar::reference::reference;
 use crate::planar::shading::Shading;
@@ -155,10 +155,10 @@ fn what_the_player_paints_looks_like_the_source() {
     let (cube, _, _, file) = cube_file(&PlayerOptions::default());
     let clip = decode(&file.container).unwrap();
     for f in [0, 7, 23] {
-        let truth = reference(&cube, f, Samples::Four, [255; 4]).unwrap();
+        let truth = reference(&cube, f, Supersampling::Four, [255; 4]).unwrap();
         let painted = clip.painted(f as f64);
         painted.check().unwrap();
-        let found = reference(&painted, 0, Samples::Four, [255; 4]).unwrap();
+        let found = reference(&painted, 0, Supersampling::Four, [255; 4]).unwrap();
         let rmse = crate::compare::rmse(&truth, &found).unwrap();
         assert!(rmse < 3.0, "{rmse} in frame {f}");
     }

@@ -41,7 +41,7 @@ pub enum ThesisForm {
 
 /// What is written, and which optimisations of thesis 4.2.3 the form [`ThesisForm::Path`] has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct ThesisOptions {
+pub struct ThesisSvgOptions {
     /// The elements.
     pub form: ThesisForm,
     /// Coordinates are left out while a face is hidden.
@@ -52,7 +52,7 @@ pub struct ThesisOptions {
     pub neutral_frame: usize,
 }
 
-impl Default for ThesisOptions {
+impl Default for ThesisSvgOptions {
     fn default() -> Self {
         Self {
             form: ThesisForm::Path,
@@ -94,7 +94,7 @@ pub(crate) fn formula_bytes(form: ThesisForm, triangles: usize, frames: usize) -
 /// What is wrong with the clip; [`PlanarError::NothingSeen`] if no face is in view;
 /// [`PlanarError::Mismatch`] for a frame that the clip does not have, frames shorter than a
 /// millisecond, or a file above a gigabyte.
-pub fn thesis(clip: &PlanarClip, options: &ThesisOptions) -> Result<ThesisFile, PlanarError> {
+pub fn thesis(clip: &PlanarClip, options: &ThesisSvgOptions) -> Result<ThesisFile, PlanarError> {
     clip.check()?;
     has_frame(clip, "neutral_frame", options.neutral_frame)?;
     let faces = match options.form {
@@ -137,7 +137,7 @@ pub fn thesis(clip: &PlanarClip, options: &ThesisOptions) -> Result<ThesisFile, 
 /// As [`thesis`].
 pub(crate) fn thesis_frame(
     clip: &PlanarClip,
-    options: &ThesisOptions,
+    options: &ThesisSvgOptions,
     moment: f64,
 ) -> Result<String, PlanarError> {
     clip.check()?;

@@ -8,7 +8,7 @@
 //!    `animate` of their own, or else by `keyTimes`; the first if there are more than 200/13
 //!    frames to a static sequence (two more tags take 200 bytes, a key time takes 13).
 
-use super::ThesisOptions;
+use super::ThesisSvgOptions;
 use super::document::{Clock, Outline, put};
 use super::faces::{Faces, mean_color};
 use crate::planar::PlanarClip;
@@ -24,7 +24,7 @@ const FEWEST_STILL: usize = 3;
 pub(super) fn write(
     clip: &PlanarClip,
     faces: &Faces,
-    options: &ThesisOptions,
+    options: &ThesisSvgOptions,
     clock: Clock,
     text: &mut String,
 ) {

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::planar::clip::fixture::{loose, turning_cube};
-use crate::planar::{PlanarFrame, Surface};
+use crate::planar::{PlanarFrame, PlanarMaterial};
 use crate::vector::raster::raster;
 use glam::{Mat3, Vec2, Vec3};
 use proptest::prelude::*;
@@ -11,10 +11,10 @@ use resvg::usvg::roxmltree::{Document as Xml, Node};
 const POLYGON: ThesisForm = ThesisForm::Polygon;
 const PATH: ThesisForm = ThesisForm::Path;
 
-fn options(form: ThesisForm) -> ThesisOptions {
-    ThesisOptions {
+fn options(form: ThesisForm) -> ThesisSvgOptions {
+    ThesisSvgOptions {
         form,
-        ..ThesisOptions::default()
+        ..ThesisSvgOptions::default()
     }
 }
 
@@ -41,7 +41,7 @@ fn pyramid() -> PlanarClip {
         triangles: sides.chain(base).collect(),
         surface: vec![0; 8],
         part: vec![0; 8],
-        surfaces: vec![Surface {
+        surfaces: vec![PlanarMaterial {
             name: "</svg> & \"stone\" \u{1}".into(),
             albedo: Some([200, 180, 90]),
         }],
@@ -91,7 +91,7 @@ fn the_pyramid_has_the_sizes_of_the_thesis() {
     assert!(near(polygon.text.len(), 529e3, 0.2));
     // 55 kB with optimisations; each of them helps.
     let size = |optimise_hidden, optimise_static| {
-        let options = ThesisOptions {
+        let options = ThesisSvgOptions {
             optimise_hidden,
             optimise_static,
             ..options(PATH)
@@ -138,9 +138,9 @@ fn xml_is_well_formed_whatever_materials_are_called() {
 #[test]
 fn wrong_frames_and_what_is_out_of_view_are_told() {
     let cube = turning_cube(4);
-    let late = ThesisOptions {
+    let late = ThesisSvgOptions {
         neutral_frame: 4,
-        ..ThesisOptions::default()
+        ..ThesisSvgOptions::default()
     };
     for options in [late, options(ThesisForm::GouraudStill { frame: 4 })] {
         let refused = thesis(&cube, &options);
@@ -149,13 +149,13 @@ fn wrong_frames_and_what_is_out_of_view_are_told() {
     let mut fast = cube.clone();
     fast.fps = 1001.0;
     assert!(matches!(
-        thesis(&fast, &ThesisOptions::default()),
+        thesis(&fast, &ThesisSvgOptions::default()),
         Err(PlanarError::Mismatch { at: "fps", .. })
     ));
     let back = [[2.0, 2.0, 0.5], [9.0, 2.0, 0.5], [2.0, 9.0, 0.5]];
     let away = loose(&[(back, [0; 3])], 2);
     assert_eq!(
-        thesis(&away, &ThesisOptions::default()),
+        thesis(&away, &ThesisSvgOptions::default()),
         Err(PlanarError::NothingSeen)
     );
     // A gigabyte is refused before it is written.
@@ -167,7 +167,7 @@ fn who_does_not_play_sees_the_first_frame() {
     // The first frame is another than the neutral one, and has another light.
     let clip = turning_cube(9);
     for form in [POLYGON, PATH] {
-        let options = ThesisOptions {
+        let options = ThesisSvgOptions {
             neutral_frame: 4,
             optimise_hidden: true,
             ..options(form)
@@ -278,7 +278,7 @@ proptest! {
             clip.frames[f] = turning_cube(40).frames[frame].clone();
         }
         let of = |form, optimise_hidden, optimise_static| {
-            let options = ThesisOptions { form, optimise_hidden, optimise_static, neutral_frame };
+            let options = ThesisSvgOptions { form, optimise_hidden, optimise_static, neutral_frame };
             thesis(&clip, &options).unwrap().text
         };
         let polygon = of(POLYGON, false, false);

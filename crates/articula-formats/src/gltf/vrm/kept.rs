@@ -9,7 +9,7 @@ use articula_core::source::Expression;
 
 /// Something that a file has, that is written again, and that changes nothing here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Kept {
+pub struct PassThrough {
     /// What it is, in the plural.
     pub what: &'static str,
     /// How many of them there are; never 0.
@@ -17,7 +17,7 @@ pub struct Kept {
 }
 
 /// Counts what is kept.
-pub(in super::super) fn read(root: &Place<'_>, expressions: &[Expression]) -> Vec<Kept> {
+pub(in super::super) fn read(root: &Place<'_>, expressions: &[Expression]) -> Vec<PassThrough> {
     let at = |path: &[&str]| root.dig(path);
     let count = |path: &[&str], key: &str| at(path).map_or(0, |place| place.count(key));
     let spring = ["extensions", "VRMC_springBone"];
@@ -53,7 +53,7 @@ pub(in super::super) fn read(root: &Place<'_>, expressions: &[Expression]) -> Ve
         ("look-at targets", nodes("KHR_node_lookat_target")),
         ("visibility hints", nodes("KHR_node_visibility_hint")),
     ];
-    let kept = all.map(|(what, count)| Kept { what, count });
+    let kept = all.map(|(what, count)| PassThrough { what, count });
     kept.into_iter().filter(|k| k.count > 0).collect()
 }
 

@@ -15,7 +15,7 @@ mod kept;
 mod meta;
 mod nodes;
 
-pub use kept::Kept;
+pub use kept::PassThrough;
 
 pub(super) use expressions::{expression_nodes, read as read_expressions};
 pub(super) use kept::read as read_kept;

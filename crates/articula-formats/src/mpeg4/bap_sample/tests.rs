@@ -1,6 +1,6 @@
 //! BAP on the standard humanoid: joint positions by hand, any motion as BAP and back.
 
-use crate::mpeg4::bap::{self, BAPS, BapClip, BapFrame, Motion, SampleError, TABLE};
+use crate::mpeg4::bap::{self, BAPS, BapClip, BapFrame, Motion, BapError, TABLE};
 use crate::{Limits, ReadOptions, WriteError, bvh, profile};
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS, find};
 use articula_core::source::{Channel, Character, Clip, Interpolation, Property, evaluate};
@@ -347,13 +347,13 @@ fn figures_that_rest_in_another_pose_are_refused() {
         |figure: &Character, clip, rate| bap::sample(figure, &names, clip, rate).unwrap_err();
     assert_eq!(
         refused(&figure, 1, 30.0),
-        SampleError::Write(WriteError::NoClip { index: 1, count: 1 })
+        BapError::Write(WriteError::NoClip { index: 1, count: 1 })
     );
-    assert!(matches!(refused(&figure, 0, 0.0), SampleError::Write(_)));
+    assert!(matches!(refused(&figure, 0, 0.0), BapError::Write(_)));
     figure.clips[0].duration_secs = 1e9;
     assert!(matches!(
         refused(&figure, 0, 30.0),
-        SampleError::TooLong { .. }
+        BapError::TooLong { .. }
     ));
     figure.clips[0].duration_secs = 0.0;
     let arm = find("l_shoulder").unwrap();
@@ -362,7 +362,7 @@ fn figures_that_rest_in_another_pose_are_refused() {
     assert!(
         matches!(
             error,
-            SampleError::Rest {
+            BapError::Rest {
                 joint: "l_shoulder",
                 ..
             }
@@ -377,11 +377,11 @@ fn figures_that_rest_in_another_pose_are_refused() {
     nameless.joints[0].hanim = None;
     assert_eq!(
         bap::sample(&figure, &nameless, 0, 30.0),
-        Err(SampleError::NoRoot)
+        Err(BapError::NoRoot)
     );
     nameless.joints.pop();
     assert!(matches!(
         bap::sample(&figure, &nameless, 0, 30.0),
-        Err(SampleError::Articulation { .. })
+        Err(BapError::Articulation { .. })
     ));
 }

@@ -7,7 +7,7 @@ use super::names::{Names, token};
 use super::shapes::Shapes;
 use super::tracks::{self, Driven, axis_angle};
 use crate::error::Warning;
-use crate::written::{WriteError, Written};
+use crate::written::{WriteError, WrittenFile};
 use crate::x3d::Site;
 use articula_core::Articulation;
 use articula_core::source::{Character, Credits, Property};
@@ -33,7 +33,7 @@ pub fn write(
     character: &Character,
     articulation: &Articulation,
     sites: &[Site],
-) -> Result<Written, WriteError> {
+) -> Result<WrittenFile, WriteError> {
     let joints = character.skeleton.joints.len();
     if joints == 0 {
         return Err(WriteError::NoJoint);
@@ -77,7 +77,7 @@ pub fn write(
         weights,
     };
     document.write();
-    Ok(Written {
+    Ok(WrittenFile {
         bytes: document.markup.finish(),
         motion: None,
         left_out: warnings.into_iter().map(in_words).collect(),

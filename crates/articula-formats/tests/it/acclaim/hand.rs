@@ -4,7 +4,7 @@ use super::{AMC, ASF, at_rest, plain, world};
 use articula_core::source::{Character, Property};
 use articula_formats::acclaim;
 use articula_formats::{Limits, profile};
-use articula_formats::{ReadOptions, Up};
+use articula_formats::{ReadOptions, UpAxis};
 use glam::{Quat, Vec3};
 
 fn place(character: &Character, name: &str, time_secs: f32) -> Vec3 {
@@ -271,14 +271,14 @@ end
         let amc = amc.map(str::as_bytes);
         acclaim::read(asf.as_bytes(), amc, &options, &Limits::default()).unwrap()
     };
-    let told = read(Up::Auto, Some("1\nroot 1 2 3 0 0 0\nspine 90 0 0"));
+    let told = read(UpAxis::Auto, Some("1\nroot 1 2 3 0 0 0\nspine 90 0 0"));
     assert!(told.warnings.iter().any(|w| w.what.contains("+Z is up")));
     let told = told.value.character;
     assert!(near(at_rest(&told)[2], Vec3::new(0.0, 0.5, 0.0)));
     // z points up, y to the back: (1, 2, 3) -> (1, 3, -2); the spine turns z to -y, so to +z.
     let head = place(&told, "head", 0.0);
     assert!(near(head, Vec3::new(1.0, 3.0, -1.5)), "{head}");
-    let left = read(Up::Y, None).value.character;
+    let left = read(UpAxis::Y, None).value.character;
     assert!(near(at_rest(&left)[2], Vec3::new(0.0, 0.0, 0.5)));
     assert!(!articula_build::joint_names::map(&left.skeleton, profile::builtin(), None).humanoid);
 }

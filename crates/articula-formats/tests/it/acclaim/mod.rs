@@ -10,7 +10,7 @@ use crate::world::places as world;
 use articula_core::source::Character;
 use articula_formats::acclaim;
 use articula_formats::{Limits, Read, ReadError};
-use articula_formats::{MotionFile, ReadOptions, Up};
+use articula_formats::{MotionFile, ReadOptions, UpAxis};
 use glam::Vec3;
 
 /// A thigh with axes of its own, a shin that shares them, and a connecting bone to an arm.
@@ -91,7 +91,7 @@ arm 1 90
 fn plain(asf: &str, amc: Option<&str>) -> Result<Read<MotionFile>, ReadError> {
     let options = ReadOptions {
         scale_to_metres: Some(1.0),
-        up: Up::Y,
+        up: UpAxis::Y,
         rate_hz: Some(2.0),
     };
     let amc = amc.map(str::as_bytes);

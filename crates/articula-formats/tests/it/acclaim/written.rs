@@ -6,16 +6,16 @@ use articula_core::Transform;
 use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
 use articula_formats::acclaim::{self, WriteOptions};
 use articula_formats::{Limits, bvh, gltf};
-use articula_formats::{MotionFile, ReadOptions, Written};
+use articula_formats::{MotionFile, ReadOptions, WrittenFile};
 use glam::{EulerRot, Quat, Vec3};
 use proptest::prelude::*;
 
 const RATE_HZ: f32 = 30.0;
 const FRAMES: usize = 4;
 
-fn reopened(written: &Written) -> MotionFile {
+fn reopened(written: &WrittenFile) -> MotionFile {
     let options = ReadOptions {
-        up: articula_formats::Up::Y,
+        up: articula_formats::UpAxis::Y,
         ..ReadOptions::default()
     };
     let amc = written.motion.as_deref();

@@ -379,7 +379,7 @@ fn a_mesh_that_two_nodes_show_is_stored_once_if_it_can_be() {
     assert_eq!(same.document.json["meshes"].as_array().unwrap().len(), 1);
     let mut levels = levels(&file.character.meshes[0].primitives[0], 4);
     levels[3].truncate(1);
-    let order = articula_build::Order::Store;
+    let order = articula_build::ClusterOrder::Store;
     let other = articula_build::cluster(&levels, 27, &[], order).unwrap();
     let mut apart = file.clone();
     store(&mut apart, &[of.clone(), vec![other]]).unwrap();
@@ -414,7 +414,7 @@ fn what_does_not_fit_is_refused_and_changes_nothing() {
     }];
     assert!(refused(2, parts, 3).contains("a vertex that the part does not have"));
     let source = &file.character.meshes[0].primitives[0];
-    let chunks = articula_build::Order::Chunks;
+    let chunks = articula_build::ClusterOrder::Chunks;
     let chunks = articula_build::cluster(&levels(source, 3), 27, &[], chunks).unwrap();
     assert!(refused(2, vec![part(&chunks)], 3).contains("not the first range"));
     let mut tiny = sheet();
@@ -626,7 +626,7 @@ fn a_mesh_that_vanishes_is_not_drawn_when_small() {
     let mut file = sheet().read().unwrap().value;
     let mut levels = levels(&file.character.meshes[0].primitives[0], 3);
     levels[2].clear();
-    let order = articula_build::Order::Store;
+    let order = articula_build::ClusterOrder::Store;
     let of = articula_build::cluster(&levels, 27, &[], order).unwrap();
     store(&mut file, &[vec![of]]).unwrap();
     file.document.add_level_nodes(2, &table(3), 0.5).unwrap();

@@ -3,7 +3,7 @@
 
 use super::tiny::{Tiny, hips_height_metres, read};
 use articula_core::source::{Channel, Expression, Mask, MaskKind, MorphBinding, Property};
-use articula_formats::gltf::{GltfFile, Kept};
+use articula_formats::gltf::{GltfFile, PassThrough};
 use serde_json::{Value, json};
 
 /// Hips with two legs on nodes 0 to 2, and on nodes 3 and 4 the one mesh, with two morph targets.
@@ -111,7 +111,7 @@ fn vrm_0_by_hand() {
         (credits.title, credits.licence_name),
         ("Old".into(), "CC0".into())
     );
-    let kept = |what, count| Kept { what, count };
+    let kept = |what, count| PassThrough { what, count };
     assert_eq!(
         file.kept,
         [

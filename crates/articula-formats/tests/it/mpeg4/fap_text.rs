@@ -2,7 +2,7 @@
 
 use super::texts::{self, mask};
 use articula_core::fap_table::FAPS;
-use articula_formats::mpeg4::fap::{self, Absent, Expression, FapClip, FapFrame, Viseme};
+use articula_formats::mpeg4::fap::{self, Absent, FapExpression, FapClip, FapFrame, Viseme};
 use articula_formats::{Limits, Read, ReadError};
 use proptest::prelude::*;
 
@@ -27,7 +27,7 @@ fn two_frames_by_hand() {
         blend: 40,
         defines: true,
     };
-    let expression = Expression {
+    let expression = FapExpression {
         select1: 1,
         intensity1: 63,
         select2: 0,
@@ -228,7 +228,7 @@ fn frames() -> impl Strategy<Value = Vec<FapFrame>> {
                 blend: v.2,
                 defines: v.3,
             },
-            expression: Expression {
+            expression: FapExpression {
                 select1: e.0,
                 intensity1: e.1,
                 select2: e.2,

@@ -5,7 +5,7 @@
     reason = "each test file uses a part of it, and a test may panic"
 )]
 
-use articula_build::{Clustered, Order, cluster};
+use articula_build::{Clustered, ClusterOrder, cluster};
 use articula_core::source::{Mesh, Primitive};
 use articula_core::{LevelRow, LevelTable, SurfaceError};
 use articula_formats::WriteError;
@@ -37,7 +37,7 @@ pub(crate) fn levels(primitive: &Primitive, count: usize) -> Vec<Vec<[u32; 3]>> 
 /// Every part of a mesh with its levels.
 pub(crate) fn clustered(mesh: &Mesh, count: usize) -> Vec<Clustered> {
     let of =
-        |p: &Primitive| cluster(&levels(p, count), p.positions.len(), &[], Order::Store).unwrap();
+        |p: &Primitive| cluster(&levels(p, count), p.positions.len(), &[], ClusterOrder::Store).unwrap();
     mesh.primitives.iter().map(of).collect()
 }
 

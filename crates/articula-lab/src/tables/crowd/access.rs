@@ -5,15 +5,15 @@ use super::ours::{Batched, plain};
 use super::{Bench, Line, Report, evaluation};
 use crate::measure::{Contestant, race};
 use anyhow::Result;
-use articula_core::{ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
+use articula_core::{ClipSet, JointLods, PaletteForm, PaletteMap, ClipStorage};
 
 /// Adds the section.
 pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {
     let (count, frames) = bench.usual();
     let rig = &bench.asset.rig;
-    let ladder = Ladder::whole(rig)?;
+    let ladder = JointLods::whole(rig)?;
     let map = PaletteMap::joints(&ladder);
-    let clips = ClipSet::new(rig, ladder, &bench.asset.clips, Storage::Float)?;
+    let clips = ClipSet::new(rig, ladder, &bench.asset.clips, ClipStorage::Float)?;
     let ours = Batched {
         clips: &clips,
         map: &map,

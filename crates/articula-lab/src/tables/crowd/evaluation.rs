@@ -9,7 +9,7 @@ use crate::peers::quoted::{FLOOR_THERE, QUOTED, Quoted};
 use crate::peers::structs::Structs;
 use crate::peers::three::{self, Effort, ThreeTimes};
 use anyhow::Result;
-use articula_core::{ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
+use articula_core::{ClipSet, JointLods, PaletteForm, PaletteMap, ClipStorage};
 use articula_report::{BarSeries, PlotOptions, bar_plot};
 use std::hint::black_box;
 
@@ -140,12 +140,12 @@ struct Ours {
 impl Ours {
     fn new(bench: &Bench) -> Result<Self> {
         let rig = &bench.asset.rig;
-        let ladder = Ladder::whole(rig)?;
+        let ladder = JointLods::whole(rig)?;
         let clip = std::slice::from_ref(bench.clip());
         Ok(Self {
             map: PaletteMap::joints(&ladder),
-            floats: ClipSet::new(rig, ladder.clone(), clip, Storage::Float)?,
-            shorts: ClipSet::new(rig, ladder, clip, Storage::Short)?,
+            floats: ClipSet::new(rig, ladder.clone(), clip, ClipStorage::Float)?,
+            shorts: ClipSet::new(rig, ladder, clip, ClipStorage::Short)?,
         })
     }
 

@@ -5,8 +5,8 @@ use super::ours::Batched;
 use super::{Bench, Line, Report, evaluation};
 use crate::measure::race;
 use anyhow::Result;
-use articula_build::{LevelOptions, joint_ladder, mean_pose};
-use articula_core::{ClipSet, Ladder, PaletteForm, PaletteMap, Storage};
+use articula_build::{LevelOptions, joint_lods, mean_pose};
+use articula_core::{ClipSet, JointLods, PaletteForm, PaletteMap, ClipStorage};
 use articula_report::{PlotOptions, Series, Values, line_plot};
 
 /// Joints of the coarser levels, as the published row has them.
@@ -74,12 +74,12 @@ pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {
 fn clip_set(bench: &Bench) -> Result<ClipSet> {
     let asset = &bench.asset;
     let mean = mean_pose(asset);
-    let order = joint_ladder(asset, &mean, &LevelOptions::default())?;
+    let order = joint_lods(asset, &mean, &LevelOptions::default())?;
     let mut kept = vec![asset.rig.len() as u16];
     kept.extend(KEPT.iter().filter(|k| usize::from(**k) < asset.rig.len()));
-    let ladder = Ladder::new(&asset.rig, order.joints().to_vec(), kept, &mean)?;
+    let ladder = JointLods::new(&asset.rig, order.joints().to_vec(), kept, &mean)?;
     let clip = std::slice::from_ref(bench.clip());
-    Ok(ClipSet::new(&asset.rig, ladder, clip, Storage::Float)?)
+    Ok(ClipSet::new(&asset.rig, ladder, clip, ClipStorage::Float)?)
 }
 
 fn plot([stored, tiles]: [Vec<(f64, f64)>; 2]) -> String {

@@ -3,7 +3,7 @@
 use super::Bench;
 use crate::measure::Contestant;
 use anyhow::Result;
-use articula_core::batch::{BatchEvaluator, LANES, Scratch, Shown};
+use articula_core::batch::{BatchEvaluator, LANES, Scratch, BatchPose};
 use articula_core::{
     Backend, ClipSet, ModelPose, PaletteForm, PaletteMap, PaletteRows, Wrap, local_to_model, sample,
 };
@@ -86,7 +86,7 @@ impl<'a> Batched<'a> {
         })
     }
 
-    fn shown(&self, times: &[f32]) -> [Shown; LANES] {
+    fn shown(&self, times: &[f32]) -> [BatchPose; LANES] {
         let at = |i: usize| times[i.min(times.len() - 1)];
         std::array::from_fn(|i| self.clips.cursor(self.clip, at(i)).into())
     }

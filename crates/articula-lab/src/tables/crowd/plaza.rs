@@ -1,6 +1,6 @@
 //! The plaza by tier: what a whole frame of 10,000 costs, and what it shows.
 
-use super::stage::{Outcome, Play, Stage};
+use super::stage::{Outcome, Play, ClipEvaluator};
 use super::{Bench, Report, SEED};
 use anyhow::Result;
 use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
@@ -21,7 +21,7 @@ pub(super) struct AtOnePixel {
 pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<AtOnePixel> {
     let count = if bench.small { 400 } else { PLAZA_COUNT };
     let clips = bench.asset.clips.len();
-    let stage = Stage::new(bench)?;
+    let stage = ClipEvaluator::new(bench)?;
     let still = plaza(count, clips, SEED, Plaza::Still);
     let kept: Vec<String> = stage.kept().iter().map(usize::to_string).collect();
     report.heading(
@@ -134,7 +134,7 @@ fn row(report: &mut Report, count: usize, name: &str, outcome: &Outcome) {
 fn budget(
     bench: &Bench,
     report: &mut Report,
-    stage: &Stage<'_>,
+    stage: &ClipEvaluator<'_>,
     scene: &Scene,
     merged: &Outcome,
 ) -> Result<()> {

@@ -9,8 +9,8 @@ use crate::measure::race;
 use crate::peers::ranks::{Beyond, Moment, Rank, Ranks};
 use anyhow::{Context, Result};
 use articula_build::draw_vertices;
-use articula_build::{Member, PLAZA_COUNT, Plaza, Scene, plaza};
-use articula_core::{Camera, ClipSet, Ladder, PaletteForm, PaletteMap, PosedMesh, Storage, Wrap};
+use articula_build::{SceneCharacter, PLAZA_COUNT, Plaza, Scene, plaza};
+use articula_core::{Camera, ClipSet, JointLods, PaletteForm, PaletteMap, PosedMesh, ClipStorage, Wrap};
 use glam::Vec3;
 
 /// Skin points of a character that are watched.
@@ -110,9 +110,9 @@ pub(super) fn add(bench: &Bench, report: &mut Report, ours: &AtOnePixel) -> Resu
 fn pose_ns(bench: &Bench) -> Result<f64> {
     let (count, frames) = bench.usual();
     let rig = &bench.asset.rig;
-    let ladder = Ladder::whole(rig)?;
+    let ladder = JointLods::whole(rig)?;
     let map = PaletteMap::joints(&ladder);
-    let clips = ClipSet::new(rig, ladder, &bench.asset.clips, Storage::Float)?;
+    let clips = ClipSet::new(rig, ladder, &bench.asset.clips, ClipStorage::Float)?;
     let ours = Batched {
         clips: &clips,
         map: &map,
@@ -186,7 +186,7 @@ impl Trial<'_> {
     }
 
     /// How far the skin of a character is off that shows one time of the scene for another.
-    fn error_px(&self, camera: &Camera, member: &Member, (shown, truth): (f64, f64)) -> f32 {
+    fn error_px(&self, camera: &Camera, member: &SceneCharacter, (shown, truth): (f64, f64)) -> f32 {
         if shown == truth {
             return 0.0;
         }

@@ -6,11 +6,11 @@ use anyhow::{Context, Result};
 use articula::Executor;
 use articula::crowd::{
     CacheUse, Camera, CrowdAsset, CrowdOptions, CrowdPlayer, CrowdReport, Detail, PoseSource,
-    Sight, View,
+    Culling, View,
 };
-use articula_build::{Member, Scene};
-use articula_core::budget::{CostModel, Policy};
-use articula_core::crowd::{Crowd, Player, Voice};
+use articula_build::{SceneCharacter, Scene};
+use articula_core::budget::{CostModel, BudgetPolicy};
+use articula_core::crowd::{Crowd, CharacterState, ClipState};
 use articula_core::{PosedMesh, Wrap, blend, percentile_at_or_above, sample, skin_points};
 use glam::{Vec2, Vec3};
 
@@ -30,7 +30,7 @@ const NEAR_PLANE_METRES: f32 = 0.1;
 pub(super) const NEAR_METRES: f32 = 20.0;
 
 /// Everyone is posed in every frame, so nobody waits.
-const NOBODY_WAITS: Policy = Policy {
+const NOBODY_WAITS: BudgetPolicy = BudgetPolicy {
     cap_px: 1.0,
     enough_px: 0.0,
     patience_frames: 0,
@@ -166,7 +166,7 @@ impl<'a> Stage<'a> {
             let dt_secs = if number == 0 { 0.0 } else { STEP_SECS };
             player.detail = within(play.detail, &costs);
             let start = thread_ns();
-            let report = player.plan(dt_secs, Sight::Views(&views), &mut |_| {});
+            let report = player.plan(dt_secs, Culling::Views(&views), &mut |_| {});
             let selected = thread_ns();
             player.evaluate();
             let evaluated = thread_ns();
@@ -208,7 +208,7 @@ impl<'a> Stage<'a> {
         for (i, member) in scene.members.iter().enumerate() {
             crowd.place(i, member.position, member.yaw_radians);
             let voice = self.voice(member.play, 0.0);
-            let mut player = Player::from(voice);
+            let mut player = CharacterState::from(voice);
             if let Some(fade) = member.cross_fade {
                 // Fades that are under way begin at different times.
                 let left = fade.fade_secs * (1.0 - fade.start);
@@ -219,13 +219,13 @@ impl<'a> Stage<'a> {
         Ok(crowd)
     }
 
-    fn voice(&self, play: articula_build::Play, secs: f64) -> Voice {
+    fn voice(&self, play: articula_build::ClipPlayback, secs: f64) -> ClipState {
         let clips = &self.asset.model().parts().clips;
         let duration = clips.duration_secs(play.clip);
         let at = play
             .clip_secs(secs, duration)
             .rem_euclid(f64::from(duration.max(1e-3)));
-        Voice::new(clips, play.clip)
+        ClipState::new(clips, play.clip)
             .at_speed(play.speed)
             .at_secs(clips, at as f32)
     }
@@ -276,9 +276,9 @@ impl<'a> Stage<'a> {
     }
 
     /// The same points in the full pose of what a character plays, by the plain path.
-    fn true_points(&self, player: &Player) -> Vec<Vec3> {
+    fn true_points(&self, player: &CharacterState) -> Vec<Vec3> {
         let asset = &self.bench.asset;
-        let pose = |voice: &Voice| {
+        let pose = |voice: &ClipState| {
             let mut pose = asset.rig.rest_pose().clone();
             let clip = &asset.clips[voice.clip()];
             let secs = f64::from(voice.secs());
@@ -317,7 +317,7 @@ fn within(detail: Detail, costs: &CostModel) -> Detail {
 
 /// 95th percentile, over the points that are on the screen, of how far two skins of a character
 /// are apart there.
-pub(super) fn distance_px(camera: &Camera, member: &Member, shown: &[Vec3], truth: &[Vec3]) -> f32 {
+pub(super) fn distance_px(camera: &Camera, member: &SceneCharacter, shown: &[Vec3], truth: &[Vec3]) -> f32 {
     let place = member.world_from_model();
     let size = Vec2::new(camera.viewport.width_px, camera.viewport.height_px);
     let apart = shown.iter().zip(truth).filter_map(|(shown, truth)| {
@@ -344,7 +344,7 @@ mod tests {
         use articula_build::{Plaza, plaza};
         let scene = plaza(4, 1, 1, Plaza::Still);
         let camera = scene.camera_at(0.0).unwrap();
-        let member = Member {
+        let member = SceneCharacter {
             position: Vec3::ZERO,
             yaw_radians: 0.0,
             ..scene.members[0]

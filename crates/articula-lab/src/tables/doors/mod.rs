@@ -10,7 +10,7 @@ mod written;
 use super::Run;
 use crate::open::{self, Content, Kind, Parameters};
 use anyhow::{Context, Result};
-use articula::Opened;
+use articula::CharacterFile;
 use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -71,7 +71,7 @@ impl Counts {
     }
 
     /// Counts.
-    fn of(opened: &Opened) -> Self {
+    fn of(opened: &CharacterFile) -> Self {
         let character = &opened.character;
         let primitives = || character.meshes.iter().flat_map(|m| &m.primitives);
         let skeleton = &character.skeleton.joints;

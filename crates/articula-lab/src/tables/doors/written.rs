@@ -3,8 +3,8 @@
 use super::compare::{Apart, Kept, apart};
 use crate::open::{self, Told};
 use anyhow::{Context, Result};
-use articula::convert::{Written, write};
-use articula::{Format, Opened};
+use articula::convert::{EncodedFile, write};
+use articula::{Format, CharacterFile};
 use articula_build::bake;
 use articula_core::source::{Character, Clip};
 use std::borrow::Cow;
@@ -110,7 +110,7 @@ impl Writer {
     }
 
     /// The bytes; `None` if this writer has nothing to write of the character.
-    fn written(self, opened: &Opened) -> Result<Option<Written>> {
+    fn written(self, opened: &CharacterFile) -> Result<Option<EncodedFile>> {
         let clips = !opened.character.clips.is_empty();
         let has = match self {
             Self::Through => opened.gltf.is_some(),
@@ -145,7 +145,7 @@ fn baked(character: &Character) -> Result<Vec<Clip>> {
 
 /// Writes a character in every way that there is, and reads each again. What the validator
 /// can judge is left at `stem` with the writer's number behind it.
-pub(super) fn trips(opened: &Opened, path: &Path, stem: &Path) -> Result<Vec<Trip>> {
+pub(super) fn trips(opened: &CharacterFile, path: &Path, stem: &Path) -> Result<Vec<Trip>> {
     let mut trips = Vec::new();
     for (number, writer) in Writer::ALL.into_iter().enumerate() {
         let written = match writer.written(opened) {
@@ -176,7 +176,7 @@ pub(super) fn trips(opened: &Opened, path: &Path, stem: &Path) -> Result<Vec<Tri
 }
 
 /// Reads what was written, and compares.
-fn again(was: &Opened, writer: Writer, written: Written, path: &Path) -> Result<Apart> {
+fn again(was: &CharacterFile, writer: Writer, written: EncodedFile, path: &Path) -> Result<Apart> {
     let (told, format) = match writer {
         Writer::Bvh | Writer::Acclaim => (Told::AsWritten, writer.format()),
         _ => (Told::Nothing, writer.format()),
@@ -199,7 +199,7 @@ fn again(was: &Opened, writer: Writer, written: Written, path: &Path) -> Result<
 
 /// Joints that a writer keeps: all or, in formats of joints alone, those of skins. In X3D those
 /// are compared that stand for a joint of the standard; read again, a lone hand has none.
-fn joints(opened: &Opened, writer: Writer) -> usize {
+fn joints(opened: &CharacterFile, writer: Writer) -> usize {
     let joints = &opened.character.skeleton.joints;
     let skin = joints.iter().filter(|j| j.in_skin);
     match skin.count() {

@@ -1,14 +1,14 @@
 //! Characters in motion before a camera, as the command `flatten` puts them up.
 
 use anyhow::{Context, Result};
-use articula::flatten::{Framed, FramedParts, Shot};
-use articula::{Figure, Opened};
+use articula::flatten::{FramedCharacter, FramedParts, Shot};
+use articula::{Figure, CharacterFile};
 use articula_build::decimate;
 use articula_core::source::{Character, Clip as SourceClip, Property};
 use articula_core::{Camera, Viewport};
 use articula_flat::Bounds;
 use articula_flat::Projection;
-use articula_flat::planar::{BakeOptions, Lamp, Subject, Turn};
+use articula_flat::planar::{BakeOptions, Lighting, PlanarSubject, Turntable};
 use glam::Vec3;
 use std::path::Path;
 
@@ -136,7 +136,7 @@ impl Case {
     }
 
     /// Puts up the camera and simplifies what it sees.
-    pub(super) fn framed<'a>(&self, figure: &'a Figure) -> Result<Framed<'a>> {
+    pub(super) fn framed<'a>(&self, figure: &'a Figure) -> Result<FramedCharacter<'a>> {
         let asset = &figure.asset;
         let clip = figure.clip(Some(self.clip))?;
         let clip = clip.with_context(|| format!("{}: no clip {}", self.file, self.clip))?;
@@ -151,9 +151,9 @@ impl Case {
             options: BakeOptions {
                 camera: Camera::looking_at(Vec3::Z, Vec3::ZERO, viewport()),
                 projection: Projection::Perspective,
-                lamp: Lamp::default(),
+                lamp: Lighting::default(),
                 fps,
-                turn: Turn {
+                turn: Turntable {
                     axis: (0.0, 0.0),
                     radians_per_sec: (f64::from(self.turn_degrees.to_radians()) / length) as f32,
                 },
@@ -171,26 +171,26 @@ impl Case {
             viewport: viewport(),
             triangles: None,
         };
-        let framed = Framed::from_parts(figure, shot, parts.clone());
+        let framed = FramedCharacter::from_parts(figure, shot, parts.clone());
         let looks: Vec<f64> = parts.moments_secs.iter().copied().step_by(3).collect();
         (parts.options.camera, parts.options.turn) = self.camera(&framed, &looks)?;
         if parts.triangles.len() > self.triangles {
             let seen = framed.subject().seen(&looks, &parts.options)?;
             parts.triangles = decimate(asset, &seen, Some(clip), self.triangles, &[])?;
         }
-        Ok(Framed::from_parts(figure, shot, parts))
+        Ok(FramedCharacter::from_parts(figure, shot, parts))
     }
 
     /// The camera of the case, and the turn about the figure's middle.
-    fn camera(&self, framed: &Framed<'_>, looks: &[f64]) -> Result<(Camera, Turn)> {
+    fn camera(&self, framed: &FramedCharacter<'_>, looks: &[f64]) -> Result<(Camera, Turntable)> {
         let subject = framed.subject();
-        let still = Turn::default();
+        let still = Turntable::default();
         let bounds = subject.bounds(looks, &still).context("nothing to frame")?;
-        let turn = Turn {
+        let turn = Turntable {
             axis: (bounds.middle().x, bounds.middle().z),
             ..framed.options.turn
         };
-        let at_rest = Subject {
+        let at_rest = PlanarSubject {
             clip: None,
             ..subject
         };
@@ -211,7 +211,7 @@ impl Case {
         Ok((camera, turn))
     }
 
-    fn open(&self, data: &Path) -> Result<Opened> {
+    fn open(&self, data: &Path) -> Result<CharacterFile> {
         let mut opened = articula::fs::open(data.join(self.file))?;
         let source = &mut opened.character;
         if self.file == KNIGHT {

@@ -2,7 +2,7 @@
 
 use anyhow::Result;
 use articula_core::Progress;
-use articula_flat::flatten::{PrepareOptions, Prepared};
+use articula_flat::flatten::{PrepareClipOptions, PreparedClip};
 use articula_flat::planar::{OrderComparison, PlanarClip};
 
 /// Wrong pixels in percent of the character's, mean over the frames.
@@ -28,9 +28,9 @@ pub(super) struct Orders {
 
 impl Orders {
     /// Prepares a clip as the command does.
-    pub(super) fn prepare(clip: &PlanarClip) -> Result<Prepared> {
-        let options = PrepareOptions::default();
-        Ok(Prepared::new(
+    pub(super) fn prepare(clip: &PlanarClip) -> Result<PreparedClip> {
+        let options = PrepareClipOptions::default();
+        Ok(PreparedClip::new(
             clip.clone(),
             &options,
             &mut Progress::none(),
@@ -38,7 +38,7 @@ impl Orders {
     }
 
     /// All ways of ordering a clip; `cut` is it prepared, what pierces cut.
-    pub(super) fn of(clip: &PlanarClip, cut: &Prepared) -> Result<Self> {
+    pub(super) fn of(clip: &PlanarClip, cut: &PreparedClip) -> Result<Self> {
         let ways = OrderComparison::of(clip)?;
         Ok(Self {
             thesis: ways.one_depth_sort,

@@ -11,7 +11,7 @@ use articula_build::decimate;
 use articula_core::Progress;
 use articula_flat::Appearance;
 use articula_flat::Bounds;
-use articula_flat::planar::{Subject, Turn};
+use articula_flat::planar::{PlanarSubject, Turntable};
 use articula_flat::portrait::PictureFormat;
 use articula_flat::portrait::{
     Head, HeadPose, PortraitExpression, PortraitOptions, PortraitSource, build,
@@ -138,7 +138,7 @@ fn row(source: &PortraitSource<'_>, head: &'static str, views: usize) -> Result<
 }
 
 fn at_rest(asset: &Asset, look: &Appearance) -> Result<Bounds> {
-    let subject = Subject {
+    let subject = PlanarSubject {
         rig: &asset.rig,
         mesh: &asset.mesh,
         triangles: &asset.mesh.triangles,
@@ -147,6 +147,6 @@ fn at_rest(asset: &Asset, look: &Appearance) -> Result<Bounds> {
         morph_weights: &asset.mesh.morph_weights,
     };
     subject
-        .bounds(&[0.0], &Turn::default())
+        .bounds(&[0.0], &Turntable::default())
         .context("the head has no vertex")
 }

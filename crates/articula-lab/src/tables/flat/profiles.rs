@@ -2,15 +2,15 @@
 
 use crate::measure::thread_ns;
 use anyhow::{Context, Result};
-use articula::flatten::Framed;
+use articula::flatten::FramedCharacter;
 use articula_core::Progress;
 use articula_flat::flatten::{
-    Flattened, PrepareOptions, Prepared, Profile, Quality, Settings, Truth, flatten, sampled_frames,
+    Flattened, PrepareClipOptions, PreparedClip, Profile, Quality, Settings, ReferenceFrames, flatten, sampled_frames,
 };
 use articula_flat::planar::PlanarClip;
 use articula_flat::planar::Shading;
-use articula_flat::vector::player::Output;
-use articula_flat::vector::{ThesisForm, ThesisOptions, thesis};
+use articula_flat::vector::player::PlayerOutput;
+use articula_flat::vector::{ThesisForm, ThesisSvgOptions, thesis};
 use std::path::Path;
 
 /// A profile at a setting.
@@ -50,14 +50,14 @@ fn settings() -> Vec<(&'static str, Profile, Quality)> {
     };
     let (flat, gouraud) = (Shading::Flat, Shading::Gouraud);
     let naive = |form, optimised| {
-        Profile::Thesis(ThesisOptions {
+        Profile::Thesis(ThesisSvgOptions {
             form,
             optimise_hidden: optimised,
             optimise_static: optimised,
             ..ThesisOptions::default()
         })
     };
-    let player = Profile::Player(Output::Svg);
+    let player = Profile::Player(PlayerOutput::Svg);
     let of_flat = quality(flat, 0.5, 8.0, None);
     vec![
         (
@@ -111,13 +111,13 @@ fn settings() -> Vec<(&'static str, Profile, Quality)> {
 
 /// Every profile of a case; the files go to a folder if one is given.
 pub(super) fn rows(
-    framed: &Framed<'_>,
-    prepared: &Prepared,
+    framed: &FramedCharacter<'_>,
+    prepared: &PreparedClip,
     is_small: bool,
     files: Option<&Path>,
 ) -> Result<Vec<Row>> {
     let frames = sampled_frames(framed.moments_secs.len());
-    let truth = Truth::new(&framed.at_frames(&frames)?, &frames)?;
+    let truth = ReferenceFrames::new(&framed.at_frames(&frames)?, &frames)?;
     let mut rows = Vec::new();
     for (name, profile, quality) in settings() {
         let is_long = framed.moments_secs.len() > FLIPBOOK_FRAMES;
@@ -152,13 +152,13 @@ pub(super) fn rows(
 }
 
 /// Stills of the first frame, each at its own best.
-pub(super) fn stills(framed: &Framed<'_>, clip: &PlanarClip) -> Result<Stills> {
+pub(super) fn stills(framed: &FramedCharacter<'_>, clip: &PlanarClip) -> Result<Stills> {
     let mut first = clip.clone();
     first.frames.truncate(1);
-    let truth = Truth::new(&framed.at_frames(&[0.0])?, &[0.0])?;
-    let prepared = Prepared::new(
+    let truth = ReferenceFrames::new(&framed.at_frames(&[0.0])?, &[0.0])?;
+    let prepared = PreparedClip::new(
         first.clone(),
-        &PrepareOptions::default(),
+        &PrepareClipOptions::default(),
         &mut Progress::none(),
     )?;
     let still = |exact, shading| {
@@ -174,7 +174,7 @@ pub(super) fn stills(framed: &Framed<'_>, clip: &PlanarClip) -> Result<Stills> {
         };
         flatten(&prepared, &settings, &truth, &mut Progress::none())
     };
-    let naive = ThesisOptions {
+    let naive = ThesisSvgOptions {
         form: ThesisForm::GouraudStill { frame: 0 },
         ..ThesisOptions::default()
     };

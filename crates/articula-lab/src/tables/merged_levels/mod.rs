@@ -9,11 +9,11 @@ use crate::data;
 use anyhow::{Context, Result};
 use articula_build::Asset;
 use articula_build::{
-    LevelOptions, far_levels, far_order, joint_ladder, levels_of, mean_pose, merged_levels,
-    named_ladder,
+    LevelOptions, far_levels, far_order, joint_lods, levels_of, mean_pose, merged_levels,
+    named_joint_lods,
 };
-use articula_core::loa::Expression;
-use articula_core::{Ladder, LevelErrors};
+use articula_core::loa::LoaExpression;
+use articula_core::{JointLods, LodErrors};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
@@ -97,8 +97,8 @@ fn near_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
     let counts = counts(asset);
     let judged = |learned: &Asset, judged: &Asset| {
         let mean = mean_pose(learned);
-        let order = joint_ladder(learned, &mean, &opts)?;
-        let ladder = Ladder::new(&asset.rig, order.joints().to_vec(), counts.clone(), &mean)?;
+        let order = joint_lods(learned, &mean, &opts)?;
+        let ladder = JointLods::new(&asset.rig, order.joints().to_vec(), counts.clone(), &mean)?;
         levels_of(judged, ladder, &opts)
     };
     let all = judged(asset, asset)?;
@@ -160,11 +160,11 @@ fn far_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
 }
 
 fn named_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
-    let expressions: Result<Vec<Expression>, _> = NAMED
+    let expressions: Result<Vec<LoaExpression>, _> = NAMED
         .iter()
-        .map(|text| text.parse::<Expression>())
+        .map(|text| text.parse::<LoaExpression>())
         .collect();
-    let ladder = named_ladder(asset, &mean_pose(asset), &expressions?)?;
+    let ladder = named_joint_lods(asset, &mean_pose(asset), &expressions?)?;
     let levels = levels_of(asset, ladder, &LevelOptions::default())?;
     let row = |l: usize| {
         let (error_mm, worst_mm) = worst(&levels.errors, l);
@@ -201,7 +201,7 @@ fn parts(asset: &Asset) -> Vec<(Asset, Asset)> {
 }
 
 /// Greatest errors of a level over clips, millimetres.
-fn worst(errors: &LevelErrors, level: usize) -> (f32, f32) {
+fn worst(errors: &LodErrors, level: usize) -> (f32, f32) {
     let greatest = |of: &dyn Fn(usize) -> f32| {
         let all = (0..errors.clips.len()).map(of);
         1e3 * all.fold(0.0, f32::max)

@@ -6,7 +6,7 @@ use articula_build::{LevelOptions, merged_levels};
 use articula_core::{Clip, Mesh, PosedMesh, Rig, SkinnedMesh, Wrap};
 use articula_flat::{Appearance, Bounds};
 use articula_formats::{Limits, gltf};
-use articula_report::{Cell, ContactSheet, Row, Tile, close_up};
+use articula_report::{SheetCell, ContactSheet, SheetRow, SheetTile, close_up};
 use glam::Vec3;
 use std::path::Path;
 
@@ -73,7 +73,7 @@ pub(super) fn write(data: &Path, name: &str, asset: &Asset, path: &Path) -> Resu
             let at = f64::from(secs) * (moment as f64 + 0.5) / MOMENTS as f64;
             cells.push(cell(&looks[0], look, &paint, at)?);
         }
-        rows.push(Row {
+        rows.push(SheetRow {
             label: look.label.clone(),
             cells,
         });
@@ -95,7 +95,7 @@ fn skinned(look: &Look<'_>, secs: f64) -> SkinnedMesh {
 }
 
 /// The character large, and small as the level is made for.
-fn cell(full: &Look<'_>, look: &Look<'_>, paint: &Appearance, secs: f64) -> Result<Cell> {
+fn cell(full: &Look<'_>, look: &Look<'_>, paint: &Appearance, secs: f64) -> Result<SheetCell> {
     let truth = skinned(full, secs).bounds().context("nothing to draw")?;
     let middle = 0.5 * (truth.0 + truth.1);
     let half = Vec3::splat(0.5 * (truth.1 - truth.0).max_element());
@@ -108,11 +108,11 @@ fn cell(full: &Look<'_>, look: &Look<'_>, paint: &Appearance, secs: f64) -> Resu
     let px = 1.0 / look.error_metres.max(1e-3);
     let height = (2.2 * half.y * px).clamp(8.0, TILE.1 as f32);
     let small = (height * TILE.0 as f32 / TILE.1 as f32, height);
-    let tile = |picture| Tile {
+    let tile = |picture| SheetTile {
         picture,
         caption: String::new(),
     };
-    Ok(Cell {
+    Ok(SheetCell {
         tiles: vec![
             tile(draw(TILE)?),
             tile(draw((small.0.ceil() as u32, small.1 as u32))?),

@@ -3,8 +3,8 @@
 use super::characters::Subject;
 use crate::peers::meshopt::{Seams, Simplifier};
 use anyhow::Result;
-use articula_build::{LevelTriangles, SimplifyOptions, Weighting, simplify};
-use articula_build::{PoseOptions, PoseSource, SkinPose, poses, positions};
+use articula_build::{LevelTriangles, SimplifyOptions, ErrorWeighting, simplify};
+use articula_build::{PoseOptions, SkinPoseSource, SkinPose, poses, positions};
 use glam::Vec3;
 
 /// How much heavier the thesis' weighting makes what moves with two joints alike, halved.
@@ -50,7 +50,7 @@ impl Contestant {
 
 /// Positions of all vertices in poses, metres.
 pub(super) struct Posed {
-    pub(super) source: PoseSource,
+    pub(super) source: SkinPoseSource,
     /// What ours is simplified by, the rest pose first.
     pub(super) shaping: Vec<Vec<Vec3>>,
     /// What everyone is measured on.
@@ -103,8 +103,8 @@ pub(super) fn levels(
     };
     let weighting = match who {
         Contestant::Ours => return Ok(whole(ours.to_vec())),
-        Contestant::Rest => Weighting::Rest,
-        Contestant::Joint => Weighting::Joint {
+        Contestant::Rest => ErrorWeighting::Rest,
+        Contestant::Joint => ErrorWeighting::Joint {
             strength: JOINT_STRENGTH,
         },
         Contestant::Meshopt | Contestant::MeshoptNormals => {

@@ -14,7 +14,7 @@ use super::Run;
 use crate::measure::thread_ns;
 use crate::peers::draco;
 use anyhow::Result;
-use articula_build::PoseSource;
+use articula_build::SkinPoseSource;
 use articula_build::{SimplifyOptions, simplify};
 use characters::{CHARACTERS, Entry, PICTURED, SMALL};
 use contestants::{Contestant, Posed};
@@ -53,7 +53,7 @@ pub(crate) struct Choice {
 struct Found {
     name: &'static str,
     /// Where its poses come from.
-    source: PoseSource,
+    source: SkinPoseSource,
     /// How many poses were measured on.
     poses: usize,
     /// How tall it is said to be, metres.

@@ -4,7 +4,7 @@ use super::contestants::Contestant;
 use super::errors::{LINES_PX, Row};
 use super::{Found, SHARES, targets};
 use anyhow::Result;
-use articula_build::PoseSource;
+use articula_build::SkinPoseSource;
 use std::fmt::Write as _;
 
 const HEAD: &str = "# Mesh levels
@@ -60,10 +60,10 @@ impl Found {
 
     fn poses(&self) -> String {
         let kind = match self.source {
-            PoseSource::Clips => "of clips",
-            PoseSource::Bends => "bends",
-            PoseSource::Morphs => "morphs",
-            PoseSource::Rest => "none",
+            SkinPoseSource::Clips => "of clips",
+            SkinPoseSource::Bends => "bends",
+            SkinPoseSource::Morphs => "morphs",
+            SkinPoseSource::Rest => "none",
         };
         format!("{} {kind}", self.poses)
     }

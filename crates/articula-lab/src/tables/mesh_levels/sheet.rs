@@ -9,7 +9,7 @@ use articula_build::LevelTriangles;
 use articula_build::SkinPose;
 use articula_core::SkinnedMesh;
 use articula_flat::{Appearance, Bounds};
-use articula_report::{Cell, ContactSheet, Row, Tile, close_up};
+use articula_report::{SheetCell, ContactSheet, SheetRow, SheetTile, close_up};
 use glam::Vec3;
 use std::path::Path;
 
@@ -94,7 +94,7 @@ fn row(
     level: &LevelTriangles,
     paint: &Appearance,
     label: &str,
-) -> Result<Row> {
+) -> Result<SheetRow> {
     let mut mesh = subject.asset.mesh.clone();
     mesh.triangles.clone_from(&level.triangles);
     for (part, triangles) in mesh.parts.iter_mut().zip(&level.parts) {
@@ -107,15 +107,15 @@ fn row(
                 continue;
             };
             let from = (azimuth, ELEVATION);
-            tiles.push(Tile {
+            tiles.push(SheetTile {
                 picture: close_up(&mesh, moment, paint, &bounds, from, TILE_PX)?,
                 caption: String::new(),
             });
         }
     }
-    Ok(Row {
+    Ok(SheetRow {
         label: format!("{label}: {} tris", level.triangles.len()),
-        cells: vec![Cell { tiles }],
+        cells: vec![SheetCell { tiles }],
     })
 }
 

@@ -6,7 +6,7 @@ use crate::peers::{draco, meshopt};
 use crate::wire_mesh::{PRECISION, WireMesh};
 use anyhow::{Context, Result, ensure};
 use articula_build::LevelTriangles;
-use articula_build::{Order, cluster};
+use articula_build::{ClusterOrder, cluster};
 use articula_core::source::Primitive;
 use articula_stream::StreamLimits;
 use articula_stream::mesh::{Grid, Quantised, QuantisedMesh, decode_level, encode_level, quantise};
@@ -217,7 +217,7 @@ fn add_object(object: &Object, wire: &[WireMesh], sizes: &mut Sizes) -> Result<(
         level.plain += plain(mesh, mesh.vertices(), mesh.triangles.len());
     }
     let finest_first: Vec<_> = object.levels.iter().rev().collect();
-    let stored = cluster(&finest_first, object.vertices, &[], Order::Store)?;
+    let stored = cluster(&finest_first, object.vertices, &[], ClusterOrder::Store)?;
     for (l, level) in sizes.levels.iter_mut().rev().enumerate() {
         let ranges = stored.clusters.ranges(l).count();
         level.ranges = level.ranges.max(ranges + usize::from(ranges > 0));

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use articula::convert::{FittedClip, fit_clips};
-use articula::{AddClipsOptions, OpenOptions, Opened};
+use articula::{AddClipsOptions, OpenOptions, CharacterFile};
 use articula_build::source_rate_hz;
 use articula_core::source::Clip;
 use articula_formats::mpeg4::bap;
@@ -137,17 +137,17 @@ impl Case {
     }
 }
 
-fn open(data: &Path, name: &str) -> Result<Opened> {
+fn open(data: &Path, name: &str) -> Result<CharacterFile> {
     Ok(articula::fs::open(data.join(name))?)
 }
 
-fn human() -> Result<Opened> {
+fn human() -> Result<CharacterFile> {
     let character = articula_human::human(&HumanOptions { triangles: 12_000 })?;
-    Ok(Opened::from_character("human", character))
+    Ok(CharacterFile::from_character("human", character))
 }
 
 /// The motion of a case, alone in its character.
-pub(super) fn source(data: &Path, case: &Case) -> Result<Opened> {
+pub(super) fn source(data: &Path, case: &Case) -> Result<CharacterFile> {
     let mut actor = match case.source {
         Source::File(name, wanted) => {
             let mut actor = open(data, name)?;
@@ -168,7 +168,7 @@ pub(super) fn source(data: &Path, case: &Case) -> Result<Opened> {
 }
 
 /// The character of a case.
-pub(super) fn target(data: &Path, case: &Case) -> Result<Opened> {
+pub(super) fn target(data: &Path, case: &Case) -> Result<CharacterFile> {
     match case.target {
         Target::File(name) => {
             let mut actor = open(data, name)?;
@@ -184,7 +184,7 @@ pub(super) fn target(data: &Path, case: &Case) -> Result<Opened> {
 }
 
 /// The first clip of a figure on another, by what their joints are.
-pub(super) fn retargeted(from: &Opened, onto: &Opened) -> Result<FittedClip> {
+pub(super) fn retargeted(from: &CharacterFile, onto: &CharacterFile) -> Result<FittedClip> {
     let options = AddClipsOptions {
         by_names: false,
         clip: from.character.clips.first().map(|c| c.name.clone()),
@@ -196,7 +196,7 @@ pub(super) fn retargeted(from: &Opened, onto: &Opened) -> Result<FittedClip> {
 
 /// The motion of a file told in body animation parameters: put onto our human, sampled,
 /// written, read.
-fn bap_of(data: &Path, name: &str) -> Result<Opened> {
+fn bap_of(data: &Path, name: &str) -> Result<CharacterFile> {
     let mut from = open(data, name)?;
     skip(&mut from.character.clips[0], 0.009);
     let mut human = human()?;

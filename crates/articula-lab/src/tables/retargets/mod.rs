@@ -7,8 +7,8 @@ mod sheet;
 
 use super::Run;
 use anyhow::{Context, Result};
-use articula::Opened;
-use articula_build::retarget::{Origin, RetargetReport};
+use articula::CharacterFile;
+use articula_build::retarget::{RotationOrigin, RetargetReport};
 use articula_report::ContactSheet;
 use cases::{CASES, Case};
 use measure::Played;
@@ -19,8 +19,8 @@ use std::path::{Path, PathBuf};
 /// What a case came to.
 struct Row {
     case: Case,
-    source: Opened,
-    target: Opened,
+    source: CharacterFile,
+    target: CharacterFile,
     /// The motion, and what became of it.
     before: Played,
     after: Played,
@@ -71,7 +71,7 @@ impl Row {
         })
     }
 
-    fn count(&self, wanted: fn(&Origin) -> bool) -> usize {
+    fn count(&self, wanted: fn(&RotationOrigin) -> bool) -> usize {
         let joints = self.report.joints.iter();
         joints.filter(|j| wanted(&j.origin)).count()
     }
@@ -165,9 +165,9 @@ fn page(rows: &[Row]) -> Result<String> {
             row.case.onto,
             row.after.models.len(),
             row.report.scale,
-            row.count(|o| matches!(o, Origin::Mapped { .. })),
-            row.count(|o| matches!(o, Origin::Shared { .. })),
-            row.count(|o| *o == Origin::Held),
+            row.count(|o| matches!(o, RotationOrigin::Mapped { .. })),
+            row.count(|o| matches!(o, RotationOrigin::Shared { .. })),
+            row.count(|o| *o == RotationOrigin::Held),
             slides[0],
             slides[1],
             mm(q.below_floor_before_metres),
@@ -200,9 +200,9 @@ fn csv(rows: &[Row]) -> Result<String> {
             row.after.models.len(),
             row.after.rate_hz,
             row.report.scale,
-            row.count(|o| matches!(o, Origin::Mapped { .. })),
-            row.count(|o| matches!(o, Origin::Shared { .. })),
-            row.count(|o| *o == Origin::Held),
+            row.count(|o| matches!(o, RotationOrigin::Mapped { .. })),
+            row.count(|o| matches!(o, RotationOrigin::Shared { .. })),
+            row.count(|o| *o == RotationOrigin::Held),
             row.report.dropped.len(),
             q.slide.contacts,
             mm(q.slide_before.mean_metres),

@@ -2,10 +2,10 @@
 
 use super::measure::Played;
 use anyhow::{Context, Result};
-use articula::Opened;
+use articula::CharacterFile;
 use articula_core::{Camera, Mesh, ModelPose, PosedMesh, Rig, SkinnedMesh, Viewport};
 use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render};
-use articula_report::{Cell, Row, draw_skeleton, followed};
+use articula_report::{SheetCell, SheetRow, draw_skeleton, followed};
 use glam::{Affine3A, Vec2, Vec3};
 
 /// Size of one picture, pixels.
@@ -29,7 +29,7 @@ pub(super) struct Artist<'a> {
 
 impl<'a> Artist<'a> {
     /// Frames the camera on the moments; it follows the root over the ground.
-    pub(super) fn new(actor: &Opened, played: &'a Played, moments: &[usize]) -> Result<Self> {
+    pub(super) fn new(actor: &CharacterFile, played: &'a Played, moments: &[usize]) -> Result<Self> {
         let character = &actor.character;
         let (look, _) = Appearance::new(&character.materials, &character.images);
         let mesh = Mesh::new(&character.meshes, played.rig.len())?;
@@ -69,13 +69,13 @@ impl<'a> Artist<'a> {
     }
 
     /// The row of a sheet.
-    pub(super) fn row(&self, label: String, moments: &[usize]) -> Result<Row> {
+    pub(super) fn row(&self, label: String, moments: &[usize]) -> Result<SheetRow> {
         let cell = |moment: &usize| {
             let secs = *moment as f32 / self.played.rate_hz;
-            Ok(Cell::of(self.draw(*moment)?, format!("{secs:.2} s")))
+            Ok(SheetCell::of(self.draw(*moment)?, format!("{secs:.2} s")))
         };
-        let cells: Result<Vec<Cell>> = moments.iter().map(cell).collect();
-        Ok(Row {
+        let cells: Result<Vec<SheetCell>> = moments.iter().map(cell).collect();
+        Ok(SheetRow {
             label,
             cells: cells?,
         })

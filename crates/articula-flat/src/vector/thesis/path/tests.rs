@@ -22,7 +22,7 @@ fn stepping(steps: &[usize]) -> PlanarClip {
 
 fn written(clip: &PlanarClip, optimised: [bool; 2]) -> String {
     let [optimise_hidden, optimise_static] = optimised;
-    let options = ThesisOptions {
+    let options = ThesisSvgOptions {
         form: ThesisForm::Path,
         optimise_hidden,
         optimise_static,
