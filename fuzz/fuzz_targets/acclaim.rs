@@ -3,11 +3,11 @@
 #![no_main]
 
 use articula_formats::acclaim::{self, WriteOptions};
-use articula_formats::{Limits, ReadOptions, profile};
+use articula_formats::{Limits, ReadOptions, joint_map};
 use libfuzzer_sys::fuzz_target;
 
 /// A clip of hours in few bytes would only cost time.
-const MOST_SECS: f32 = 10.0;
+const MAX_SECS: f32 = 10.0;
 
 fuzz_target!(|bytes: &[u8]| {
     let mut parts = bytes.splitn(2, |b| *b == 0);
@@ -15,9 +15,9 @@ fuzz_target!(|bytes: &[u8]| {
     let read = acclaim::read(asf, parts.next(), &ReadOptions::default(), &Limits::default());
     let Ok(read) = read else { return };
     let file = read.value;
-    articula_build::joint_names::map(&file.character.skeleton, profile::builtin(), None);
+    articula_build::joint_names::map(&file.character.skeleton, joint_map::builtin(), None);
     let clip = file.character.clips.first();
-    let clip = clip.filter(|c| c.duration_secs < MOST_SECS).map(|_| 0);
+    let clip = clip.filter(|c| c.duration_secs < MAX_SECS).map(|_| 0);
     let options = WriteOptions {
         rate_hz: 30.0,
         end_sites: file.end_sites,

@@ -3,7 +3,7 @@
 #![no_main]
 
 use articula_formats::mpeg4::{bap, epf, fap, fdp};
-use articula_formats::{Limits, profile};
+use articula_formats::{Limits, joint_map};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -21,7 +21,7 @@ fuzz_target!(|bytes: &[u8]| {
         1 => {
             if let Ok(read) = bap::read(bytes, bap::Absent::Hold, &limits) {
                 let character = bap::character(&read.value);
-                let map = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
+                let map = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
                 let seconds = character.clips.first().map_or(0.0, |c| c.duration_secs);
                 if !character.clips.is_empty() && seconds < 5.0 {
                     bap::sample(&character, &map.articulation, 0, 5.0).unwrap();

@@ -1,7 +1,7 @@
-//! Any bytes as a joint-name profile: a value or an error.
+//! Any bytes as a joint map: a value or an error.
 #![no_main]
 
-use articula_formats::{Limits, profile};
+use articula_formats::{Limits, joint_map};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {

@@ -2,7 +2,7 @@
 #![no_main]
 
 use articula_formats::x3d;
-use articula_formats::{Limits, profile};
+use articula_formats::{Limits, joint_map};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -17,7 +17,7 @@ fuzz_target!(|bytes: &[u8]| {
         return;
     };
     let character = &file.value.character;
-    let mapping = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
+    let mapping = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
     let written =
         x3d::write(character, &mapping.articulation, &file.value.sites).expect("it has joints");
     if let Err(error) = x3d::read(&written.bytes, &Limits::default(), &mut picture) {

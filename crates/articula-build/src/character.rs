@@ -1,6 +1,6 @@
 //! The recipe: a source character becomes the read-only nouns of the frame.
 
-use crate::clip::{ClipOptions, MOST_NUMBERS, resample};
+use crate::clip::{ClipOptions, MAX_NUMBERS, resample};
 use crate::expression::bake;
 use articula_core::source::Character;
 use articula_core::{Articulation, Clip, Mesh, Mismatch, Rig};
@@ -45,8 +45,8 @@ pub fn character(
         let c = bake(source, c)?;
         let clip = resample(&c, &source.skeleton, &mesh.morph_slots, &counts, opts)?;
         numbers += numbers_of(&clip);
-        if numbers > MOST_NUMBERS {
-            let what = format!("all clips together hold more than {MOST_NUMBERS} numbers");
+        if numbers > MAX_NUMBERS {
+            let what = format!("all clips together hold more than {MAX_NUMBERS} numbers");
             return Err(Mismatch::new(format!("clip \"{}\"", c.name), what));
         }
         clips.push(clip);

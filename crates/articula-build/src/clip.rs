@@ -18,7 +18,7 @@ const MAX_RATE_HZ: f32 = 120.0;
 
 /// Most numbers that the tracks of a clip, or of all clips of a character, may hold: half a
 /// gigabyte. Two keys of a small file can ask for any length.
-pub(crate) const MOST_NUMBERS: usize = 1 << 27;
+pub(crate) const MAX_NUMBERS: usize = 1 << 27;
 
 /// What a clip may differ from its source between frames, as seen on a limb of 0.4 m: about two
 /// millimetres. A joint that turns by 60 degrees in a frame stays below it under a normalised
@@ -39,7 +39,7 @@ const STILL_RADIANS: f32 = 1e-6;
 
 /// The rate at which a clip was keyed: that of its most densely keyed channel, or 30 Hz
 /// where there are fewer than three keys.
-pub fn source_rate_hz(clip: &source::Clip) -> f32 {
+pub fn source_rate_hz(clip: &source::RawClip) -> f32 {
     let densest = clip.channels.iter().max_by_key(|c| c.times_secs.len());
     let Some(channel) = densest.filter(|c| c.times_secs.len() > 2) else {
         return 30.0;
@@ -67,7 +67,7 @@ pub fn source_rate_hz(clip: &source::Clip) -> f32 {
 /// # Panics
 /// If there is not one entry of `morph_counts` for each of `morph_slots`.
 pub(crate) fn resample(
-    clip: &source::Clip,
+    clip: &source::RawClip,
     skeleton: &source::Skeleton,
     morph_slots: &[usize],
     morph_counts: &[usize],
@@ -123,7 +123,7 @@ pub(crate) fn resample(
 
 /// Number of frame intervals at a rate, where each frame holds so many numbers.
 pub(crate) fn steps_at(
-    clip: &source::Clip,
+    clip: &source::RawClip,
     duration: f32,
     rate: f32,
     numbers: usize,
@@ -139,9 +139,9 @@ pub(crate) fn steps_at(
         return Err(Mismatch::new(at(), what));
     }
     let numbers = (steps as usize).saturating_mul(numbers);
-    if numbers > MOST_NUMBERS {
+    if numbers > MAX_NUMBERS {
         let what =
-            format!("{duration} s at {rate} Hz would be {numbers} numbers, at most {MOST_NUMBERS}");
+            format!("{duration} s at {rate} Hz would be {numbers} numbers, at most {MAX_NUMBERS}");
         return Err(Mismatch::new(at(), what));
     }
     Ok(steps as usize)
@@ -278,7 +278,7 @@ fn weight_tracks(channel: &Channel, slot: usize, count: usize, times: &[f32], tr
 
 /// How many frames a key interval needs so that straight lines (and normalised linear blends)
 /// follow the source within [`CHORD_METRES`] and [`CHORD_RADIANS`].
-fn oversampling(clip: &source::Clip) -> usize {
+fn oversampling(clip: &source::RawClip) -> usize {
     let rate = source_rate_hz(clip);
     let mut factor = 1;
     while factor < 8
@@ -291,7 +291,7 @@ fn oversampling(clip: &source::Clip) -> usize {
 }
 
 /// Whether any channel leaves the chord between neighbouring frames by too much.
-fn curves(clip: &source::Clip, rate: f32) -> bool {
+fn curves(clip: &source::RawClip, rate: f32) -> bool {
     let frames = (clip.duration_secs * rate).ceil().clamp(0.0, 1e5) as usize;
     clip.channels
         .iter()
@@ -337,12 +337,12 @@ mod tests {
         }
     }
 
-    fn turning(times: Vec<f32>, interpolation: Interpolation) -> source::Clip {
+    fn turning(times: Vec<f32>, interpolation: Interpolation) -> source::RawClip {
         let values = times
             .iter()
             .flat_map(|t| Quat::from_rotation_y(1.3 * t).to_array())
             .collect();
-        source::Clip {
+        source::RawClip {
             name: "turn".into(),
             duration_secs: times.last().copied().unwrap_or(0.0),
             channels: vec![Channel {
@@ -411,9 +411,9 @@ mod tests {
         assert!(e.what.contains("7 values for 2 keys of 4 floats"));
         clip.channels[0].times_secs.clear();
         assert!(resample(&clip, &skeleton(), &[], &[], &ClipOptions::default()).is_err());
-        let endless = source::Clip {
+        let endless = source::RawClip {
             duration_secs: 1e9,
-            ..source::Clip::default()
+            ..source::RawClip::default()
         };
         clip = turning(vec![0.0, 20_000.0], Interpolation::Linear);
         clip.channels = vec![clip.channels[0].clone(); 60];
@@ -421,7 +421,7 @@ mod tests {
         assert!(e.what.contains("numbers"), "{e}");
         assert!(resample(&endless, &skeleton(), &[], &[], &ClipOptions::default()).is_err());
         let empty = resample(
-            &source::Clip::default(),
+            &source::RawClip::default(),
             &skeleton(),
             &[],
             &[],
@@ -434,7 +434,7 @@ mod tests {
     proptest! {
         #[test]
         fn the_last_frame_is_the_end(duration in 0.01f32..20.0, rate in 5.0f32..90.0) {
-            let clip = source::Clip { duration_secs: duration, ..source::Clip::default() };
+            let clip = source::RawClip { duration_secs: duration, ..source::RawClip::default() };
             let opts = ClipOptions { rate_hz: Some(rate) };
             let built = resample(&clip, &skeleton(), &[], &[], &opts).unwrap();
             if built.frames() > 1 {

@@ -1,6 +1,6 @@
 //! One coarser list of triangles, for one clip and what is seen of it.
 //!
-//! Source: `spec/vector.md` 1 and 3: a conversion to 2D shows a character from known cameras, so
+//! Source: `docs/methods/vector.md` 1 and 3: a conversion to 2D shows a character from known cameras, so
 //! what they never see goes first, and the rest is simplified ([`crate::simplify`]) by the poses
 //! of the clip that is shown.
 

@@ -47,7 +47,7 @@ mod decimate;
 mod expression;
 mod figure_levels;
 mod influences;
-mod ladder;
+mod joint_lods;
 mod mesh_levels;
 mod motion_bounds;
 mod motion_error;
@@ -64,13 +64,13 @@ mod surface_distance;
 
 pub use character::{Asset, character};
 pub use clip::{ClipOptions, source_rate_hz};
-pub use clusters::{Clustered, ClusterOrder, cluster};
+pub use clusters::{ClusterOrder, Clustered, cluster};
 pub use decimate::decimate;
 pub use expression::{bake, resolve};
 pub use figure_levels::{FigureLevel, FigureLevels, figure_levels};
-pub use ladder::{
+pub use joint_lods::{
     FarLevels, LevelOptions, LevelSkin, LevelSkins, MergedLevels, far_levels, far_order,
-    joint_lods, level_errors, level_skins, levels_of, mean_pose, merged_levels, named_joint_lods,
+    joint_lods, level_skins, levels_of, lod_errors, mean_pose, merged_levels, named_joint_lods,
     skin_of,
 };
 pub use mesh_levels::{MeasurementPoses, MeshLevelOptions, MeshLevels, mesh_levels};
@@ -81,12 +81,12 @@ pub use motion_error::{
 };
 pub use occluders::occluders;
 pub use points::draw_vertices;
-pub use pose_cache::{CacheOptions, CacheReport, CachedPoses, CacheDecision, cached_poses};
-pub use poses::{PoseOrigin, PoseOptions, SkinPoseSource, Poses, SkinPose, poses, positions};
+pub use pose_cache::{CacheDecision, CacheOptions, CacheReport, CachedPoses, cached_poses};
+pub use poses::{PoseOptions, PoseOrigin, Poses, SkinPose, SkinPoseSource, poses, positions};
 pub use reduce::{MotionSize, motion_size, reduce};
-pub use scene::{CrossFade, SceneCharacter, PLAZA_COUNT, ClipPlayback, Plaza, Scene, plaza};
+pub use scene::{ClipPlayback, CrossFade, PLAZA_COUNT, Plaza, Scene, SceneCharacter, plaza};
 pub use simplify::{
-    LevelTriangles, Simplified, SimplifyOptions, ErrorWeighting, region_weights, simplify,
+    ErrorWeighting, LevelTriangles, Simplified, SimplifyOptions, region_weights, simplify,
 };
 pub use surface_distance::{
     DistanceOptions, LevelDistances, SkinPoint, attach, compact, surface_distances,

@@ -14,12 +14,12 @@
 
 use crate::character::Asset;
 use crate::motion_bounds::reach::Reach;
-use crate::motion_bounds::{Body, Look, looks};
+use crate::motion_bounds::{Body, SampleTime, sample_times};
 use articula_core::{Capsule, Clip, Track, triangle_distance_squared};
 use glam::Vec3;
 
 /// A thinner capsule is not worth drawing; metres.
-const LEAST_RADIUS_METRES: f32 = 0.03;
+const MIN_RADIUS_METRES: f32 = 0.03;
 
 /// Places along a segment at which the skin's distance is measured.
 const PLACES: usize = 17;
@@ -29,9 +29,9 @@ const FIRST_LOOKS: usize = 8;
 const MEASURED: usize = 12;
 
 /// What starts with less room is a finger or an ear.
-const LEAST_START_METRES: f32 = 0.01;
+const MIN_START_METRES: f32 = 0.01;
 
-/// Steps in which a ball looks for more room: from a few centimetres to a few millimetres.
+/// Steps in which a ball sample_times for more room: from a few centimetres to a few millimetres.
 const STEPS_METRES: [f32; 4] = [0.04, 0.02, 0.01, 0.005];
 
 /// Balls nearer to each other than this are one.
@@ -47,18 +47,22 @@ pub fn occluders(asset: &Asset, clip: &Clip, most: usize) -> Vec<Capsule> {
         return Vec::new();
     }
     let reach = Reach::new(asset);
-    let looks = looks(asset, &reach, clip);
+    let sample_times = sample_times(asset, &reach, clip);
     let mut body = Body::new(asset);
-    let mut skin_at = |look: &Look| Skin::new(asset, clip, look, &reach, &mut body);
-    let apart = looks.len().div_ceil(FIRST_LOOKS);
-    let first: Vec<Skin> = looks.iter().step_by(apart).map(&mut skin_at).collect();
-    let mut segments = segments(&balls(asset, clip, &looks, &first));
+    let mut skin_at = |sample: &SampleTime| Skin::new(asset, clip, sample, &reach, &mut body);
+    let apart = sample_times.len().div_ceil(FIRST_LOOKS);
+    let first: Vec<Skin> = sample_times
+        .iter()
+        .step_by(apart)
+        .map(&mut skin_at)
+        .collect();
+    let mut segments = segments(&balls(asset, clip, &sample_times, &first));
     for skin in &first {
         skin.narrow(&mut segments);
     }
     let mut segments = largest(segments, MEASURED);
-    for look in &looks {
-        skin_at(look).narrow(&mut segments);
+    for sample in &sample_times {
+        skin_at(sample).narrow(&mut segments);
     }
     largest(segments, most)
         .iter()
@@ -119,23 +123,23 @@ impl Segment {
         }
     }
 
-    /// As it looks from the side.
+    /// As it sample_times from the side.
     fn area(&self) -> f32 {
         let r = self.radius();
         2.0 * r * self.ends[0].distance(self.ends[1]) + std::f32::consts::PI * r * r
     }
 }
 
-/// Where the skin leaves most room at the first looks: from the mean places of the joints, and half
+/// Where the skin leaves most room at the first sample_times: from the mean places of the joints, and half
 /// way between them, as far as there is more.
-fn balls(asset: &Asset, clip: &Clip, looks: &[Look], skins: &[Skin]) -> Vec<Vec3> {
+fn balls(asset: &Asset, clip: &Clip, sample_times: &[SampleTime], skins: &[Skin]) -> Vec<Vec3> {
     let rig = &asset.rig;
     let mut body = Body::new(asset);
     let mut means = vec![Vec3::ZERO; rig.len()];
-    for look in looks {
-        body.pose(clip, look.secs);
+    for sample in sample_times {
+        body.pose(clip, sample.secs);
         for (joint, mean) in means.iter_mut().enumerate() {
-            *mean += body.posed.model.position(joint) / looks.len() as f32;
+            *mean += body.posed.model.position(joint) / sample_times.len() as f32;
         }
     }
     let halves = (0..rig.len()).filter_map(|j| Some(0.5 * (means[rig.parent(j)?] + means[j])));
@@ -150,7 +154,7 @@ fn balls(asset: &Asset, clip: &Clip, looks: &[Look], skins: &[Skin]) -> Vec<Vec3
     let mut balls: Vec<Vec3> = Vec::new();
     for start in starts {
         let (mut place, mut free) = (start, room(start));
-        if free < LEAST_START_METRES || !skins[0].is_inside(start) {
+        if free < MIN_START_METRES || !skins[0].is_inside(start) {
             continue;
         }
         for step in STEPS_METRES {
@@ -167,7 +171,7 @@ fn balls(asset: &Asset, clip: &Clip, looks: &[Look], skins: &[Skin]) -> Vec<Vec3
             }
         }
         let is_new = balls.iter().all(|b| b.distance(place) > SAME_METRES);
-        if is_new && free >= LEAST_RADIUS_METRES {
+        if is_new && free >= MIN_RADIUS_METRES {
             balls.push(place);
         }
     }
@@ -202,14 +206,20 @@ struct Skin {
 }
 
 impl Skin {
-    fn new(asset: &Asset, clip: &Clip, look: &Look, reach: &Reach, body: &mut Body<'_>) -> Self {
+    fn new(
+        asset: &Asset,
+        clip: &Clip,
+        sample: &SampleTime,
+        reach: &Reach,
+        body: &mut Body<'_>,
+    ) -> Self {
         let mesh = &asset.mesh;
-        let ways = reach.ways(asset, clip, look.frame);
+        let ways = reach.ways(asset, clip, sample.frame);
         let slack = |v: u32| {
             let joints = mesh.influences_of(v as usize).map(|(joint, _)| ways[joint]);
-            joints.fold(0.0, f32::max) * look.part
+            joints.fold(0.0, f32::max) * sample.part
         };
-        let positions = body.pose(clip, look.secs);
+        let positions = body.pose(clip, sample.secs);
         let face = |triangle: &[u32; 3]| {
             let corners = triangle.map(|v| positions[v as usize]);
             let centre = corners.iter().sum::<Vec3>() / 3.0;
@@ -246,11 +256,11 @@ impl Skin {
         segments.retain_mut(|segment| {
             for place in segment.places() {
                 segment.free = self.free(place, segment.free);
-                if segment.free < LEAST_RADIUS_METRES {
+                if segment.free < MIN_RADIUS_METRES {
                     return false;
                 }
             }
-            segment.radius() >= LEAST_RADIUS_METRES
+            segment.radius() >= MIN_RADIUS_METRES
         });
     }
 

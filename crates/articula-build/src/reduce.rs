@@ -1,13 +1,13 @@
 //! A motion saved at a level of articulation: passive joints keep one constant key, or none.
 //!
 //! Source: thesis 5.1.2 (the animation optimised for its level is saved and played later);
-//! `spec/motion-lod.md` part 2. The root's way over the ground and its heading are no joint:
+//! `docs/methods/motion-lod.md` part 2. The root's way over the ground and its heading are no joint:
 //! they are always kept.
 
 use crate::clip_edit::heading::yaw;
 use crate::motion_error::keys::central_rotation;
 use articula_core::joint_state::PassivePolicy;
-use articula_core::source::{Channel, Clip, Interpolation, Property, evaluate};
+use articula_core::source::{Channel, Interpolation, Property, RawClip, evaluate};
 use articula_core::{JointSet, Rig, Transform};
 use glam::{Quat, Vec3};
 
@@ -25,7 +25,7 @@ pub struct MotionSize {
 }
 
 /// Measures a clip; morph weights and expressions are left out.
-pub fn motion_size(clip: &Clip) -> MotionSize {
+pub fn motion_size(clip: &RawClip) -> MotionSize {
     size_of(clip.channels.iter().filter(|c| c.property.is_of_joint()))
 }
 
@@ -54,7 +54,7 @@ pub(crate) fn size_of<'a>(channels: impl Iterator<Item = &'a Channel>) -> Motion
 /// Morph weights and expressions are kept.
 ///
 /// `HoldLast` holds the first frame, since nothing came before it.
-pub fn reduce(rig: &Rig, clip: &Clip, active: &JointSet, policy: PassivePolicy) -> Clip {
+pub fn reduce(rig: &Rig, clip: &RawClip, active: &JointSet, policy: PassivePolicy) -> RawClip {
     let channels = clip
         .channels
         .iter()
@@ -73,7 +73,7 @@ pub fn reduce(rig: &Rig, clip: &Clip, active: &JointSet, policy: PassivePolicy) 
             }
         })
         .collect();
-    Clip {
+    RawClip {
         channels,
         ..clip.clone()
     }
@@ -215,7 +215,7 @@ mod tests {
         }
     }
 
-    fn clip() -> Clip {
+    fn clip() -> RawClip {
         let x = Quat::from_rotation_x;
         let tilted = |yaw: f32, tilt: f32| Quat::from_rotation_y(yaw) * x(tilt);
         let way = Channel {
@@ -223,7 +223,7 @@ mod tests {
             values: vec![0.0, 1.0, 0.0, 0.0, 1.1, 1.0, 0.0, 1.0, 2.0],
             ..turning(0, [Quat::IDENTITY; 3])
         };
-        Clip {
+        RawClip {
             name: "c".into(),
             duration_secs: 2.0,
             channels: vec![

@@ -30,7 +30,7 @@ impl CharacterArgs {
 
 /// The axis that points up in a file that does not say it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum UpAxis {
+pub(crate) enum UpArgument {
     /// As most files have it
     Y,
     /// As some capture systems write it
@@ -49,15 +49,15 @@ pub(crate) enum LeftOut {
 /// How a file is understood: its joint names and, where it does not say, its unit and up axis.
 #[derive(Debug, Clone, Default, Args)]
 pub(crate) struct ReadArgs {
-    /// Joint-name profile of your own, asked before the built-in ones (repeatable)
-    #[arg(long, visible_alias = "joint-profile", value_name = "F.json")]
-    pub(crate) profile: Vec<PathBuf>,
+    /// Joint map of your own, used before the built-in ones (repeatable)
+    #[arg(long, value_name = "F.json")]
+    pub(crate) joint_map: Vec<PathBuf>,
     /// BVH, ASF, BVA: metres of one unit [default: told from the figure's height]
     #[arg(long, value_name = "M", value_parser = positive)]
     pub(crate) unit_metres: Option<f32>,
     /// BVH, ASF, BVA: the axis that points up [default: told from where the head is]
     #[arg(long, value_enum, value_name = "AXIS")]
-    pub(crate) up: Option<UpAxis>,
+    pub(crate) up: Option<UpArgument>,
     /// AMC: the skeleton of the motion [default: the .asf file beside it that is called alike]
     #[arg(long, value_name = "F.asf")]
     pub(crate) skeleton: Option<PathBuf>,
@@ -74,8 +74,8 @@ impl ReadArgs {
     pub(crate) fn up(&self) -> UpAxis {
         match self.up {
             None => UpAxis::Auto,
-            Some(UpAxis::Y) => UpAxis::Y,
-            Some(UpAxis::Z) => UpAxis::Z,
+            Some(UpArgument::Y) => UpAxis::Y,
+            Some(UpArgument::Z) => UpAxis::Z,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use crate::fault;
 use anyhow::Context;
-use articula::{Job, Step, Executor};
+use articula::{Executor, Job, Step};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use rayon::prelude::*;
 use serde::Serialize;

@@ -42,9 +42,7 @@ pub(crate) fn text(fault: &anyhow::Error) -> String {
     let text = format!("{fault:#}");
     let cause = fault.downcast_ref::<articula::Error>().map(|e| e.cause());
     match cause {
-        Some(articula::Error::Unmapped(_)) => {
-            text.replace("a joint-name profile", "--profile F.json")
-        }
+        Some(articula::Error::Unmapped(_)) => text.replace("a joint map", "--joint-map F.json"),
         Some(articula::Error::Skeleton(_)) => {
             let or = if text.ends_with(')') {
                 "; name one"

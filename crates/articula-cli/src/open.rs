@@ -4,9 +4,9 @@
 use crate::arguments::{CharacterArgs, ReadArgs};
 use crate::files;
 use anyhow::Context;
-use articula::{DataFormat, Figure, OpenOptions, CharacterFile, DataFile, open_data};
+use articula::{CharacterFile, DataFile, DataFormat, Figure, OpenOptions, open_data};
 use articula_core::joint_names::JointMap;
-use articula_formats::profile;
+use articula_formats::joint_map;
 use articula_formats::{Assumption, Limits, Warning};
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,7 @@ fn options(args: &ReadArgs) -> anyhow::Result<OpenOptions> {
     let limits = Limits::default();
     let skeleton = args.skeleton.as_ref();
     Ok(OpenOptions {
-        profiles: profiles(&args.profile, &limits)?,
+        joint_maps: joint_maps(&args.joint_map, &limits)?,
         unit_metres: args.unit_metres,
         up: args.up(),
         skeleton: skeleton.map(|p| files::read(p, limits.bytes)).transpose()?,
@@ -44,10 +44,10 @@ fn options(args: &ReadArgs) -> anyhow::Result<OpenOptions> {
     })
 }
 
-fn profiles(own: &[PathBuf], limits: &Limits) -> anyhow::Result<Vec<JointMap>> {
+fn joint_maps(own: &[PathBuf], limits: &Limits) -> anyhow::Result<Vec<JointMap>> {
     let profile = |path: &PathBuf| {
         let bytes = files::read(path, limits.bytes)?;
-        profile::parse(&bytes, limits).with_context(|| files::shown(path))
+        joint_map::parse(&bytes, limits).with_context(|| files::shown(path))
     };
     own.iter().map(profile).collect()
 }

@@ -3,8 +3,10 @@
 
 mod human;
 
-use articula_core::batch::{BatchEvaluator, LANES, BatchPose};
-use articula_core::{Backend, ClipSet, JointLods, PaletteForm, PaletteMap, PaletteRows, ClipStorage};
+use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
+use articula_core::{
+    Backend, ClipSet, ClipStorage, JointLods, PaletteForm, PaletteMap, PaletteRows,
+};
 use divan::{Bencher, black_box};
 
 /// Characters of each turn.
@@ -30,7 +32,13 @@ fn form(bencher: Bencher<'_, '_>, form: PaletteForm) {
 /// The same as 3x4 matrices, on every backend of this machine.
 #[divan::bench(args = Backend::ALL.into_iter().filter(|b| b.is_available()))]
 fn backend(bencher: Bencher<'_, '_>, backend: Backend) {
-    walk(bencher, PaletteForm::Matrix, ClipStorage::Float, backend, 0.0);
+    walk(
+        bencher,
+        PaletteForm::Matrix,
+        ClipStorage::Float,
+        backend,
+        0.0,
+    );
 }
 
 /// The same from 16-bit integers.
@@ -71,9 +79,9 @@ fn walk(
         .iter()
         .position(|c| c.name == walk.name)
         .unwrap();
-    let ladder = JointLods::whole(&asset.rig).unwrap();
-    let map = PaletteMap::joints(&ladder);
-    let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, storage).unwrap();
+    let joint_lods = JointLods::whole(&asset.rig).unwrap();
+    let map = PaletteMap::joints(&joint_lods);
+    let clips = ClipSet::new(&asset.rig, joint_lods, &asset.clips, storage).unwrap();
     let evaluator = BatchEvaluator::new(&clips, &map, form, backend).unwrap();
     let mut scratch = evaluator.scratch();
     let shown: Vec<BatchPose> = times

@@ -1,7 +1,7 @@
 //! What does it cost to share a budget among a crowd: anew, when some changed, when nobody did?
 #![allow(clippy::unwrap_used, reason = "a bench may stop at the first surprise")]
 
-use articula_core::budget::{BudgetAllocator, LodOption, BudgetPolicy, LodRequest};
+use articula_core::budget::{BudgetAllocator, BudgetPolicy, LodOption, LodRequest};
 use divan::Bencher;
 
 const COUNT: usize = 10_000;
@@ -26,20 +26,20 @@ impl Random {
 fn crowd() -> (BudgetAllocator, Vec<LodRequest>, Random) {
     let mut random = Random(7);
     let mut budget = BudgetAllocator::new(COUNT, BudgetPolicy::default());
-    let mut menu = || {
+    let mut option_set = || {
         let off = 0.15 + 0.3 * random.next();
-        let offer = |joints: f32| LodOption {
+        let lod_option = |joints: f32| LodOption {
             cost: 0.7 + 2.7 * joints,
             error_metres: off * (-0.09 * joints).exp(),
         };
         let joints = [4.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0, 67.0];
-        budget.add_menu(&joints.map(offer)).unwrap()
+        budget.add_options(&joints.map(lod_option)).unwrap()
     };
-    let menus: Vec<_> = (0..20).map(|_| menu()).collect();
+    let option_sets: Vec<_> = (0..20).map(|_| option_set()).collect();
     let requests = (0..COUNT).map(|c| {
         let pixels_per_metre = scale(&mut random);
         LodRequest {
-            menu: menus[c % menus.len()],
+            option_set: option_sets[c % option_sets.len()],
             weight: pixels_per_metre.powi(3),
             pixels_per_metre,
         }

@@ -4,9 +4,11 @@ use articula_build::ClipOptions;
 use articula_build::character;
 use articula_build::motion_bounds;
 use articula_build::{LevelOptions, merged_levels};
-use articula_core::crowd::{CacheUse, Crowd, CrowdModel, CrowdParts, Detail, Frame, Culling, ClipState};
+use articula_core::crowd::{
+    CacheUse, ClipState, Crowd, CrowdModel, CrowdParts, Culling, Detail, Frame,
+};
 use articula_core::visibility::View;
-use articula_core::{Backend, Camera, ClipSet, PaletteForm, PaletteRows, ClipStorage, Viewport};
+use articula_core::{Backend, Camera, ClipSet, ClipStorage, PaletteForm, PaletteRows, Viewport};
 use articula_human::{HumanOptions, human};
 use glam::{Quat, Vec3};
 
@@ -19,7 +21,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     )?;
     let levels = merged_levels(&asset, &LevelOptions::default())?;
     let model = CrowdModel::new(CrowdParts {
-        clips: ClipSet::new(&asset.rig, levels.ladder, &asset.clips, ClipStorage::Float)?,
+        clips: ClipSet::new(
+            &asset.rig,
+            levels.joint_lods,
+            &asset.clips,
+            ClipStorage::Float,
+        )?,
         palette: levels.skins.palette,
         form: PaletteForm::Matrix,
         backend: Backend::best(),
@@ -38,10 +45,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .collect();
     let rotations = vec![Quat::IDENTITY; 1000];
     for i in 0..1000 {
-        let voice = ClipState::new(&model.parts().clips, i % asset.clips.len());
+        let clip_state = ClipState::new(&model.parts().clips, i % asset.clips.len());
         crowd.play(
             i,
-            voice.at_secs(&model.parts().clips, i as f32 * 0.37).into(),
+            clip_state
+                .at_secs(&model.parts().clips, i as f32 * 0.37)
+                .into(),
         );
     }
 
@@ -56,9 +65,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             positions: &positions,
             rotations: &rotations,
             scales: &[],
-            wake_metres: &[],
+            cull_margin_metres: &[],
             importance: &[],
-            sight: Culling::Views(&[View::of(&camera)]),
+            culling: Culling::Views(&[View::of(&camera)]),
             detail: Detail::Tolerance { px: 1.0 },
             share: false,
             cache: CacheUse::Never,

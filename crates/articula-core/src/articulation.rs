@@ -1,6 +1,6 @@
 //! H-Anim level of articulation and body region of every joint of a rig.
 //!
-//! Source: thesis 3.1.3 and 5.1; the lists per level and region are data (`spec/hanim.md`
+//! Source: thesis 3.1.3 and 5.1; the lists per level and region are data (`docs/methods/hanim.md`
 //! part 3 and 5, kept in the profile files that `articula-formats` parses), never code.
 
 use crate::Mismatch;

@@ -1,14 +1,14 @@
 //! When a clip matters more than usual, and how that and a character's importance scale what
 //! error is tolerated.
 //!
-//! Source: `spec/motion-lod.md` 4.3 (`m`, the multiplier of the tolerance) and 4.6 (contacts).
+//! Source: `docs/methods/motion-lod.md` 4.3 (`m`, the multiplier of the tolerance) and 4.6 (contacts).
 //! Made before the frame; what it gives goes into the tolerance of a joint or a level.
 
 use crate::Mismatch;
 use crate::sample::Wrap;
 
 /// The least multiplier of a tolerance: no character is held to less than a 64th of it.
-pub(crate) const LEAST_MULTIPLIER: f32 = 1.0 / 64.0;
+pub(crate) const MIN_MULTIPLIER: f32 = 1.0 / 64.0;
 
 /// The greatest: none is let go farther than 64 times the tolerance, so that one who matters to
 /// nobody still moves like a body.
@@ -104,13 +104,13 @@ impl Attention {
 /// The multiplier `m` of a tolerance, from the factor of what is played and the importance of who
 /// plays it: 1 is everyone's, twice as much tolerates half.
 ///
-/// Stays between [`LEAST_MULTIPLIER`] and [`GREATEST_MULTIPLIER`]. Importance 0 and below gives
+/// Stays between [`MIN_MULTIPLIER`] and [`GREATEST_MULTIPLIER`]. Importance 0 and below gives
 /// the greatest, infinite importance the least; what is no number counts as 1.
 pub(crate) fn multiplier(factor: f32, importance: f32) -> f32 {
     let or_one = |v: f32| if v.is_nan() { 1.0 } else { v };
     let m = or_one(factor).max(0.0) / or_one(importance).max(0.0);
     // Nothing over nothing, and endless over endless, say nothing.
-    or_one(m).clamp(LEAST_MULTIPLIER, GREATEST_MULTIPLIER)
+    or_one(m).clamp(MIN_MULTIPLIER, GREATEST_MULTIPLIER)
 }
 
 /// Tolerance in metres at a joint: `epsilon_px * attention / pixels_per_metre`.
@@ -185,7 +185,7 @@ mod tests {
         assert_eq!(multiplier(0.5, 2.0), 0.25);
         assert_eq!(multiplier(1.0, 0.0), GREATEST_MULTIPLIER);
         assert_eq!(multiplier(1.0, -3.0), GREATEST_MULTIPLIER);
-        assert_eq!(multiplier(1.0, f32::INFINITY), LEAST_MULTIPLIER);
+        assert_eq!(multiplier(1.0, f32::INFINITY), MIN_MULTIPLIER);
         assert_eq!(multiplier(1.0, f32::NAN), 1.0);
         assert_eq!(multiplier(f32::NAN, 2.0), 0.5);
         assert_eq!(multiplier(0.0, 0.0), 1.0);
@@ -198,7 +198,7 @@ mod tests {
         #[test]
         fn any_two_numbers_give_a_multiplier(factor in any::<f32>(), importance in any::<f32>()) {
             let m = multiplier(factor, importance);
-            prop_assert!((LEAST_MULTIPLIER..=GREATEST_MULTIPLIER).contains(&m));
+            prop_assert!((MIN_MULTIPLIER..=GREATEST_MULTIPLIER).contains(&m));
         }
 
         #[test]

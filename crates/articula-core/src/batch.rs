@@ -1,6 +1,6 @@
 //! One pose for each of eight characters: sampling, forward kinematics and palette in one pass.
 //!
-//! From cursors ([`ClipSet::cursor`]) to palettes ([`PaletteMap`]). Source: `spec/runtime.md`
+//! From cursors ([`ClipSet::cursor`]) to palettes ([`PaletteMap`]). Source: `docs/methods/runtime.md`
 //! part 3. The plain path is [`sample`](crate::sample()), [`blend`](crate::blend()) and
 //! [`local_to_model`](crate::local_to_model); a property test holds every backend to it.
 //!
@@ -82,7 +82,10 @@ impl<'a> BatchEvaluator<'a> {
         form: PaletteForm,
         backend: Backend,
     ) -> Result<Self, Mismatch> {
-        let (levels, beyond) = (clips.ladder().levels(), clips.ladder().joints().len());
+        let (levels, beyond) = (
+            clips.joint_lods().levels(),
+            clips.joint_lods().joints().len(),
+        );
         if map.levels() != levels || map.places().any(|p| p >= beyond) {
             let what = "the palette was made for another ladder";
             return Err(Mismatch::new("map", what));
@@ -120,7 +123,7 @@ impl<'a> BatchEvaluator<'a> {
         let tail = LANES * self.map.len(0) * self.form.rows();
         let half = self.form.is_half();
         Scratch {
-            joints: vec![Joint::ZERO; self.clips.ladder().joints().len()],
+            joints: vec![Joint::ZERO; self.clips.joint_lods().joints().len()],
             floats: vec![[0.0; 4]; if half { 0 } else { tail }],
             halves: vec![[0; 4]; if half { tail } else { 0 }],
         }
@@ -195,7 +198,7 @@ impl<'a> BatchEvaluator<'a> {
         );
         self.run(level, shown, Out::Tile, &mut scratch.joints);
         JointTiles {
-            joints: &scratch.joints[..self.clips.ladder().kept(level)],
+            joints: &scratch.joints[..self.clips.joint_lods().kept(level)],
         }
     }
 
@@ -207,7 +210,7 @@ impl<'a> BatchEvaluator<'a> {
             clips: self.clips,
             form: self.form,
             entries: self.map.entries(level),
-            kept: self.clips.ladder().kept(level),
+            kept: self.clips.joint_lods().kept(level),
             from: shown.map(|s| s.from),
             fade: shown
                 .iter()
@@ -460,7 +463,7 @@ impl Batch<'_> {
             Some(_) => joint.translation(),
             None => splat3(constant.translation),
         };
-        let parent = clips.ladder().parents()[place].map(|p| &above[usize::from(p)]);
+        let parent = clips.joint_lods().parents()[place].map(|p| &above[usize::from(p)]);
         if clips.scaled()[place] {
             let scale = match source[2] {
                 Some(_) => joint.scale(),

@@ -1,6 +1,6 @@
 //! All clips of a rig in ladder order: what batches sample.
 //!
-//! Source: `spec/runtime.md` part 3. One frame is one row of four-number slots: first the
+//! Source: `docs/methods/runtime.md` part 3. One frame is one row of four-number slots: first the
 //! rotations that move in any clip, then translations, then scales, each in ladder order, so a
 //! level reads a prefix of each. Channels that no clip moves are constants and take no slot.
 //! Differs: a slot holds one joint's four numbers and not one component of eight joints. A
@@ -9,7 +9,7 @@
 
 use crate::Mismatch;
 use crate::clip::{Clip, Track};
-use crate::ladder::JointLods;
+use crate::joint_lods::JointLods;
 use crate::math::{Transform, same_hemisphere};
 use crate::pose::LocalPose;
 use crate::rig::Rig;
@@ -39,7 +39,7 @@ pub(crate) enum Rows {
 }
 
 /// Slots of a joint's rotation, translation and scale; `None` for a constant.
-pub(crate) type Source = [Option<u32>; 3];
+pub(crate) type TrackSlots = [Option<u32>; 3];
 
 /// Range of a slot of 16-bit integers: `middle + step * stored`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,9 +74,9 @@ pub struct Cursor {
 /// All clips of one rig, laid out for batches of characters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClipSet {
-    ladder: JointLods,
+    joint_lods: JointLods,
     constants: Vec<Transform>,
-    sources: Vec<Source>,
+    sources: Vec<TrackSlots>,
     moving: [Vec<u16>; 3],
     ranges: Vec<SlotRange>,
     first_range: usize,
@@ -97,14 +97,14 @@ impl ClipSet {
     /// rotation is not of unit length within 1e-3, or all clips together exceed 2^32 slots.
     pub fn new(
         rig: &Rig,
-        ladder: JointLods,
+        joint_lods: JointLods,
         clips: &[Clip],
         storage: ClipStorage,
     ) -> Result<Self, Mismatch> {
-        if ladder.joints().len() != rig.len() {
+        if joint_lods.joints().len() != rig.len() {
             let what = format!(
                 "{} joints, the rig has {}",
-                ladder.joints().len(),
+                joint_lods.joints().len(),
                 rig.len()
             );
             return Err(Mismatch::new("ladder", what));
@@ -121,7 +121,7 @@ impl ClipSet {
             [] => vec![1.0],
             clips => clips.iter().map(Clip::rate_hz).collect(),
         };
-        let joints = ladder.joints().iter();
+        let joints = joint_lods.joints().iter();
         let constants: Vec<Transform> = joints
             .map(|&j| {
                 let mut first = frames[0].at(usize::from(j), 0);
@@ -131,13 +131,13 @@ impl ClipSet {
                 first
             })
             .collect();
-        let (sources, slots) = layout(&ladder, &constants, &frames);
+        let (sources, slots) = layout(&joint_lods, &constants, &frames);
         let all: usize = frames.iter().map(Frames::len).sum();
         if all.saturating_mul(slots) > u32::MAX as usize {
             let what = format!("{all} frames of {slots} slots, at most 2^32 in all");
             return Err(Mismatch::new("clips", what));
         }
-        let (rows, segments) = written(&rates_hz, &frames, &ladder, &sources, slots);
+        let (rows, segments) = written(&rates_hz, &frames, &joint_lods, &sources, slots);
         let first_range = sources.iter().filter(|s| s[0].is_some()).count();
         let (rows, ranges) = match storage {
             ClipStorage::Float => (Rows::Float(rows), Vec::new()),
@@ -146,19 +146,19 @@ impl ClipSet {
         let mut held: Vec<u32> = segments.iter().flat_map(|s| s.held.clone()).collect();
         held.sort_unstable();
         held.dedup();
-        let mut scaled = vec![false; ladder.joints().len()];
-        for (place, parent) in ladder.parents().iter().enumerate() {
+        let mut scaled = vec![false; joint_lods.joints().len()];
+        for (place, parent) in joint_lods.parents().iter().enumerate() {
             let own = sources[place][2].is_some() || constants[place].scale != Vec3::ONE;
             scaled[place] = own || parent.is_some_and(|p| scaled[usize::from(p)]);
         }
         let moving = std::array::from_fn(|channel| {
-            let places = (0..ladder.joints().len()).filter(|&p| sources[p][channel].is_some());
+            let places = (0..joint_lods.joints().len()).filter(|&p| sources[p][channel].is_some());
             places.map(|p| p as u16).collect()
         });
         Ok(Self {
             scaled,
             moving,
-            ladder,
+            joint_lods,
             constants,
             sources,
             ranges,
@@ -171,8 +171,8 @@ impl ClipSet {
     }
 
     /// The joint order and levels.
-    pub fn ladder(&self) -> &JointLods {
-        &self.ladder
+    pub fn joint_lods(&self) -> &JointLods {
+        &self.joint_lods
     }
 
     /// Number of clips, at least 1.
@@ -266,7 +266,7 @@ impl ClipSet {
     }
 
     /// Whether each joint's rotation, translation and scale come from slots, by place.
-    pub(crate) fn sources(&self) -> &[Source] {
+    pub(crate) fn sources(&self) -> &[TrackSlots] {
         &self.sources
     }
 
@@ -399,10 +399,14 @@ impl<'a> Frames<'a> {
 
 /// Gives a slot to every channel that some frame moves away from its constant: rotations
 /// first, then translations, then scales.
-fn layout(ladder: &JointLods, constants: &[Transform], clips: &[Frames<'_>]) -> (Vec<Source>, usize) {
-    let mut moves = vec![[false; 3]; ladder.joints().len()];
+fn layout(
+    joint_lods: &JointLods,
+    constants: &[Transform],
+    clips: &[Frames<'_>],
+) -> (Vec<TrackSlots>, usize) {
+    let mut moves = vec![[false; 3]; joint_lods.joints().len()];
     for (place, moves) in moves.iter_mut().enumerate() {
-        let (joint, constant) = (usize::from(ladder.joints()[place]), constants[place]);
+        let (joint, constant) = (usize::from(joint_lods.joints()[place]), constants[place]);
         for (clip, frame) in clips.iter().flat_map(|c| (0..c.len()).map(move |f| (c, f))) {
             let now = clip.at(joint, frame);
             let turned = now.rotation - constant.rotation;
@@ -411,7 +415,7 @@ fn layout(ladder: &JointLods, constants: &[Transform], clips: &[Frames<'_>]) -> 
             moves[2] |= !now.scale.abs_diff_eq(constant.scale, STILL);
         }
     }
-    let mut sources = vec![Source::default(); ladder.joints().len()];
+    let mut sources = vec![TrackSlots::default(); joint_lods.joints().len()];
     let mut next = 0u32;
     for channel in 0..3 {
         for (source, moves) in sources.iter_mut().zip(&moves) {
@@ -428,8 +432,8 @@ fn layout(ladder: &JointLods, constants: &[Transform], clips: &[Frames<'_>]) -> 
 fn written(
     rates_hz: &[f32],
     frames: &[Frames<'_>],
-    ladder: &JointLods,
-    sources: &[Source],
+    joint_lods: &JointLods,
+    sources: &[TrackSlots],
     slots: usize,
 ) -> (Vec<Row>, Vec<Segment>) {
     let mut rows: Vec<Row> = Vec::new();
@@ -440,7 +444,7 @@ fn written(
             rows.resize(first + (frame + 1) * slots, [0.0; 4]);
             let at = first + frame * slots;
             for (place, source) in sources.iter().enumerate() {
-                let now = clip.at(usize::from(ladder.joints()[place]), frame);
+                let now = clip.at(usize::from(joint_lods.joints()[place]), frame);
                 if let Some(slot) = source[0].map(|s| s as usize) {
                     // Frame by frame in one hemisphere, so that a straight blend is the short one.
                     let q = match frame {
@@ -462,7 +466,7 @@ fn written(
             .iter()
             .enumerate()
             .flat_map(|(place, source)| {
-                let holds = clip.holds(usize::from(ladder.joints()[place]));
+                let holds = clip.holds(usize::from(joint_lods.joints()[place]));
                 (0..3).filter_map(move |c| source[c].filter(|_| holds[c]))
             })
             .collect();

@@ -5,7 +5,7 @@
 //! one index list, and its vertices are a prefix of one vertex list. A finer level only adds to
 //! what a coarser one has; a coarser one needs nothing new.
 //!
-//! Source: thesis 3.1.2, `spec/clustered-mesh.md` 3 and 4. Different from both: a noun that takes
+//! Source: thesis 3.1.2, `docs/methods/clustered-mesh.md` 3 and 4. Different from both: a noun that takes
 //! its clusters in any order; how many ranges a level has is decided by who orders them
 //! (`articula_build::cluster`): at most one for each level up to it. Levels are numbered as
 //! everywhere, 0 the finest; the thesis counts from the coarsest.

@@ -1,6 +1,6 @@
 //! Ours, untabled: a joint holds while what it shows stays within the tolerance.
 //!
-//! Source: `spec/motion-lod.md` 4.2 to 4.5. Works on any pose (clips, blends, inverse
+//! Source: `docs/methods/motion-lod.md` 4.2 to 4.5. Works on any pose (clips, blends, inverse
 //! kinematics), because it only compares what is shown with what is wanted; a bound on each
 //! joint's angular speed tells how long a joint may sleep.
 //!
@@ -74,7 +74,7 @@ pub struct JointViews<'a> {
 
 #[derive(Debug, Clone, Copy)]
 struct Judged {
-    wake_secs: f64,
+    due_secs: f64,
     tolerance_metres: f32,
     changed_secs: f64,
     last_sample_secs: f64,
@@ -103,7 +103,7 @@ impl DriftController {
             "one entry for each joint"
         );
         let start = Judged {
-            wake_secs: f64::NEG_INFINITY,
+            due_secs: f64::NEG_INFINITY,
             tolerance_metres: f32::INFINITY,
             changed_secs: f64::NEG_INFINITY,
             last_sample_secs: f64::NEG_INFINITY,
@@ -133,9 +133,9 @@ impl DriftController {
     }
 
     /// Makes every joint due, as after a cut of the camera or of the clip.
-    pub fn wake_all(&mut self) {
+    pub fn invalidate(&mut self) {
         for judged in &mut self.judged {
-            judged.wake_secs = f64::NEG_INFINITY;
+            judged.due_secs = f64::NEG_INFINITY;
         }
     }
 
@@ -147,7 +147,7 @@ impl DriftController {
         let is_due = |j: &usize| {
             let judged = &self.judged[*j];
             self.states.state(*j) != JointState::Passive
-                || judged.wake_secs <= now_secs
+                || judged.due_secs <= now_secs
                 || self.tolerance(*j, views) * growth < judged.tolerance_metres
         };
         (0..self.bounds.len()).filter(is_due).collect()
@@ -254,7 +254,7 @@ impl DriftController {
         }
         let speed = self.bounds[joint].speed_metres_per_sec.max(1e-9);
         let judged = &mut self.judged[joint];
-        judged.wake_secs = now + f64::from((tolerance - error).max(0.0) / speed);
+        judged.due_secs = now + f64::from((tolerance - error).max(0.0) / speed);
         judged.last_sample_secs = now;
         self.last.set(joint, wanted.get(joint));
     }

@@ -259,14 +259,25 @@ mod tests {
         assert_eq!(of(3), ("open_jaw", FapUnit::MouthNose, FapDirection::Down));
         assert_eq!(
             of(19),
-            ("close_t_l_eyelid", FapUnit::IrisDiameter, FapDirection::Down)
+            (
+                "close_t_l_eyelid",
+                FapUnit::IrisDiameter,
+                FapDirection::Down
+            )
         );
         assert_eq!(
             of(37),
-            ("squeeze_l_eyebrow", FapUnit::EyeSeparation, FapDirection::Right)
+            (
+                "squeeze_l_eyebrow",
+                FapUnit::EyeSeparation,
+                FapDirection::Right
+            )
         );
         assert_eq!(of(48), ("head_pitch", FapUnit::Angle, FapDirection::Down));
-        assert_eq!(of(68), ("pull_r_ear", FapUnit::EyeNose, FapDirection::Right));
+        assert_eq!(
+            of(68),
+            ("pull_r_ear", FapUnit::EyeNose, FapDirection::Right)
+        );
         // Five only go one way: jaw open and thrust, cheeks up, tongue roll.
         let one_way = TABLE
             .iter()

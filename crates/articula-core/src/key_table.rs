@@ -1,6 +1,6 @@
 //! Keys of held joints for a ladder of tolerances, nested: the tabled form of our metric.
 //!
-//! Source: `spec/motion-lod.md` 4.5 and 9. Level 0 is the finest; level `k` tolerates `base * 2^k`
+//! Source: `docs/methods/motion-lod.md` 4.5 and 9. Level 0 is the finest; level `k` tolerates `base * 2^k`
 //! metres of skin. The keys of a coarser level are among those of every finer one, so levels
 //! can be stored and streamed as increments.
 

@@ -1,6 +1,6 @@
 //! What each level of a character's meshes costs and loses: the numbers that selection works with.
 //!
-//! Source: `spec/clustered-mesh.md` 7. All objects of a character have the same list of levels.
+//! Source: `docs/methods/clustered-mesh.md` 7. All objects of a character have the same list of levels.
 
 use crate::Mismatch;
 use crate::mesh_level::MeshErrors;

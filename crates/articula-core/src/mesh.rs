@@ -79,7 +79,7 @@ impl Mesh {
     /// # Errors
     /// A [`Mismatch`] if lengths of a primitive disagree, an index of a joint, vertex or morph
     /// target is out of range, or there are more than 65536 bindings or morph targets.
-    pub fn new(meshes: &[source::Mesh], joints: usize) -> Result<Self, Mismatch> {
+    pub fn new(meshes: &[source::RawMesh], joints: usize) -> Result<Self, Mismatch> {
         let most = meshes
             .iter()
             .flat_map(|m| m.primitives.iter().map(|p| p.influences))
@@ -164,7 +164,7 @@ impl Mesh {
     fn append(
         &mut self,
         index: usize,
-        mesh: &source::Mesh,
+        mesh: &source::RawMesh,
         primitive: &source::Primitive,
         palette: &[u16],
     ) -> Result<(), Mismatch> {
@@ -300,8 +300,8 @@ pub(crate) mod tests {
     use super::*;
 
     /// One triangle, each corner on its own joint.
-    pub(crate) fn triangle() -> source::Mesh {
-        source::Mesh {
+    pub(crate) fn triangle() -> source::RawMesh {
+        source::RawMesh {
             name: "t".into(),
             skin: source::Skin {
                 joints: vec![0, 1],
@@ -321,7 +321,7 @@ pub(crate) mod tests {
             }],
             morph_names: vec!["bulge".into()],
             morph_weights: vec![0.0],
-            ..source::Mesh::default()
+            ..source::RawMesh::default()
         }
     }
 
@@ -341,7 +341,7 @@ pub(crate) mod tests {
 
     #[test]
     fn refuses_indices_out_of_range() {
-        let at = |mesh: source::Mesh, joints| Mesh::new(&[mesh], joints).unwrap_err().at;
+        let at = |mesh: source::RawMesh, joints| Mesh::new(&[mesh], joints).unwrap_err().at;
         assert_eq!(at(triangle(), 1), "meshes[0].skin.joints[1]");
         let mut bad = triangle();
         bad.primitives[0].triangles[0][2] = 3;
@@ -352,7 +352,7 @@ pub(crate) mod tests {
         let mut bad = triangle();
         bad.primitives[0].weights.pop();
         assert_eq!(at(bad, 2), "meshes[0].primitives[0].weights");
-        let bad = source::Mesh {
+        let bad = source::RawMesh {
             primitives: vec![],
             morph_weights: vec![0.0; 65537],
             ..triangle()

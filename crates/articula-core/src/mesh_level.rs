@@ -1,6 +1,6 @@
 //! The mesh level of one character: the coarsest whose error its viewer cannot see.
 //!
-//! Source: `spec/clustered-mesh.md` 7, and the choice of joint levels (`crate::crowd`), whose rule
+//! Source: `docs/methods/clustered-mesh.md` 7, and the choice of joint levels (`crate::crowd`), whose rule
 //! and hysteresis are taken over: a level's error in metres, times the pixels that a metre spans
 //! at the character's nearest depth, is its error in pixels. Level 0 is the original. Differs: a
 //! level that is not there yet cannot be shown.
@@ -9,7 +9,7 @@
 
 use crate::Mismatch;
 use crate::level_choice::{kept_between, level_within};
-use crate::level_error::judged_metres;
+use crate::lod_error::lod_error_metres;
 
 /// Errors of the levels of a mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,7 +56,7 @@ impl MeshErrors {
     }
 
     /// The same from both statistics of each level: the 95th percentile over vertices and the
-    /// greatest ([`judged_metres`]).
+    /// greatest ([`lod_error_metres`]).
     ///
     /// # Errors
     /// As [`MeshErrors::new`], or if the lists are not of one length.
@@ -66,7 +66,7 @@ impl MeshErrors {
             return Err(Mismatch::new("max_metres", what));
         }
         let pairs = p95_metres.iter().zip(max_metres);
-        let judged: Vec<f32> = pairs.map(|(p, m)| judged_metres(*p, *m)).collect();
+        let judged: Vec<f32> = pairs.map(|(p, m)| lod_error_metres(*p, *m)).collect();
         Self::new(&judged)
     }
 

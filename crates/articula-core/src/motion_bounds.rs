@@ -1,6 +1,6 @@
 //! What holds a moving character, by the second of its clip: for waking it ahead of view.
 //!
-//! Source: `spec/motion-lod.md` part 5 ("the union of the clip's precomputed per-second boxes
+//! Source: `docs/methods/motion-lod.md` part 5 ("the union of the clip's precomputed per-second boxes
 //! over `[now, now + horizon]`"). Differs: each second also keeps a ball, smaller than the one
 //! around its box, and what is in a blend of clips has a bound of its own, because a blend of two
 //! poses need not lie between them.

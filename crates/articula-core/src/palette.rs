@@ -1,11 +1,11 @@
 //! What evaluation writes for a character: which matrices, in which form.
 //!
-//! Source: `spec/runtime.md` part 3 (output choices). A palette holds one entry for each joint
+//! Source: `docs/methods/runtime.md` part 3 (output choices). A palette holds one entry for each joint
 //! that a level keeps, or for each binding of a skin; entries are sorted by [place](Ladder),
 //! so the palette of a level is a prefix of the full one.
 
 use crate::Mismatch;
-use crate::ladder::JointLods;
+use crate::joint_lods::JointLods;
 use glam::{Affine3A, Quat, Vec3};
 
 /// How a matrix of a palette is written: rows of four numbers.
@@ -112,11 +112,13 @@ pub struct PaletteMap {
 
 impl PaletteMap {
     /// The model-from-joint matrices of the joints that a level keeps, in ladder order.
-    pub fn joints(ladder: &JointLods) -> Self {
+    pub fn joints(joint_lods: &JointLods) -> Self {
         let entry = |place| Entry { place, bind: None };
         Self {
-            entries: (0..ladder.joints().len() as u16).map(entry).collect(),
-            counts: (0..ladder.levels()).map(|l| ladder.kept(l)).collect(),
+            entries: (0..joint_lods.joints().len() as u16).map(entry).collect(),
+            counts: (0..joint_lods.levels())
+                .map(|l| joint_lods.kept(l))
+                .collect(),
             rigid: true,
         }
     }
@@ -127,16 +129,16 @@ impl PaletteMap {
     /// # Errors
     /// A [`Mismatch`] if a place is beyond the ladder or smaller than the one before, or a
     /// matrix is not finite.
-    pub fn skin(ladder: &JointLods, bindings: &[(u16, Affine3A)]) -> Result<Self, Mismatch> {
+    pub fn skin(joint_lods: &JointLods, bindings: &[(u16, Affine3A)]) -> Result<Self, Mismatch> {
         let mut entries = Vec::with_capacity(bindings.len());
         let mut rigid = true;
         for (i, (place, matrix)) in bindings.iter().enumerate() {
             let at = || format!("bindings[{i}]");
             let last = entries.last().map_or(0, |e: &Entry| e.place);
-            if usize::from(*place) >= ladder.joints().len() || *place < last {
+            if usize::from(*place) >= joint_lods.joints().len() || *place < last {
                 let what = format!(
                     "place {place} must be below {} and rise",
-                    ladder.joints().len()
+                    joint_lods.joints().len()
                 );
                 return Err(Mismatch::new(at(), what));
             }
@@ -152,9 +154,10 @@ impl PaletteMap {
                 bind: Some(bind(matrix)),
             });
         }
-        let count = |level| entries.partition_point(|e| usize::from(e.place) < ladder.kept(level));
+        let count =
+            |level| entries.partition_point(|e| usize::from(e.place) < joint_lods.kept(level));
         Ok(Self {
-            counts: (0..ladder.levels()).map(count).collect(),
+            counts: (0..joint_lods.levels()).map(count).collect(),
             entries,
             rigid,
         })
@@ -223,8 +226,8 @@ mod tests {
             (Some(1), Vec3::Y, 0),
         ]);
         let sets = [JointSet::first(2)];
-        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let joints = PaletteMap::joints(&ladder);
+        let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let joints = PaletteMap::joints(&joint_lods);
         assert_eq!([joints.len(0), joints.len(1)], [3, 2]);
         // Two parts of a mesh are bound to the first joint, none to the second.
         let scaled = Affine3A::from_scale(Vec3::splat(2.0));
@@ -233,22 +236,22 @@ mod tests {
             (0, scaled),
             (2, Affine3A::IDENTITY),
         ];
-        let skin = PaletteMap::skin(&ladder, &bindings).unwrap();
+        let skin = PaletteMap::skin(&joint_lods, &bindings).unwrap();
         assert_eq!([skin.len(0), skin.len(1)], [3, 2]);
         assert!(joints.is_rigid() && !skin.is_rigid());
         let falling = [(1, scaled), (0, scaled)];
         assert_eq!(
-            PaletteMap::skin(&ladder, &falling).unwrap_err().at,
+            PaletteMap::skin(&joint_lods, &falling).unwrap_err().at,
             "bindings[1]"
         );
         let beyond = [(3, scaled)];
         assert_eq!(
-            PaletteMap::skin(&ladder, &beyond).unwrap_err().at,
+            PaletteMap::skin(&joint_lods, &beyond).unwrap_err().at,
             "bindings[0]"
         );
         let bad = [(0, Affine3A::from_scale(Vec3::splat(f32::NAN)))];
         assert_eq!(
-            PaletteMap::skin(&ladder, &bad).unwrap_err().at,
+            PaletteMap::skin(&joint_lods, &bad).unwrap_err().at,
             "bindings[0]"
         );
     }

@@ -1,6 +1,6 @@
 //! Pose keys shared by all characters of a rig: whole palettes, ready to be blended.
 //!
-//! Source: `spec/motion-lod.md` part 6 and `spec/runtime.md` 4.1. Linear blend skinning is linear
+//! Source: `docs/methods/motion-lod.md` part 6 and `docs/methods/runtime.md` 4.1. Linear blend skinning is linear
 //! in the palette, so between two cached palettes every vertex moves on a straight line; keys are
 //! chosen (by `articula-build`) so that this line stays near the motion. A character then costs
 //! one look-up a frame: where its time falls between two keys ([`PoseCache::locate`]). The
@@ -163,8 +163,8 @@ impl PoseCache {
         keys: &[Vec<Option<CachedKeys>>],
         rows: CachedRows,
     ) -> Result<Self, Mismatch> {
-        let (ladder, levels) = (clips.ladder(), clips.ladder().levels());
-        if map.levels() != levels || map.places().any(|p| p >= ladder.joints().len()) {
+        let (joint_lods, levels) = (clips.joint_lods(), clips.joint_lods().levels());
+        if map.levels() != levels || map.places().any(|p| p >= joint_lods.joints().len()) {
             let what = "the palette was made for another ladder";
             return Err(Mismatch::new("map", what));
         }
@@ -520,7 +520,7 @@ mod tests {
     use super::*;
     use crate::clip::{Clip, Tracks};
     use crate::clip_set::ClipStorage;
-    use crate::ladder::JointLods;
+    use crate::joint_lods::JointLods;
     use crate::rig::tests::rig_of;
     use glam::Vec3;
 
@@ -528,11 +528,11 @@ mod tests {
     fn parts() -> (ClipSet, PaletteMap) {
         let rig = rig_of(&[(None, Vec3::ZERO, 0)]);
         let clip = |frames| Clip::new("c", 4.0, frames, 1, Tracks::default()).unwrap();
-        let ladder = JointLods::whole(&rig).unwrap();
-        let map = PaletteMap::joints(&ladder);
+        let joint_lods = JointLods::whole(&rig).unwrap();
+        let map = PaletteMap::joints(&joint_lods);
         let clips = [clip(5), clip(1)];
         (
-            ClipSet::new(&rig, ladder, &clips, ClipStorage::Float).unwrap(),
+            ClipSet::new(&rig, joint_lods, &clips, ClipStorage::Float).unwrap(),
             map,
         )
     }

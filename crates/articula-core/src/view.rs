@@ -1,6 +1,6 @@
 //! What the viewer sees: viewport, camera and pixels per metre.
 //!
-//! Source: `spec/motion-lod.md` part 0. A length of one metre at view depth `z`, seen square
+//! Source: `docs/methods/motion-lod.md` part 0. A length of one metre at view depth `z`, seen square
 //! on, spans `height / (2 z tan(fov / 2))` pixels.
 
 use glam::{Quat, Vec2, Vec3};

@@ -1,6 +1,6 @@
 //! Which triangle each sample of a picture shows: a deterministic scalar rasteriser.
 //!
-//! Source: `spec/vector.md` part 3; edge functions after Pineda 1988, homogeneous
+//! Source: `docs/methods/vector.md` part 3; edge functions after Pineda 1988, homogeneous
 //! interpolation after Olano and Greer 1997.
 //! Differs: corners are snapped to 1/256 pixel and edges are decided in integers, so that two
 //! triangles with a common edge neither overlap nor leave a gap; depth ties go to the smaller
@@ -22,7 +22,7 @@ const GUARD: f32 = 32_768.0;
 /// Smallest homogeneous weight (metres ahead of a perspective camera) that is drawn.
 const NEAR: f32 = 1e-2;
 /// Corners of a triangle after clipping by five planes.
-const MOST_CORNERS: usize = 8;
+const MAX_CORNERS: usize = 8;
 /// The id of a sample that shows nothing.
 const NOTHING: u32 = u32::MAX;
 
@@ -82,7 +82,11 @@ impl ItemBuffer {
     /// # Errors
     /// [`PictureError::LimitExceeded`] if a side is longer than [`MAX_SIDE`] or the samples
     /// are too many.
-    pub(crate) fn new(width: u32, height: u32, samples: Supersampling) -> Result<Self, PictureError> {
+    pub(crate) fn new(
+        width: u32,
+        height: u32,
+        samples: Supersampling,
+    ) -> Result<Self, PictureError> {
         let refuse = |limit| PictureError::LimitExceeded {
             width,
             height,
@@ -236,7 +240,7 @@ fn pieces(corners: [Vec4; 3]) -> impl Iterator<Item = [Snapped; 3]> {
     if is_finite {
         polygon.clip();
     }
-    let mut fan = [Snapped::default(); MOST_CORNERS];
+    let mut fan = [Snapped::default(); MAX_CORNERS];
     for (slot, corner) in fan.iter_mut().zip(polygon.corners()) {
         *slot = Snapped::new(corner);
     }
@@ -409,13 +413,13 @@ impl Plane {
 
 /// A triangle on its way through the clip planes.
 struct Polygon {
-    points: [Vec4; MOST_CORNERS],
+    points: [Vec4; MAX_CORNERS],
     len: usize,
 }
 
 impl Polygon {
     fn new(corners: [Vec4; 3]) -> Self {
-        let mut points = [Vec4::ZERO; MOST_CORNERS];
+        let mut points = [Vec4::ZERO; MAX_CORNERS];
         points[..3].copy_from_slice(&corners);
         Self { points, len: 3 }
     }
@@ -458,7 +462,7 @@ impl Polygon {
 
     fn push(&mut self, point: Vec4) {
         // A convex polygon gains at most one corner from each plane; rounding may ask for more.
-        if self.len < MOST_CORNERS {
+        if self.len < MAX_CORNERS {
             self.points[self.len] = point;
             self.len += 1;
         }

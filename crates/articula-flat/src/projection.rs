@@ -1,6 +1,6 @@
 //! From metres to pixels: true perspective, or parallel at a fixed scale.
 //!
-//! Source: `spec/motion-lod.md` part 0. A parallel view at `pixels_per_metre` is the weak
+//! Source: `docs/methods/motion-lod.md` part 0. A parallel view at `pixels_per_metre` is the weak
 //! perspective of the error tables: every depth has the scale of one.
 
 use articula_core::Camera;

@@ -116,13 +116,13 @@ pub fn render(
             ),
         });
     }
-    let scene = Scene::new(mesh, skinned, look, camera, options)?;
+    let scene = RenderPass::new(mesh, skinned, look, camera, options)?;
     let buffer = scene.draw()?;
     scene.shade(&buffer)
 }
 
 /// Everything that one picture is made of.
-struct Scene<'a> {
+struct RenderPass<'a> {
     mesh: &'a Mesh,
     skinned: &'a SkinnedMesh,
     look: &'a Appearance,
@@ -200,7 +200,7 @@ impl Lights {
     }
 }
 
-impl<'a> Scene<'a> {
+impl<'a> RenderPass<'a> {
     fn new(
         mesh: &'a Mesh,
         skinned: &'a SkinnedMesh,
@@ -519,7 +519,7 @@ mod tests {
 
     /// A square metre facing +Z at each of the depths, one part each.
     fn plates(depths: &[f32]) -> (Mesh, SkinnedMesh) {
-        let plate = |z: &f32| source::Mesh {
+        let plate = |z: &f32| source::RawMesh {
             skin: source::Skin {
                 joints: vec![0],
                 inverse_bind: vec![glam::Affine3A::IDENTITY],
@@ -538,9 +538,9 @@ mod tests {
                 material: Some(0),
                 ..source::Primitive::default()
             }],
-            ..source::Mesh::default()
+            ..source::RawMesh::default()
         };
-        let sources: Vec<source::Mesh> = depths.iter().map(plate).collect();
+        let sources: Vec<source::RawMesh> = depths.iter().map(plate).collect();
         let mesh = Mesh::new(&sources, 1).unwrap();
         let mut skinned = SkinnedMesh::new(&mesh);
         skinned.positions.clone_from(&mesh.positions);

@@ -121,7 +121,7 @@ impl Warning {
 
 /// A value together with what was odd about its file.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Read<T> {
+pub struct Parsed<T> {
     /// What was read.
     pub value: T,
     /// What was odd, in the order of the file.

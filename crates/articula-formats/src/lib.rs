@@ -11,7 +11,7 @@
 //! - [`bvh`]: Biovision hierarchical motion, in and out
 //! - [`mpeg4`]: FAP, BAP, EPF and FDP text
 //! - [`x3d`]: H-Anim figures in X3D and VRML97
-//! - [`profile`]: joint-name profiles, name to H-Anim joint, level and region
+//! - [`joint_map`]: joint maps, name to H-Anim joint, level and region
 //! - [`loa_profile`]: a saved selection of levels of articulation
 //! - [`write_segs`], [`write_pose_keys`]: motion-error tables as bytes
 //! - [`Limits`], [`ReadError`], [`Warning`]: how much is too much, what can be wrong, what was odd
@@ -46,6 +46,7 @@ pub mod bvh;
 mod error;
 mod euler;
 pub mod gltf;
+pub mod joint_map;
 mod limits;
 pub mod loa_profile;
 pub mod meshopt;
@@ -53,7 +54,6 @@ mod motion_file;
 mod motion_table;
 pub mod mpeg4;
 mod notes;
-pub mod profile;
 mod sampled;
 mod units;
 mod uri;
@@ -61,7 +61,7 @@ mod words;
 mod written;
 pub mod x3d;
 
-pub use error::{Assumption, Read, ReadError, Warning};
+pub use error::{Assumption, Parsed, ReadError, Warning};
 pub use limits::Limits;
 pub use motion_file::{MotionFile, ReadOptions};
 pub use motion_table::{read_pose_keys, read_segs, write_pose_keys, write_segs};

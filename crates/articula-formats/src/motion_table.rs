@@ -1,6 +1,6 @@
 //! Motion-error tables as bytes: `segs` (keys of every joint) and `posekeys` (whole poses).
 //!
-//! Source: `spec/motion-lod.md` part 9, ours. Little endian; a head with the hashes of rig,
+//! Source: `docs/methods/motion-lod.md` part 9, ours. Little endian; a head with the hashes of rig,
 //! clip and mesh, then rising frame numbers as variable-length gaps, about a byte a key. Levels
 //! are nested: the coarsest comes first and whole, each finer one adds the keys it has more,
 //! so a prefix of the levels is usable. The page is `docs/formats/motion-tables.md`.

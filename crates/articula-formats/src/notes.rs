@@ -3,7 +3,7 @@
 use crate::error::Warning;
 
 /// More warnings than a person would read are only counted.
-const MOST_WARNINGS: usize = 1000;
+const MAX_WARNINGS: usize = 1000;
 
 /// Warnings in the order in which they came up, bounded.
 #[derive(Debug, Default)]
@@ -18,7 +18,7 @@ impl Notes {
     }
 
     pub(crate) fn push(&mut self, warning: Warning) {
-        if self.list.len() < MOST_WARNINGS {
+        if self.list.len() < MAX_WARNINGS {
             self.list.push(warning);
         } else {
             self.left_out += 1;
@@ -41,11 +41,11 @@ mod tests {
     #[test]
     fn warnings_are_bounded_and_counted() {
         let mut notes = Notes::default();
-        for i in 0..MOST_WARNINGS + 7 {
+        for i in 0..MAX_WARNINGS + 7 {
             notes.add("here", format!("{i}"));
         }
         let list = notes.into_list();
-        assert_eq!(list.len(), MOST_WARNINGS + 1);
-        assert_eq!(list[MOST_WARNINGS].what, "7 more warnings are not listed");
+        assert_eq!(list.len(), MAX_WARNINGS + 1);
+        assert_eq!(list[MAX_WARNINGS].what, "7 more warnings are not listed");
     }
 }

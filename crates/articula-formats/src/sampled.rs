@@ -2,7 +2,7 @@
 //! neither scale nor other nodes than joints start from.
 
 use articula_core::LocalPose;
-use articula_core::source::{Clip, Skeleton, evaluate};
+use articula_core::source::{RawClip, Skeleton, evaluate};
 use glam::{Affine3A, Mat3A, Quat, Vec3};
 
 /// A position that moves by more than this share of the figure is written.
@@ -55,7 +55,7 @@ pub(crate) fn rest(skeleton: &Skeleton) -> Vec<Place> {
 /// Shows the places of all joints at every frame of a clip, sampled at a uniform rate.
 pub(crate) fn each_frame(
     skeleton: &Skeleton,
-    clip: &Clip,
+    clip: &RawClip,
     rate_hz: f32,
     mut show: impl FnMut(&[Place]),
 ) {

@@ -1,6 +1,6 @@
 //! What writers give: the bytes and what they could not hold, or why there are none.
 
-use articula_core::source::{Character, Clip};
+use articula_core::source::{Character, RawClip};
 use thiserror::Error;
 
 /// A written figure, and what the format could not hold of it.
@@ -78,7 +78,7 @@ impl WriteError {
     }
 
     /// The clip of this index.
-    pub(crate) fn clip(character: &Character, index: usize) -> Result<&Clip, Self> {
+    pub(crate) fn clip(character: &Character, index: usize) -> Result<&RawClip, Self> {
         let count = character.clips.len();
         let clip = character.clips.get(index);
         clip.ok_or(Self::NoClip { index, count })

@@ -7,7 +7,7 @@ use crate::leg::{Foothold, stand};
 use crate::motion::{Pose, Side, cycle};
 use crate::skeleton::{centers, joint};
 use crate::weights::smooth_step;
-use articula_core::source::Clip;
+use articula_core::source::RawClip;
 use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
 
@@ -32,7 +32,7 @@ const HEEL: f32 = -0.068;
 const BALL: f32 = 0.094;
 
 /// The walk; one cycle.
-pub(crate) fn walk() -> Clip {
+pub(crate) fn walk() -> RawClip {
     cycle("walk", FRAMES, pose)
 }
 

@@ -4,17 +4,17 @@ use crate::leg::{Foothold, stand};
 use crate::motion::{Pose, Side, cycle};
 use crate::skeleton::{centers, joint};
 use crate::weights::smooth_step;
-use articula_core::source::Clip;
+use articula_core::source::RawClip;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
 /// Breathing, shifting weight, looking about a little; four seconds.
-pub(crate) fn idle() -> Clip {
+pub(crate) fn idle() -> RawClip {
     cycle("idle", 120, |phase| standing(phase, 1.0))
 }
 
 /// The right hand goes up, waves three times and comes down again.
-pub(crate) fn wave() -> Clip {
+pub(crate) fn wave() -> RawClip {
     cycle("wave", 84, |phase| {
         let mut pose = standing(phase, 0.6);
         raise(&mut pose, phase);

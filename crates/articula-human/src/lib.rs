@@ -36,7 +36,7 @@ mod suit;
 mod thin;
 mod weights;
 
-use articula_core::source::{Character, Material, Mesh, Primitive, Skin};
+use articula_core::source::{Character, Material, Primitive, RawMesh, Skin};
 use body::Body;
 use glam::{Affine3A, Vec3, Vec4};
 use pieces::Pieces;
@@ -118,7 +118,7 @@ fn materials() -> Vec<Material> {
     MATERIALS.iter().map(material).collect()
 }
 
-fn meshes(body: &Body, pieces: &Pieces) -> Vec<Mesh> {
+fn meshes(body: &Body, pieces: &Pieces) -> Vec<RawMesh> {
     let skull = skeleton::joint("skullbase") as u16;
     let eyes = [
         skeleton::joint("l_eyeball_joint"),
@@ -154,9 +154,9 @@ fn meshes(body: &Body, pieces: &Pieces) -> Vec<Mesh> {
 }
 
 /// A mesh in model space on all joints.
-fn mesh(name: &str, primitives: Vec<Primitive>) -> Mesh {
+fn mesh(name: &str, primitives: Vec<Primitive>) -> RawMesh {
     let centers = skeleton::centers();
-    Mesh {
+    RawMesh {
         name: name.to_owned(),
         skin: Skin {
             joints: (0..centers.len()).collect(),
@@ -166,7 +166,7 @@ fn mesh(name: &str, primitives: Vec<Primitive>) -> Mesh {
                 .collect(),
         },
         primitives,
-        ..Mesh::default()
+        ..RawMesh::default()
     }
 }
 

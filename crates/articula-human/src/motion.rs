@@ -5,7 +5,7 @@
 
 use crate::skeleton::{centers, joint, skeleton};
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
-use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use glam::{EulerRot, Quat, Vec3};
 
 /// Keys a second.
@@ -111,7 +111,7 @@ impl Pose {
 }
 
 /// A clip that repeats: `pose` is asked for a phase in 0..1, and the last key is the first.
-pub(crate) fn cycle(name: &str, frames: usize, pose: impl Fn(f32) -> Pose) -> Clip {
+pub(crate) fn cycle(name: &str, frames: usize, pose: impl Fn(f32) -> Pose) -> RawClip {
     let mut poses: Vec<Pose> = (0..frames)
         .map(|f| pose(f as f32 / frames as f32))
         .collect();
@@ -132,7 +132,7 @@ pub(crate) fn cycle(name: &str, frames: usize, pose: impl Fn(f32) -> Pose) -> Cl
             channels.push(channel(j, Property::Rotation, keys));
         }
     }
-    Clip {
+    RawClip {
         name: name.to_owned(),
         duration_secs: frames as f32 / RATE,
         channels,

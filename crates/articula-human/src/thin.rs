@@ -5,7 +5,7 @@
 //! their border is kept as a seam of it. The open rim of a half surface stays in its plane.
 
 use crate::polygonise::Surface;
-use articula_build::{SimplifyOptions, ErrorWeighting, simplify};
+use articula_build::{ErrorWeighting, SimplifyOptions, simplify};
 use articula_core::{Mesh, Part};
 use glam::{Vec2, Vec3, Vec4};
 

@@ -5,7 +5,7 @@
 )]
 
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
-use articula_core::source::{Character, Clip, Primitive, Property};
+use articula_core::source::{Character, Primitive, Property, RawClip};
 use articula_core::{Mesh, ModelPose, PosedMesh, Rig, local_to_model};
 use articula_human::{HumanError, HumanOptions, human};
 use glam::{Quat, Vec3};
@@ -52,7 +52,7 @@ fn skin_of(character: &Character) -> Primitive {
     whole
 }
 
-fn clip<'a>(character: &'a Character, name: &str) -> &'a Clip {
+fn clip<'a>(character: &'a Character, name: &str) -> &'a RawClip {
     character.clips.iter().find(|c| c.name == name).unwrap()
 }
 
@@ -76,7 +76,7 @@ impl Player {
         }
     }
 
-    fn pose(&self, clip: &Clip, key: usize) -> ModelPose {
+    fn pose(&self, clip: &RawClip, key: usize) -> ModelPose {
         let mut local = self.rig.rest_pose().clone();
         for channel in &clip.channels {
             match channel.property {

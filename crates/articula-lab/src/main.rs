@@ -53,7 +53,7 @@ enum Table {
     /// What a crowd costs: ours beside the floor and what others do (spec, runtime).
     Crowd,
     /// Every file of the data: what is in it, and what each writer makes of it.
-    Doors,
+    RoundTrips,
     /// Motions of every kind on characters of every kind, and how good they are.
     Retargets(Pictures),
     /// Error of merged levels by joints kept, also on clips that the order never saw.
@@ -87,11 +87,11 @@ fn run(arguments: Arguments) -> Result<()> {
         Table::MergedLevels(sheets) => tables::merged_levels::write(&run, &sheets),
         Table::MeshLevels(choice) => tables::mesh_levels::write(&run, &choice),
         Table::Flat(choice) => flat::write(&run, &choice),
-        Table::Doors => tables::doors::write(&run),
+        Table::RoundTrips => tables::round_trips::write(&run),
         Table::Retargets(pictures) => tables::retargets::write(&run, &pictures),
         Table::All => {
             tables::crowd::write(&run)?;
-            tables::doors::write(&run)?;
+            tables::round_trips::write(&run)?;
             tables::retargets::write(&run, &Pictures::default())?;
             tables::motion_lod::write(&run)?;
             tables::thesis_grid::write(&run)?;

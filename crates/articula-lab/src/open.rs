@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, anyhow};
 use articula::convert::write_data;
-use articula::{Data, DataFormat, Format, OpenOptions, CharacterFile, fs, open_data};
+use articula::{CharacterFile, Data, DataFormat, Format, OpenOptions, fs, open_data};
 use articula_formats::{Assumption, UpAxis, Warning};
 use std::path::Path;
 

@@ -30,7 +30,7 @@ macro_rules! tables {
 
 tables! {
     crowd: "crowd" writes "crowd.md";
-    doors: "doors" writes "doors.md";
+    round_trips: "doors" writes "doors.md";
     merged_levels: "merged-levels" writes "merged-levels.md";
     mesh_levels: "mesh-levels" writes "mesh-levels.md";
     motion_lod: "motion-lod" writes "motion-lod.md";

@@ -5,7 +5,7 @@
 //! texture coordinates, colours and skin of a new vertex are the mean of its edge's ends. Normals are
 //! those of the new surface, so it should have no creases.
 
-use articula_core::source::{Mesh, MorphTarget, Primitive};
+use articula_core::source::{MorphTarget, Primitive, RawMesh};
 use glam::Vec3;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -13,8 +13,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 const INFLUENCES: usize = 4;
 
 /// Subdivides every part of a mesh once.
-pub(crate) fn subdivide(mesh: &Mesh) -> Mesh {
-    Mesh {
+pub(crate) fn subdivide(mesh: &RawMesh) -> RawMesh {
+    RawMesh {
         primitives: mesh.primitives.iter().map(primitive).collect(),
         levels: Vec::new(),
         clustered: Vec::new(),
@@ -198,7 +198,7 @@ mod tests {
     use super::*;
 
     /// An octahedron whose vertex 0 is stored twice, the second time for two of its triangles.
-    fn octahedron() -> Mesh {
+    fn octahedron() -> RawMesh {
         let axes = [Vec3::X, Vec3::Y, Vec3::NEG_X, Vec3::NEG_Y];
         let positions = [Vec3::Z, Vec3::NEG_Z].into_iter().chain(axes);
         let mut triangles = Vec::new();
@@ -206,7 +206,7 @@ mod tests {
             let (a, b) = (2 + i, 2 + (i + 1) % 4);
             triangles.extend([[if i < 2 { 0 } else { 6 }, a, b], [1, b, a]]);
         }
-        Mesh {
+        RawMesh {
             primitives: vec![Primitive {
                 positions: positions.chain([Vec3::Z]).collect(),
                 influences: 1,
@@ -215,7 +215,7 @@ mod tests {
                 triangles,
                 ..Primitive::default()
             }],
-            ..Mesh::default()
+            ..RawMesh::default()
         }
     }
 
@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn a_border_stays_a_border() {
-        let mesh = Mesh {
+        let mesh = RawMesh {
             primitives: vec![Primitive {
                 positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
                 influences: 1,
@@ -246,7 +246,7 @@ mod tests {
                 triangles: vec![[0, 1, 2]],
                 ..Primitive::default()
             }],
-            ..Mesh::default()
+            ..RawMesh::default()
         };
         let fine = &subdivide(&mesh).primitives[0];
         assert_eq!(fine.triangles.len(), 4);

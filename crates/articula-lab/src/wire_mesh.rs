@@ -1,6 +1,6 @@
 //! One level of one part as the codecs of others get it: the same whole numbers that ours codes.
 //!
-//! Source: `spec/clustered-mesh.md` 8. Position 14 bits, texture coordinates 12 bits, four
+//! Source: `docs/methods/clustered-mesh.md` 8. Position 14 bits, texture coordinates 12 bits, four
 //! influences whose weights are bytes that sum to 255, by rising joint, which Draco and
 //! meshoptimizer code in fewer bytes than by falling weight. Of normals each codec gets the
 //! rounded direction and rounds it to as many bits in its own octahedral way.

@@ -153,10 +153,10 @@ mod tests {
             joints: vec![0],
             inverse_bind: vec![Affine3A::IDENTITY],
         };
-        let source = source::Mesh {
+        let source = source::RawMesh {
             skin,
             primitives: vec![primitive],
-            ..source::Mesh::default()
+            ..source::RawMesh::default()
         };
         let own = Mesh::new(&[source], 1).unwrap();
         for (level, x) in [(0, -1.0), (7, 1.0)] {

@@ -38,7 +38,7 @@ mod plot;
 mod skeleton;
 
 pub use artist::{Artist, close_up, middles};
-pub use contact_sheet::{SheetCell, ContactSheet, SheetRow, SheetTile};
+pub use contact_sheet::{ContactSheet, SheetCell, SheetRow, SheetTile};
 pub use crowd::CrowdPicture;
 pub use motion_sheet::{MotionLine, camera_path_sheet, motion_sheet, rest_sheet};
 pub use plot::{BarSeries, Plot, PlotOptions, Scale, Series, Values, bar_plot, line_plot, stacked};

@@ -4,10 +4,10 @@
 //! shows, drawn large; the small figure in the corner has the true size on the screen.
 
 use crate::artist::{Artist, middles};
-use crate::contact_sheet::{SheetCell, ContactSheet, SheetRow, SheetTile};
+use crate::contact_sheet::{ContactSheet, SheetCell, SheetRow, SheetTile};
 use crate::skeleton::JointMark;
 use articula_build::Asset;
-use articula_build::evaluate::{Method, PathFrame, PathRun, Playback, ClipEvaluator, play};
+use articula_build::evaluate::{ClipEvaluator, Method, PathFrame, PathRun, Playback, play};
 use articula_core::joint_state::JointState;
 use articula_core::{LocalPose, Wrap, sample, sample_morphs};
 use articula_flat::{Picture, PictureError};

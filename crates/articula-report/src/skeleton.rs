@@ -263,10 +263,10 @@ mod tests {
                 weights: vec![1.0],
                 ..source::Primitive::default()
             };
-            let mesh = source::Mesh {
+            let mesh = source::RawMesh {
                 skin,
                 primitives: vec![primitive],
-                ..source::Mesh::default()
+                ..source::RawMesh::default()
             };
             Mesh::new(&[mesh], rig.len()).unwrap()
         };

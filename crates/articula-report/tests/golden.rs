@@ -10,7 +10,7 @@ mod figure;
 use articula_core::Viewport;
 use articula_core::source::{Image, Material};
 use articula_flat::{Appearance, Bounds, Ground, Picture, RenderOptions, orbit_view, render, rmse};
-use articula_report::{SheetCell, ContactSheet, JointMark, SheetRow, SheetTile, draw_skeleton};
+use articula_report::{ContactSheet, JointMark, SheetCell, SheetRow, SheetTile, draw_skeleton};
 use glam::Vec4;
 use std::path::PathBuf;
 

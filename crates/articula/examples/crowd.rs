@@ -1,7 +1,7 @@
 //! A crowd of a thousand of your own character; motions of other files are put onto it.
 
 use articula::crowd::{Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Viewport};
-use articula::{AddClipsOptions, Figure, Result, Executor, fs, glam::Vec3, reference_human};
+use articula::{AddClipsOptions, Executor, Figure, Result, fs, glam::Vec3, reference_human};
 
 fn main() -> Result<()> {
     let mut files = std::env::args().skip(1);

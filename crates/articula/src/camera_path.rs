@@ -8,7 +8,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 /// Most display frames that are played.
-const MOST_FRAMES: f64 = 36_000.0;
+const MAX_FRAMES: f64 = 36_000.0;
 
 /// A key frame as files have it.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
@@ -90,9 +90,9 @@ fn check(keys: &[Key], display_hz: f64) -> Result<()> {
         })?;
     }
     let frames = (last.t - first.t) * display_hz;
-    ensure(frames <= MOST_FRAMES, || {
+    ensure(frames <= MAX_FRAMES, || {
         format!(
-            "{frames:.0} frames at {display_hz} Hz, the limit is {MOST_FRAMES}; shorten the path"
+            "{frames:.0} frames at {display_hz} Hz, the limit is {MAX_FRAMES}; shorten the path"
         )
     })
 }

@@ -41,7 +41,7 @@ pub enum Error {
     /// A motion whose skeleton is missing: `.amc` without its `.asf`.
     #[error("{0}")]
     Skeleton(String),
-    /// Nothing says which joint is which; a joint-name profile mends it
+    /// Nothing says which joint is which; a joint map mends it
     /// ([`OpenOptions::profiles`](crate::OpenOptions::profiles)).
     #[error("{0}")]
     Unmapped(String),

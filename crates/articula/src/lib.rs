@@ -57,11 +57,11 @@ pub use figure::Figure;
 pub use mesh_levels::{CodedMeshLevels, MeshLevelOptions, MeshLevelStream};
 pub use motion_tables::{ClipTables, StoredTables, stored_tables};
 pub use open::{
-    Data, DataFormat, Format, GltfSource, OpenOptions, CharacterFile, DataFile, WriteSupport, choose,
-    conversions, open, open_data, readable, reference_human,
+    CharacterFile, Data, DataFile, DataFormat, Format, GltfSource, OpenOptions, WriteSupport,
+    choose, conversions, open, open_data, readable, reference_human,
 };
 pub use prepare::{PrepareOptions, PreparedAsset, prepare};
-pub use work::{Job, StepCallback, JobRunner, Step, Executor};
+pub use work::{Executor, Job, JobRunner, Step, StepCallback};
 
 pub use articula_core::{Camera, PosedMesh, SkinnedMesh, Viewport, Wrap, sample, sample_morphs};
 pub use glam;

@@ -1,6 +1,6 @@
 //! The motion tables of a GLB: made by `build`, checked whenever the file is played.
 //!
-//! Source: `spec/motion-lod.md` 9. A table that was made for another rig, clip or mesh is an
+//! Source: `docs/methods/motion-lod.md` 9. A table that was made for another rig, clip or mesh is an
 //! error, never a warning.
 
 use crate::error::{Context, Result};

@@ -4,7 +4,7 @@ use crate::error::{Context, Result};
 use crate::figure::Figure;
 use crate::mesh_levels::{self, CodedMeshLevels, MeshLevelOptions};
 use crate::motion_tables::{ClipTables, POSE_KEYS, SEGS, TableMaker};
-use crate::open::{GltfSource, CharacterFile};
+use crate::open::{CharacterFile, GltfSource};
 use crate::work::Executor;
 use articula_core::Mesh;
 use articula_formats::Limits;
@@ -52,7 +52,11 @@ pub struct PreparedAsset {
 /// # Errors
 /// An [`Error`](crate::Error) that names the file and what of it does not fit, or
 /// [`Error::Cancelled`](crate::Error::Cancelled).
-pub fn prepare(opened: CharacterFile, options: &PrepareOptions, work: &Executor<'_>) -> Result<PreparedAsset> {
+pub fn prepare(
+    opened: CharacterFile,
+    options: &PrepareOptions,
+    work: &Executor<'_>,
+) -> Result<PreparedAsset> {
     let name = opened.name.clone();
     let (opened, mut gltf) = with_document(opened).with_context(|| &name)?;
     let mut figure = Figure::new(opened)?;

@@ -11,7 +11,7 @@ use super::tree::Tree;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Most re-exports that are followed for one name.
-const MOST_HOPS: usize = 8;
+const MAX_HOPS: usize = 8;
 
 /// Finds files that import each other, straight or by way of others.
 pub(crate) fn circles(tree: &Tree) -> Vec<Fault> {
@@ -101,7 +101,7 @@ impl House {
     /// The module whose file defines what a path names.
     fn definer(&self, path: &[String]) -> Option<&Vec<String>> {
         let mut path = path.to_vec();
-        for _ in 0..MOST_HOPS {
+        for _ in 0..MAX_HOPS {
             let depth = (0..=path.len()).rev();
             let module = depth
                 .map(|d| &path[..d])

@@ -2,7 +2,7 @@
 
 use super::spline;
 use articula_core::Mismatch;
-use articula_core::source::{Channel, Clip, Interpolation, evaluate};
+use articula_core::source::{Channel, Interpolation, RawClip, evaluate};
 
 /// Two times of a clip that are nearer than this are one: single precision tells no more apart
 /// after half a minute.
@@ -25,7 +25,7 @@ pub(super) fn width(channel: &Channel) -> usize {
 ///
 /// # Errors
 /// A [`Mismatch`] that names the channel.
-pub(super) fn check(clip: &Clip) -> Result<(), Mismatch> {
+pub(super) fn check(clip: &RawClip) -> Result<(), Mismatch> {
     let wrong = |at: String, what: &str| Err(Mismatch::new(at, what));
     if !(clip.duration_secs.is_finite() && clip.duration_secs >= 0.0) {
         return wrong(format!("clip \"{}\"", clip.name), "its length is no time");
@@ -99,7 +99,7 @@ pub(super) fn put_key(channel: &mut Channel, time_secs: f32) -> usize {
 
 /// Gives a channel a key at the end of the clip if no channel has one: the formats say a clip's
 /// length by its last key.
-pub(super) fn keep_length(clip: &mut Clip) {
+pub(super) fn keep_length(clip: &mut RawClip) {
     let end = clip.duration_secs;
     let reaches = |c: &Channel| c.times_secs.last().is_some_and(|t| *t >= end - SAME_SECS);
     if clip.channels.iter().any(reaches) {

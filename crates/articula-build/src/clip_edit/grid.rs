@@ -1,14 +1,14 @@
 //! The times at which an edit is verified.
 
 use super::channel::SAME_SECS;
-use articula_core::source::Clip;
+use articula_core::source::RawClip;
 
 /// Least rate of the grid that an edit is verified on.
 pub(super) const VERIFIED_HZ: f32 = 120.0;
 
 /// All key times of some clips, the ticks of [`VERIFIED_HZ`] up to `end_secs`, and the middle
 /// between two keys that are nearer than these.
-pub(super) fn grid<'a>(clips: impl IntoIterator<Item = &'a Clip>, end_secs: f32) -> Vec<f32> {
+pub(super) fn grid<'a>(clips: impl IntoIterator<Item = &'a RawClip>, end_secs: f32) -> Vec<f32> {
     let channels = clips.into_iter().flat_map(|clip| &clip.channels);
     let keys = channels.flat_map(|c| &c.times_secs).copied();
     let keys = rising(keys.chain([0.0, end_secs]).collect());

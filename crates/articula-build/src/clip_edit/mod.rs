@@ -22,7 +22,7 @@ mod rate;
 mod root_motion;
 mod trim;
 
-pub use cycle::{CloseOptions, ClosedLoop, LoopCycle, LEAST_SCORE, close, find};
+pub use cycle::{CloseOptions, ClosedLoop, LoopCycle, MIN_SCORE, close, find};
 pub use key_reduction::{ReduceOptions, ReducedClip, reduce_keys};
 pub use rate::resample;
 pub use root_motion::{RootMotion, RootMotionMode, RootMotionOptions, TrajectoryKey, split};

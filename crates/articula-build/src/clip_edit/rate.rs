@@ -3,7 +3,7 @@
 use super::channel::{self, SAME_SECS};
 use crate::clip::steps_at;
 use articula_core::Mismatch;
-use articula_core::source::{Channel, Clip, Interpolation};
+use articula_core::source::{Channel, Interpolation, RawClip};
 
 /// The clip with keys at every `1 / rate_hz` seconds and at its end, each the exact value; the
 /// last interval is shorter where the length is no multiple. Splines become straight lines
@@ -13,12 +13,12 @@ use articula_core::source::{Channel, Clip, Interpolation};
 /// # Errors
 /// A [`Mismatch`] if the rate is not positive, the clip is malformed, or it would have more than
 /// a million keys a channel or more numbers than memory should hold.
-pub fn resample(clip: &Clip, rate_hz: f32) -> Result<Clip, Mismatch> {
+pub fn resample(clip: &RawClip, rate_hz: f32) -> Result<RawClip, Mismatch> {
     channel::check(clip)?;
     let numbers = clip.channels.iter().map(channel::width).sum();
     steps_at(clip, clip.duration_secs, rate_hz, numbers)?;
     let times = times(clip.duration_secs, rate_hz);
-    let mut out = Clip {
+    let mut out = RawClip {
         channels: clip.channels.iter().map(|c| keyed(c, &times)).collect(),
         ..clip.clone()
     };

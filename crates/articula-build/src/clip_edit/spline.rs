@@ -13,7 +13,7 @@ use glam::Quat;
 pub(super) const SAME_RADIANS: f32 = 1e-5;
 
 /// Halvings of one interval at most.
-const MOST_HALVINGS: usize = 6;
+const MAX_HALVINGS: usize = 6;
 
 /// One end of a cubic: value and slope per second.
 #[derive(Debug, Clone)]
@@ -160,7 +160,7 @@ fn refined(whole: &[End; 2], from: f32, to: f32) -> Vec<f32> {
                 angle_between(a, b) <= SAME_RADIANS
             })
         });
-        if follows || steps >= 1 << MOST_HALVINGS {
+        if follows || steps >= 1 << MAX_HALVINGS {
             return (0..=steps).map(time).collect();
         }
         steps *= 2;

@@ -2,7 +2,7 @@
 
 use super::channel;
 use crate::clip::check;
-use articula_core::source::{Character, Clip, Property, Skeleton, evaluate};
+use articula_core::source::{Character, Property, RawClip, Skeleton, evaluate};
 use articula_core::{Articulation, LocalPose, Mesh, Mismatch, ModelPose, Rig, local_to_model};
 use glam::Vec3;
 
@@ -45,7 +45,7 @@ impl<'a> EditSubject<'a> {
     }
 
     /// Refuses clips that are malformed or of another character.
-    pub(super) fn check(&self, clip: &Clip) -> Result<(), Mismatch> {
+    pub(super) fn check(&self, clip: &RawClip) -> Result<(), Mismatch> {
         channel::check(clip)?;
         for (c, channel) in clip.channels.iter().enumerate() {
             if channel.property == Property::Expression {
@@ -75,7 +75,7 @@ impl<'a> EditSubject<'a> {
     }
 
     /// Where a clip has every joint at a time.
-    pub(super) fn pose(&self, clip: &Clip, time_secs: f32, posed: &mut Posed) {
+    pub(super) fn pose(&self, clip: &RawClip, time_secs: f32, posed: &mut Posed) {
         evaluate::pose(clip, self.skeleton, time_secs, &mut posed.local);
         local_to_model(&self.rig, &posed.local, &mut posed.model);
     }

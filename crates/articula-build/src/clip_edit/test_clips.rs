@@ -1,14 +1,16 @@
 //! Clips for the tests of this folder: by hand and at random.
 
 use super::channel;
-use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
+use articula_core::source::{
+    Channel, Character, Interpolation, Joint, Property, RawClip, Skeleton,
+};
 use articula_core::{Articulation, JointArticulation, Region, Transform, same_hemisphere};
 use glam::{Quat, Vec3, Vec4};
 use proptest::prelude::*;
 
 /// One channel that moves joint 0 along x.
-pub(super) fn line(times_secs: &[f32], x: &[f32]) -> Clip {
-    Clip {
+pub(super) fn line(times_secs: &[f32], x: &[f32]) -> RawClip {
+    RawClip {
         name: "line".into(),
         duration_secs: *times_secs.last().unwrap(),
         channels: vec![Channel {
@@ -48,7 +50,7 @@ pub(super) fn bar(joints: usize) -> (Character, Articulation) {
 }
 
 /// Channels of every property and interpolation that end together.
-pub(super) fn clips() -> impl Strategy<Value = Clip> {
+pub(super) fn clips() -> impl Strategy<Value = RawClip> {
     prop::collection::vec((0usize..5, 0usize..3, keys()), 1..6).prop_map(|list| {
         let channels = list
             .into_iter()
@@ -70,7 +72,7 @@ pub(super) fn clips() -> impl Strategy<Value = Clip> {
             });
         let channels: Vec<Channel> = channels.collect();
         let ends = channels.iter().filter_map(|c| c.times_secs.last());
-        let mut clip = Clip {
+        let mut clip = RawClip {
             name: "random".into(),
             duration_secs: ends.copied().fold(0.0, f32::max),
             channels,
@@ -140,8 +142,8 @@ fn channel_of(
 /// The greatest difference of any float of two clips at 100 times from 0 to `span`, each mapped
 /// to both clips' own; a rotation and its negative are the same.
 pub(super) fn greatest_difference(
-    a: &Clip,
-    b: &Clip,
+    a: &RawClip,
+    b: &RawClip,
     in_a: impl Fn(f32) -> f32,
     in_b: impl Fn(f32) -> f32,
     span: f32,

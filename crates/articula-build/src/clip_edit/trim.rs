@@ -2,7 +2,7 @@
 
 use super::channel::{self, SAME_SECS};
 use articula_core::Mismatch;
-use articula_core::source::{Channel, Clip};
+use articula_core::source::{Channel, RawClip};
 use std::ops::RangeInclusive;
 
 /// The part of a clip between two times, which starts at 0. Both cuts have a key with the exact
@@ -11,7 +11,7 @@ use std::ops::RangeInclusive;
 ///
 /// # Errors
 /// A [`Mismatch`] if the times are not a rising part of the clip, or the clip is malformed.
-pub fn trim(clip: &Clip, secs: RangeInclusive<f32>) -> Result<Clip, Mismatch> {
+pub fn trim(clip: &RawClip, secs: RangeInclusive<f32>) -> Result<RawClip, Mismatch> {
     channel::check(clip)?;
     let (from, to) = (*secs.start(), *secs.end());
     let end = clip.duration_secs;
@@ -19,7 +19,7 @@ pub fn trim(clip: &Clip, secs: RangeInclusive<f32>) -> Result<Clip, Mismatch> {
         let what = format!("{from} to {to} s is no part of its {end} s");
         return Err(Mismatch::new(format!("clip \"{}\"", clip.name), what));
     }
-    let mut out = Clip {
+    let mut out = RawClip {
         name: clip.name.clone(),
         duration_secs: to - from,
         channels: clip.channels.iter().map(|c| part(c, from, to)).collect(),

@@ -6,7 +6,7 @@
 //! it. Both can be told from the triangle lists of any simplifier that keeps original vertices:
 //! no log of collapses is needed.
 //!
-//! Source: thesis 3.1.2, `spec/clustered-mesh.md` 3 to 5. Different: lives instead of the
+//! Source: thesis 3.1.2, `docs/methods/clustered-mesh.md` 3 to 5. Different: lives instead of the
 //! thesis' sets (its `C(k,j)` lives from `k` to `j - 1`), so levels need not be chained; lists of
 //! the written form lie in a serpentine order that needs half the ranges ([`ClusterOrder::Store`]).
 //! Level 0 is the finest for every caller; inside, a *step* counts levels from the coarsest, as
@@ -348,15 +348,21 @@ mod tests {
         assert_eq!(c.clusters.vertex_counts(), [3, 3, 0]);
         assert_eq!([0, 1, 2].map(|i| c.clusters.triangles(i)), [0, 1, 0]);
         assert_eq!(
-            cluster::<Vec<_>>(&[], 0, &[], ClusterOrder::Store).unwrap_err().at,
+            cluster::<Vec<_>>(&[], 0, &[], ClusterOrder::Store)
+                .unwrap_err()
+                .at,
             "levels"
         );
         assert_eq!(
-            cluster(&levels, 2, &[], ClusterOrder::Store).unwrap_err().at,
+            cluster(&levels, 2, &[], ClusterOrder::Store)
+                .unwrap_err()
+                .at,
             "levels[1][0]"
         );
         assert_eq!(
-            cluster(&levels, 3, &[0], ClusterOrder::Store).unwrap_err().at,
+            cluster(&levels, 3, &[0], ClusterOrder::Store)
+                .unwrap_err()
+                .at,
             "regions"
         );
     }

@@ -37,7 +37,8 @@ pub fn calibrate(
     limit_px: f32,
 ) -> Option<MethodRun> {
     let limit = limit_px / stage.setup.viewport.pixels_per_metre(distance_m);
-    let by_gain = |a: &&MethodRun, b: &&MethodRun| a.joint_update_gain.total_cmp(&b.joint_update_gain);
+    let by_gain =
+        |a: &&MethodRun, b: &&MethodRun| a.joint_update_gain.total_cmp(&b.joint_update_gain);
     let by_error = |a: &&MethodRun, b: &&MethodRun| a.error.p95.total_cmp(&b.error.p95);
     let meeting = swept
         .iter()

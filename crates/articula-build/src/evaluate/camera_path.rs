@@ -1,16 +1,16 @@
 //! A clip played for a moving perspective camera, under the drift controller.
 //!
-//! Source: `spec/motion-lod.md` 4.5 and 12. What is measured here is the controller that runs
+//! Source: `docs/methods/motion-lod.md` 4.5 and 12. What is measured here is the controller that runs
 //! in a frame, not a table: its bound holds while the view moves.
 
-use super::stage::{FrameErrors, ClipEvaluator};
+use super::stage::{ClipEvaluator, FrameErrors};
 use crate::motion_error::bounds::joint_bounds;
 use crate::motion_error::contacts::attention;
 use articula_core::joint_state::JointState;
 use articula_core::percentile;
 use articula_core::{
-    Camera, DriftController, DriftOptions, JointSet, JointViews, LocalPose, ModelPose, Viewport, Wrap,
-    angle_between, frame_position, local_to_model, sample,
+    Camera, DriftController, DriftOptions, JointSet, JointViews, LocalPose, ModelPose, Viewport,
+    Wrap, angle_between, frame_position, local_to_model, sample,
 };
 use glam::Vec3;
 
@@ -87,13 +87,13 @@ pub fn play_camera_path(
     for i in 0..=count {
         let secs = i as f64 / display_hz;
         let at = frame_position(clip, secs, Wrap::Loop);
-        if stage.options.contact_care {
+        if stage.options.protect_contacts {
             attention(asset, &stage.contacts, at.before, &mut care);
         }
         // Where the clip starts again it may jump, which no bound on its speed foresees.
         let now = at.before as f64 + f64::from(at.blend);
         if now <= before || f64::from(clip.duration_secs()) * display_hz <= 1.0 {
-            drift.wake_all();
+            drift.invalidate();
         }
         before = now;
         let camera = camera_at(path, first.secs + secs, stage.setup.viewport)?;

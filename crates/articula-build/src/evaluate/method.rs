@@ -1,6 +1,6 @@
 //! The methods and what they are told.
 //!
-//! Source: `spec/motion-lod.md` 3 (thesis, Ahn), 4 (ours), 11 (baselines).
+//! Source: `docs/methods/motion-lod.md` 3 (thesis, Ahn), 4 (ours), 11 (baselines).
 
 use super::baselines::thesis::ThesisMetricOptions;
 use super::baselines::thesis_metric::Threshold;
@@ -68,7 +68,7 @@ pub struct MethodOptions {
     /// How the drift controller shares its tolerance along a chain of joints (4.4).
     pub chain: ChainTolerance,
     /// Whether joints on the way to a standing foot get a quarter of the tolerance (4.6).
-    pub contact_care: bool,
+    pub protect_contacts: bool,
 }
 
 impl Default for MethodOptions {
@@ -82,7 +82,7 @@ impl Default for MethodOptions {
                 ..TransitionOptions::default()
             },
             chain: ChainTolerance::Root,
-            contact_care: false,
+            protect_contacts: false,
         }
     }
 }

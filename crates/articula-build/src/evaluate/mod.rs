@@ -1,6 +1,6 @@
 //! A clip played under a method: what it saved, and what it cost in pixels.
 //!
-//! Source: the protocol of `spec/motion-lod.md` 11.1 and 12. One pass of the clip at its own
+//! Source: the protocol of `docs/methods/motion-lod.md` 11.1 and 12. One pass of the clip at its own
 //! frames; the camera follows the root's horizontal motion; weak perspective at the root's
 //! distance, level cameras at several azimuths. Calibrate, then compare: every method has one
 //! parameter, and gains are reported at the parameter that meets an error target.
@@ -24,4 +24,4 @@ pub use camera_path::{CameraKey, PathFrame, PathRun, play_camera_path};
 pub use method::{Method, MethodOptions, Playback, SkinPxVariant};
 pub use playbacks::play;
 pub use pose_keys::{pose_key_frames, uniform_key_frames};
-pub use stage::{FrameErrors, DistanceRow, EvaluationSetup, ClipEvaluator, MethodRun};
+pub use stage::{ClipEvaluator, DistanceRow, EvaluationSetup, FrameErrors, MethodRun};

@@ -1,6 +1,6 @@
 //! The methods played, each as the rotations that it shows at every frame of one pass.
 //!
-//! Source: `spec/motion-lod.md` 3 (thesis, Ahn), 4 (ours), 11 (baselines).
+//! Source: `docs/methods/motion-lod.md` 3 (thesis, Ahn), 4 (ours), 11 (baselines).
 
 use super::baselines::ahn;
 use super::baselines::thesis::radii;
@@ -15,7 +15,11 @@ use articula_core::{JointSet, nlerp};
 use glam::{Quat, Vec3};
 
 /// Plays a method at one parameter.
-pub fn play(stage: &ClipEvaluator<'_>, method: &Method, parameter: f32) -> (MethodRun, Vec<Playback>) {
+pub fn play(
+    stage: &ClipEvaluator<'_>,
+    method: &Method,
+    parameter: f32,
+) -> (MethodRun, Vec<Playback>) {
     let playbacks = playbacks(stage, method, parameter);
     (stage.trial(parameter, &playbacks), playbacks)
 }
@@ -84,7 +88,7 @@ fn held(stage: &ClipEvaluator<'_>, tolerance: f32) -> Playback {
     let mut care = vec![1.0; stage.asset.rig.len()];
     let mut out = stage.true_playback();
     for frame in 1..stage.truth.len() {
-        if stage.options.contact_care {
+        if stage.options.protect_contacts {
             attention(stage.asset, &stage.contacts, frame, &mut care);
         }
         for joint in stage.moving.iter() {
@@ -117,7 +121,10 @@ fn held_in_view(stage: &ClipEvaluator<'_>, tolerance: f32, view: Vec3) -> Playba
     out
 }
 
-fn segmented(stage: &ClipEvaluator<'_>, mut cut: impl FnMut(usize, &[Quat]) -> Vec<Segment>) -> Playback {
+fn segmented(
+    stage: &ClipEvaluator<'_>,
+    mut cut: impl FnMut(usize, &[Quat]) -> Vec<Segment>,
+) -> Playback {
     per_joint(stage, |joint, values, out| {
         let segments = cut(joint, values);
         for (s, segment) in segments.iter().enumerate() {

@@ -1,6 +1,6 @@
 //! How many whole-pose keys a clip needs for a limit in pixels: counts of evaluations saved.
 //!
-//! Source: the last paragraph of `spec/motion-lod.md` part 11, by the protocol of 11.1: the clip's
+//! Source: the last paragraph of `docs/methods/motion-lod.md` part 11, by the protocol of 11.1: the clip's
 //! own frames, the root's horizontal motion removed, weak perspective; at every frame between two
 //! keys the 95th percentile over the watched vertices, as the worst azimuth sees it, stays within
 //! the limit. Spans are greedy: each goes as far as all frames in it are within the limit.
@@ -16,7 +16,7 @@ use glam::Vec3;
 /// Frames at which the pose is evaluated, the first and the last among them; all others are the
 /// straight line between their neighbours. `limit_metres` is the limit as projected.
 pub fn pose_key_frames(stage: &ClipEvaluator<'_>, limit_metres: f32) -> Vec<usize> {
-    let seen = Seen::new(stage);
+    let seen = ViewedPoints::new(stage);
     let last = seen.places.len() - 1;
     let mut keys = vec![0];
     while let Some(from) = keys.last().copied().filter(|k| *k < last) {
@@ -30,7 +30,7 @@ pub fn pose_key_frames(stage: &ClipEvaluator<'_>, limit_metres: f32) -> Vec<usiz
 /// The same with a key at every n-th frame and at the last one, for the greatest n whose spans
 /// are all within the limit.
 pub fn uniform_key_frames(stage: &ClipEvaluator<'_>, limit_metres: f32) -> Vec<usize> {
-    let seen = Seen::new(stage);
+    let seen = ViewedPoints::new(stage);
     let last = seen.places.len() - 1;
     let keys = |n: usize| -> Vec<usize> { (0..last).step_by(n).chain([last]).collect() };
     let fits = |n: &usize| {
@@ -43,12 +43,12 @@ pub fn uniform_key_frames(stage: &ClipEvaluator<'_>, limit_metres: f32) -> Vec<u
 }
 
 /// Places of the watched skin under a camera that follows the root over the ground.
-struct Seen {
+struct ViewedPoints {
     views: Vec<Vec3>,
     places: Vec<Vec<Vec3>>,
 }
 
-impl Seen {
+impl ViewedPoints {
     fn new(stage: &ClipEvaluator<'_>) -> Self {
         Self {
             views: stage.view_directions().collect(),

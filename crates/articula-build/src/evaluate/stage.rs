@@ -111,7 +111,12 @@ pub struct DistanceRow {
 
 impl<'a> ClipEvaluator<'a> {
     /// Works out the truth of a clip.
-    pub fn new(asset: &'a Asset, clip: &Clip, setup: EvaluationSetup, options: MethodOptions) -> Self {
+    pub fn new(
+        asset: &'a Asset,
+        clip: &Clip,
+        setup: EvaluationSetup,
+        options: MethodOptions,
+    ) -> Self {
         let clip = clip.at_key_rate();
         let mut pose = asset.rig.rest_pose().clone();
         let truth: Vec<LocalPose> = (0..clip.frames())

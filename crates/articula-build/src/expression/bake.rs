@@ -4,9 +4,9 @@
 //! itself does to it.
 
 use super::resolve;
-use crate::clip::{MOST_NUMBERS, source_rate_hz};
+use crate::clip::{MAX_NUMBERS, source_rate_hz};
 use articula_core::source::{
-    Channel, Character, Clip, Expression, Interpolation, JointBinding, Property, evaluate,
+    Channel, Character, Expression, Interpolation, JointBinding, Property, RawClip, evaluate,
 };
 use articula_core::{Mismatch, Transform, same_hemisphere};
 use glam::{Quat, Vec3};
@@ -18,7 +18,7 @@ const STILL_RADIANS: f32 = 1e-6;
 const STILL: f32 = 1e-7;
 
 /// Where values bend or jump between keys, there is a frame at least this often.
-const LEAST_RATE_HZ: f32 = 30.0;
+const MIN_RATE_HZ: f32 = 30.0;
 
 /// The clip with its expressions written out: each channel that drives an expression goes, and
 /// what it did stands in channels of morph weights and joints. The clip itself if it drives no
@@ -31,7 +31,7 @@ const LEAST_RATE_HZ: f32 = 30.0;
 /// # Errors
 /// A [`Mismatch`] if a channel or a binding names what is not there or has too few values, or
 /// the result would be more than memory should hold.
-pub fn bake<'a>(character: &Character, clip: &'a Clip) -> Result<Cow<'a, Clip>, Mismatch> {
+pub fn bake<'a>(character: &Character, clip: &'a RawClip) -> Result<Cow<'a, RawClip>, Mismatch> {
     let is_driver = |c: &Channel| c.property == Property::Expression;
     if !clip.channels.iter().any(is_driver) {
         return Ok(Cow::Borrowed(clip));
@@ -52,7 +52,7 @@ pub fn bake<'a>(character: &Character, clip: &'a Clip) -> Result<Cow<'a, Clip>, 
     }
     let is_replaced = |c: &Channel| is_driver(c) || baking.is_replaced(c);
     let kept = clip.channels.iter().filter(|c| !is_replaced(c)).cloned();
-    Ok(Cow::Owned(Clip {
+    Ok(Cow::Owned(RawClip {
         name: clip.name.clone(),
         duration_secs: clip.duration_secs,
         channels: kept.chain(channels).collect(),
@@ -62,7 +62,7 @@ pub fn bake<'a>(character: &Character, clip: &'a Clip) -> Result<Cow<'a, Clip>, 
 /// One clip whose expressions are being written out.
 struct Baking<'a> {
     character: &'a Character,
-    clip: &'a Clip,
+    clip: &'a RawClip,
     /// The channels that drive expressions, one for each expression at most.
     drivers: Vec<&'a Channel>,
     /// What the driven expressions move.
@@ -71,7 +71,7 @@ struct Baking<'a> {
 }
 
 impl<'a> Baking<'a> {
-    fn new(character: &'a Character, clip: &'a Clip) -> Self {
+    fn new(character: &'a Character, clip: &'a RawClip) -> Self {
         let is_driver = |c: &&Channel| c.property == Property::Expression;
         let drivers: Vec<&Channel> = clip.channels.iter().filter(is_driver).collect();
         let driven = || drivers.iter().map(|c| &character.expressions[c.target]);
@@ -142,7 +142,7 @@ impl<'a> Baking<'a> {
         let mut times: Vec<f32> = Vec::new();
         if self.bends() && !self.all_step() {
             let rate = source_rate_hz(self.clip);
-            let rate = rate * (LEAST_RATE_HZ / rate).ceil().max(1.0);
+            let rate = rate * (MIN_RATE_HZ / rate).ceil().max(1.0);
             let frames = (f64::from(duration) * f64::from(rate)).ceil();
             self.check_size(frames)?;
             times.extend((0..frames as usize).map(|i| i as f32 / rate));
@@ -166,10 +166,10 @@ impl<'a> Baking<'a> {
             + weights.sum::<usize>()
             + 4 * self.joints.len();
         let numbers = times * each as f64;
-        if numbers <= MOST_NUMBERS as f64 {
+        if numbers <= MAX_NUMBERS as f64 {
             return Ok(());
         }
-        let what = format!("its expressions would be {numbers:.0} numbers, at most {MOST_NUMBERS}");
+        let what = format!("its expressions would be {numbers:.0} numbers, at most {MAX_NUMBERS}");
         Err(Mismatch::new(format!("clip \"{}\"", self.clip.name), what))
     }
 
@@ -387,7 +387,7 @@ fn order(property: Property) -> u8 {
 mod tests {
     use super::*;
     use articula_core::angle_between;
-    use articula_core::source::{Joint, Mesh, MorphBinding, Skeleton};
+    use articula_core::source::{Joint, MorphBinding, RawMesh, Skeleton};
 
     fn near(found: &[f32], wanted: &[f32]) {
         assert_eq!(found.len(), wanted.len());
@@ -408,9 +408,9 @@ mod tests {
             skeleton: Skeleton {
                 joints: vec![joint(None), joint(Some(0))],
             },
-            meshes: vec![Mesh {
+            meshes: vec![RawMesh {
                 morph_weights: vec![0.0, 0.125],
-                ..Mesh::default()
+                ..RawMesh::default()
             }],
             expressions,
             ..Character::default()
@@ -427,9 +427,9 @@ mod tests {
         }
     }
 
-    fn clip(channels: Vec<Channel>) -> Clip {
+    fn clip(channels: Vec<Channel>) -> RawClip {
         let last = channels.iter().filter_map(|c| c.times_secs.last());
-        Clip {
+        RawClip {
             name: "c".into(),
             duration_secs: last.copied().fold(0.0, f32::max),
             channels,
@@ -497,7 +497,10 @@ mod tests {
     struct LocalAt;
 
     impl LocalAt {
-        fn of<'a>(clip: &'a Clip, character: &'a Character) -> impl FnMut(f32) -> Transform + 'a {
+        fn of<'a>(
+            clip: &'a RawClip,
+            character: &'a Character,
+        ) -> impl FnMut(f32) -> Transform + 'a {
             let joints = &character.skeleton.joints;
             let mut pose = articula_core::LocalPose::from_iter(joints.iter().map(|j| j.rest));
             move |t| {

@@ -2,7 +2,7 @@
 
 use super::chain::Candidate;
 use crate::character::Asset;
-use crate::ladder::{
+use crate::joint_lods::{
     LevelSkin, Poser, Tally, Watched, compare, model_of, pose_of, share_frames, skin_part,
     spread_frames,
 };
@@ -12,12 +12,12 @@ use glam::Vec3;
 
 /// What is shown: a skin, and the points on a mesh level.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Shown {
+pub(super) struct DisplayedLevel {
     pub(super) skin: usize,
     pub(super) points: usize,
 }
 
-impl Shown {
+impl DisplayedLevel {
     pub(super) fn of(candidate: &Candidate) -> Self {
         Self {
             skin: candidate.skin,
@@ -27,7 +27,7 @@ impl Shown {
 }
 
 /// Skins and points, cut down to the vertices that are looked at.
-pub(super) struct Scene<'a> {
+pub(super) struct LevelMeasurement<'a> {
     asset: &'a Asset,
     watched: &'a Watched,
     /// Each skin over the same few vertices.
@@ -36,7 +36,7 @@ pub(super) struct Scene<'a> {
     points: Vec<Vec<SkinPoint>>,
 }
 
-impl<'a> Scene<'a> {
+impl<'a> LevelMeasurement<'a> {
     pub(super) fn new(
         asset: &'a Asset,
         watched: &'a Watched,
@@ -60,7 +60,7 @@ impl<'a> Scene<'a> {
     }
 
     /// For each clip, the error of each thing shown, over about `frames` frames of all clips.
-    pub(super) fn measure(&self, shown: &[Shown], frames: usize) -> Vec<Vec<Tally>> {
+    pub(super) fn measure(&self, shown: &[DisplayedLevel], frames: usize) -> Vec<Vec<Tally>> {
         let asset = self.asset;
         let mut truth = Poser::new(&asset.mesh, self.watched.vertices.clone());
         let mut skins: Vec<Poser<'_>> = self

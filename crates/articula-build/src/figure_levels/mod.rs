@@ -1,7 +1,7 @@
 //! Levels of a figure: a level of its joints and a level of its mesh that are shown together.
 //!
-//! Source: thesis 5.1 (levels for bodies of several resolutions), `spec/clustered-mesh.md`,
-//! `spec/motion-lod.md` part 8. Differs: which joints go with which triangles, and how many joints
+//! Source: thesis 5.1 (levels for bodies of several resolutions), `docs/methods/clustered-mesh.md`,
+//! `docs/methods/motion-lod.md` part 8. Differs: which joints go with which triangles, and how many joints
 //! move a vertex, is not told but measured: every pair that could be shown is compared with the
 //! full character in motion, and of all that stay within a tolerance the cheapest is taken. From
 //! level to level neither joints nor triangles nor influences grow, so that a stream only ever
@@ -13,16 +13,16 @@ mod measure;
 
 use crate::character::Asset;
 use crate::influences::limit;
-use crate::ladder::{
-    self, LevelOptions, LevelSkin, LevelSkins, MOST_FRAMES, MergedLevels, Tally, Watched, rising,
+use crate::joint_lods::{
+    self, LevelOptions, LevelSkin, LevelSkins, MAX_FRAMES, MergedLevels, Tally, Watched, rising,
 };
 use crate::surface_distance::{SkinPoint, attach};
 use articula_core::{
-    ClipLodErrors, JointLods, LodErrors, LocalPose, Mesh, Mismatch, PaletteMap, judged_metres,
+    ClipLodErrors, JointLods, LocalPose, LodErrors, Mesh, Mismatch, PaletteMap, lod_error_metres,
 };
 use chain::Candidate;
 use glam::{Affine3A, Vec3};
-use measure::{Scene, Shown};
+use measure::{DisplayedLevel, LevelMeasurement};
 
 /// Influences that a level may be limited to, besides those that its joint level has.
 const INFLUENCES: [usize; 3] = [4, 2, 1];
@@ -105,11 +105,11 @@ pub fn figure_levels(
     let mut candidates = candidates(merged, &skins, mesh_levels);
     let parts = skins.iter().map(|s| &s.skin).collect::<Vec<_>>();
     let bindings = &merged.skins.bindings;
-    let scene = Scene::new(asset, &watched, &parts, bindings, &points);
-    let shown: Vec<Shown> = candidates.iter().map(Shown::of).collect();
+    let scene = LevelMeasurement::new(asset, &watched, &parts, bindings, &points);
+    let shown: Vec<DisplayedLevel> = candidates.iter().map(DisplayedLevel::of).collect();
     for clip in scene.measure(&shown, opts.frames) {
         for (candidate, tally) in candidates.iter_mut().zip(clip) {
-            let error = judged_metres(tally.percentile_metres, tally.worst_metres);
+            let error = lod_error_metres(tally.percentile_metres, tally.worst_metres);
             candidate.error_metres = candidate.error_metres.max(error);
         }
     }
@@ -118,8 +118,8 @@ pub fn figure_levels(
         opts.first_metres,
         opts.most_levels.min(JointLods::MAX_LEVELS),
     );
-    let shown: Vec<Shown> = chosen.iter().map(Shown::of).collect();
-    let errors = table(merged, &scene.measure(&shown, MOST_FRAMES));
+    let shown: Vec<DisplayedLevel> = chosen.iter().map(DisplayedLevel::of).collect();
+    let errors = table(merged, &scene.measure(&shown, MAX_FRAMES));
     let of_levels = chosen.iter().map(|c| skins[c.skin].skin.clone()).collect();
     let levels: Vec<FigureLevel> = chosen.iter().map(|c| c.level).collect();
     errors.check(asset.clips.len(), levels.len())?;
@@ -135,12 +135,12 @@ fn check(
     mesh_levels: &[&[[u32; 3]]],
     poses: &[Vec<Vec3>],
 ) -> Result<(), Mismatch> {
-    ladder::check(asset)?;
-    ladder::check_ladder(asset, &merged.ladder)?;
+    joint_lods::check(asset)?;
+    joint_lods::check_tolerances(asset, &merged.joint_lods)?;
     let count = asset.mesh.len();
     let skins = &merged.skins.levels;
     let fits = |s: &LevelSkin| s.positions.len() == count;
-    if count == 0 || skins.len() != merged.ladder.levels() || !skins.iter().all(fits) {
+    if count == 0 || skins.len() != merged.joint_lods.levels() || !skins.iter().all(fits) {
         return Err(Mismatch::new("merged.skins", "of another character"));
     }
     if poses.is_empty() {
@@ -190,7 +190,7 @@ fn candidates(
             let level = FigureLevel {
                 joint_level: skin.joint_level,
                 mesh_level,
-                joints: merged.ladder.kept(skin.joint_level),
+                joints: merged.joint_lods.kept(skin.joint_level),
                 triangles: triangles.len(),
                 vertices: vertices[mesh_level],
                 influences: skin.skin.influences,
@@ -256,23 +256,23 @@ fn stacked(
     skins: Vec<LevelSkin>,
     errors: LodErrors,
 ) -> Result<MergedLevels, Mismatch> {
-    let from = &merged.ladder;
+    let from = &merged.joint_lods;
     let mean: LocalPose = (0..asset.rig.len())
         .map(|j| from.mean()[from.place(j)])
         .collect();
     let kept = levels.iter().map(|l| l.joints as u16).collect();
-    let ladder = JointLods::new(&asset.rig, from.joints().to_vec(), kept, &mean)?;
+    let joint_lods = JointLods::new(&asset.rig, from.joints().to_vec(), kept, &mean)?;
     let bindings = &merged.skins.bindings;
     let place = |joint: u16| from.place(usize::from(joint)) as u16;
     let placed = bindings.iter().map(|b| (place(b.joint), b.inverse_bind));
     let placed: Vec<(u16, Affine3A)> = placed.collect();
     Ok(MergedLevels {
         skins: LevelSkins {
-            palette: PaletteMap::skin(&ladder, &placed)?,
+            palette: PaletteMap::skin(&joint_lods, &placed)?,
             bindings: bindings.clone(),
             levels: skins,
         },
-        ladder,
+        joint_lods,
         far: None,
         errors,
     })

@@ -24,7 +24,9 @@ pub(super) fn articulated(
         let parent = skeleton.joints[index].parent;
         let below_human = parent.is_some_and(|p| on_human[p]);
         let (hanim, level, region) = match (meaning, parent) {
-            (Ok(JointTarget::Joint(joint)), _) => (Some(joint.name.clone()), joint.level, joint.region),
+            (Ok(JointTarget::Joint(joint)), _) => {
+                (Some(joint.name.clone()), joint.level, joint.region)
+            }
             (Ok(JointTarget::Helper(region)), _) => (None, MAX_LEVEL, *region),
             (_, Some(p)) if below_human => {
                 (None, MAX_LEVEL.min(joints[p].level + 1), joints[p].region)

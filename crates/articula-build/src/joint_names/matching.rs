@@ -7,7 +7,7 @@
 
 use super::gap::GapReason;
 use super::spine;
-use articula_core::joint_names::{JointMap, RigScope, Side, JointTarget};
+use articula_core::joint_names::{JointMap, JointTarget, RigScope, Side};
 use articula_core::source::Skeleton;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -34,7 +34,11 @@ pub(super) struct Candidate {
 
 impl Candidate {
     /// Matches a skeleton's names; `None` if the profile does not fit.
-    pub(super) fn by_name(skeleton: &Skeleton, profile: &JointMap, lone_hand: Side) -> Option<Self> {
+    pub(super) fn by_name(
+        skeleton: &Skeleton,
+        profile: &JointMap,
+        lone_hand: Side,
+    ) -> Option<Self> {
         let eligible = eligible(skeleton);
         let found = skeleton
             .joints

@@ -4,7 +4,7 @@
 //! - [`segments`]: the same for segments without a hierarchy
 //!
 //! Source: thesis 3.1.3; H-Anim 1.1 and 2 (ISO/IEC 19774); the mapping rules are described in
-//! `docs/formats/profile.md`.
+//! `docs/formats/joint-map.md`.
 
 mod gap;
 mod hand;
@@ -18,7 +18,7 @@ pub use gap::{Gap, GapReason};
 
 use articula_core::Articulation;
 use articula_core::hanim_table::{self, JOINTS};
-use articula_core::joint_names::{JointMap, RigScope, Segments, JointTarget};
+use articula_core::joint_names::{JointMap, JointTarget, RigScope, Segments};
 use articula_core::source::Skeleton;
 use matching::Candidate;
 use std::collections::BTreeSet;
@@ -80,7 +80,8 @@ pub fn segments(skeleton: &Skeleton, profiles: &[JointMap]) -> Option<Segments> 
         .map(|j| hanim_table::find(j.hanim.as_deref()?))
         .collect();
     let is_spine = |s: &usize| {
-        joints[*s].is_none() && profile.target(&skeleton.joints[*s].name) == Some(&JointTarget::Spine)
+        joints[*s].is_none()
+            && profile.target(&skeleton.joints[*s].name) == Some(&JointTarget::Spine)
     };
     let spine: Vec<usize> = (0..joints.len()).filter(is_spine).collect();
     Some(Segments {
@@ -195,7 +196,7 @@ mod tests {
     use super::*;
     use articula_core::source::Joint;
     use articula_core::{Region, Transform};
-    use articula_formats::profile::builtin;
+    use articula_formats::joint_map::builtin;
 
     fn joint(name: &str, parent: Option<usize>) -> Joint {
         Joint {

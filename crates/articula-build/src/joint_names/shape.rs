@@ -7,7 +7,7 @@
 
 use super::rest;
 use articula_core::hanim_table;
-use articula_core::joint_names::{StandardJoint, JointTarget};
+use articula_core::joint_names::{JointTarget, StandardJoint};
 use articula_core::source::Skeleton;
 use glam::Vec3;
 

@@ -8,7 +8,7 @@
 use super::gap::GapReason;
 use super::rest;
 use articula_core::hanim_table::{self, JOINTS};
-use articula_core::joint_names::{StandardJoint, JointTarget};
+use articula_core::joint_names::{JointTarget, StandardJoint};
 use articula_core::source::Skeleton;
 
 /// Most telling vertebra first.
@@ -21,7 +21,10 @@ const NECK: [&str; 4] = ["vc7", "vc4", "vc2", "skullbase"];
 
 /// Replaces [`JointTarget::Spine`] by vertebrae along the chain from the root to the neck; spine
 /// joints beside that chain become duplicates.
-pub(super) fn name_by_arc_length(skeleton: &Skeleton, meanings: &mut [Result<JointTarget, GapReason>]) {
+pub(super) fn name_by_arc_length(
+    skeleton: &Skeleton,
+    meanings: &mut [Result<JointTarget, GapReason>],
+) {
     let chain = chain(skeleton, meanings);
     let spine: Vec<usize> = chain
         .iter()
@@ -36,7 +39,10 @@ pub(super) fn name_by_arc_length(skeleton: &Skeleton, meanings: &mut [Result<Joi
     for (slot, vertebra) in picked.into_iter().zip(vertebrae) {
         meanings[spine[slot]] = Ok(JointTarget::Joint(StandardJoint::from(&JOINTS[vertebra])));
     }
-    for meaning in meanings.iter_mut().filter(|m| **m == Ok(JointTarget::Spine)) {
+    for meaning in meanings
+        .iter_mut()
+        .filter(|m| **m == Ok(JointTarget::Spine))
+    {
         *meaning = Err(GapReason::Duplicate);
     }
 }

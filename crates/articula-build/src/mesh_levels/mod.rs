@@ -1,15 +1,15 @@
 //! All levels of a character's meshes: simplified by how it moves, measured on other poses,
 //! stored as ranges.
 //!
-//! Source: thesis 3.1.2, `spec/clustered-mesh.md`. One queue over all parts of the character
+//! Source: thesis 3.1.2, `docs/methods/clustered-mesh.md`. One queue over all parts of the character
 //! (`simplify`), one object for each part (`clusters`), one error for each level of the whole
 //! character (`surface_distance`).
 
 mod reordered;
 
 use crate::character::Asset;
-use crate::clusters::{Clustered, ClusterOrder, cluster};
-use crate::poses::{PoseOrigin, PoseOptions, Poses, SkinPose, poses, positions};
+use crate::clusters::{ClusterOrder, Clustered, cluster};
+use crate::poses::{PoseOptions, PoseOrigin, Poses, SkinPose, poses, positions};
 use crate::simplify::{Simplified, SimplifyOptions, simplify};
 use crate::surface_distance::{DistanceOptions, LevelDistances, surface_distances};
 use articula_core::source::Character;

@@ -1,11 +1,11 @@
 //! Source meshes with their vertices in the order of the levels.
 
 use crate::clusters::Clustered;
-use articula_core::source::{Mesh, MorphTarget, Primitive};
+use articula_core::source::{MorphTarget, Primitive, RawMesh};
 use articula_core::{ClusteredTriangles, Mismatch};
 
 /// Meshes whose primitives, counted over all of them, have these levels.
-pub(super) fn meshes(meshes: &[Mesh], objects: &[Clustered]) -> Result<Vec<Mesh>, Mismatch> {
+pub(super) fn meshes(meshes: &[RawMesh], objects: &[Clustered]) -> Result<Vec<RawMesh>, Mismatch> {
     let primitives: usize = meshes.iter().map(|m| m.primitives.len()).sum();
     if primitives != objects.len() {
         let what = format!("levels of {} parts, there are {primitives}", objects.len());
@@ -28,7 +28,7 @@ pub(super) fn meshes(meshes: &[Mesh], objects: &[Clustered]) -> Result<Vec<Mesh>
             clusters: object.clusters.clone(),
             triangles: object.triangles.clone(),
         });
-        out.push(Mesh {
+        out.push(RawMesh {
             name: mesh.name.clone(),
             skin: mesh.skin.clone(),
             morph_names: mesh.morph_names.clone(),

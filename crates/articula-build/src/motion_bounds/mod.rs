@@ -1,6 +1,6 @@
 //! What holds a character in each second of each of its clips, from every vertex.
 //!
-//! Source: `spec/motion-lod.md` part 5. The skin is posed once or more often between every two
+//! Source: `docs/methods/motion-lod.md` part 5. The skin is posed once or more often between every two
 //! frames; where it may go from there is covered by a bound on its speed. So the
 //! bounds hold for every vertex at every time, not just at those that were looked at.
 //!
@@ -23,7 +23,7 @@ use std::ops::RangeInclusive;
 const SLACK_METRES: f32 = 0.01;
 
 /// Looks between two frames, at most.
-const MOST_LOOKS: usize = 8;
+const MAX_LOOKS: usize = 8;
 
 /// Covers the rounding of f32 in a pose that is worked out in another order.
 const ROUNDING_METRES: f32 = 1e-4;
@@ -52,32 +52,32 @@ pub fn motion_bounds(asset: &Asset, margin_metres: f32) -> Result<MotionBounds, 
 
 fn measure(asset: &Asset, reach: &Reach, clip: &Clip, margin: f32) -> Result<ClipBounds, Mismatch> {
     let mut body = Body::new(asset);
-    let looks = looks(asset, reach, clip);
+    let sample_times = sample_times(asset, reach, clip);
     let mut anchor = Corners::NOTHING;
     let mut boxes = vec![Corners::NOTHING; ClipBounds::count(clip.duration_secs())];
-    for look in &looks {
-        let skin = body.pose(clip, look.secs);
+    for sample in &sample_times {
+        let skin = body.pose(clip, sample.secs);
         let mut around = Corners::NOTHING;
         for p in skin {
-            around.hold(*p, look.slack);
+            around.hold(*p, sample.slack);
         }
-        for second in look.seconds.clone() {
+        for second in sample.seconds.clone() {
             boxes[second].join(&around);
         }
         let at = reach
             .anchor()
             .map_or(Vec3::ZERO, |j| body.posed.model.position(j));
-        anchor.hold(at, look.slack);
+        anchor.hold(at, sample.slack);
     }
     // The ball of a second stands in the middle of its box and is just large enough, which is
     // less than the box's corners ask for.
     let mut radii = vec![0.0f32; boxes.len()];
-    for look in &looks {
-        let skin = body.pose(clip, look.secs);
-        for second in look.seconds.clone() {
+    for sample in &sample_times {
+        let skin = body.pose(clip, sample.secs);
+        for second in sample.seconds.clone() {
             let middle = boxes[second].middle();
             let squared = skin.iter().map(|p| p.distance_squared(middle));
-            let farthest = squared.fold(0.0, f32::max).sqrt() + look.slack;
+            let farthest = squared.fold(0.0, f32::max).sqrt() + sample.slack;
             radii[second] = radii[second].max(farthest);
         }
     }
@@ -105,7 +105,7 @@ fn measure(asset: &Asset, reach: &Reach, clip: &Clip, margin: f32) -> Result<Cli
 }
 
 /// One time at which the skin is posed.
-pub(crate) struct Look {
+pub(crate) struct SampleTime {
     pub(crate) secs: f64,
     /// Seconds of the clip that it belongs to.
     seconds: RangeInclusive<usize>,
@@ -119,19 +119,19 @@ pub(crate) struct Look {
 
 /// Looks in the middle of equal parts of every stretch between two frames, and at the last frame.
 /// A value that steps keeps within a stretch, so a part is as its middle but for what moves.
-pub(crate) fn looks(asset: &Asset, reach: &Reach, clip: &Clip) -> Vec<Look> {
+pub(crate) fn sample_times(asset: &Asset, reach: &Reach, clip: &Clip) -> Vec<SampleTime> {
     let last_second = ClipBounds::count(clip.duration_secs()) - 1;
     let rate = f64::from(clip.rate_hz());
-    let mut looks = Vec::new();
+    let mut sample_times = Vec::new();
     for frame in 0..clip.frames() - 1 {
         let half_way = 0.5 * reach.way(asset, clip, frame);
-        let parts = ((half_way / SLACK_METRES).ceil() as usize).clamp(1, MOST_LOOKS);
+        let parts = ((half_way / SLACK_METRES).ceil() as usize).clamp(1, MAX_LOOKS);
         // A border between two seconds belongs to both.
         let border = 1e-6;
         let first = (frame as f64 / rate - border).max(0.0) as usize;
         let last = ((frame + 1) as f64 / rate + border) as usize;
         for part in 0..parts {
-            looks.push(Look {
+            sample_times.push(SampleTime {
                 secs: (frame as f64 + (part as f64 + 0.5) / parts as f64) / rate,
                 seconds: first.min(last_second)..=last.min(last_second),
                 slack: half_way / parts as f32,
@@ -140,14 +140,14 @@ pub(crate) fn looks(asset: &Asset, reach: &Reach, clip: &Clip) -> Vec<Look> {
             });
         }
     }
-    looks.push(Look {
+    sample_times.push(SampleTime {
         secs: f64::from(clip.duration_secs()),
         seconds: last_second..=last_second,
         slack: 0.0,
         frame: clip.frames() - 1,
         part: 0.0,
     });
-    looks
+    sample_times
 }
 
 /// A box that grows.

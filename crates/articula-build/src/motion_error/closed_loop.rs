@@ -1,6 +1,6 @@
 //! Held keys in which a child cancels the error of its ancestors.
 //!
-//! Source: `spec/motion-lod.md` 4.4. Walking parents first, the model-space error of each
+//! Source: `docs/methods/motion-lod.md` 4.4. Walking parents first, the model-space error of each
 //! joint under its *shown* parent decides; a renewed joint takes the local rotation that puts
 //! it where it truly is.
 

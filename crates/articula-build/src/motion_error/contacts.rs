@@ -1,10 +1,10 @@
 //! When feet and hands stand still: intervals in which errors show as sliding.
 //!
-//! Source: `spec/motion-lod.md` 4.6: slower than 0.15 m/s and, for feet, within 5 cm of the
+//! Source: `docs/methods/motion-lod.md` 4.6: slower than 0.15 m/s and, for feet, within 5 cm of the
 //! lowest height of the clip, for 80 ms or more.
 
 use crate::character::Asset;
-use articula_core::{Clip, AttentionInterval, ModelPose, Wrap, local_to_model, sample};
+use articula_core::{AttentionInterval, Clip, ModelPose, Wrap, local_to_model, sample};
 use glam::Vec3;
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ pub(crate) const CONTACT_ATTENTION: f32 = 0.25;
 
 const SLOWER_THAN_METRES_PER_SEC: f32 = 0.15;
 const FOOT_WITHIN_METRES: f32 = 0.05;
-const LEAST_SECS: f32 = 0.08;
+const MIN_SECS: f32 = 0.08;
 
 /// One contact of one joint.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -56,7 +56,7 @@ pub(crate) fn contacts(asset: &Asset, clip: &Clip, hands: bool) -> Vec<Contact> 
             let slow = path[near[1]].distance(path[near[0]]) <= SLOWER_THAN_METRES_PER_SEC * secs;
             slow && (!is_foot || path[f].y <= lowest + FOOT_WITHIN_METRES)
         };
-        let least = (LEAST_SECS * clip.rate_hz()).ceil() as usize;
+        let least = (MIN_SECS * clip.rate_hz()).ceil() as usize;
         found.extend(
             runs(path.len(), stands, least)
                 .into_iter()

@@ -1,6 +1,6 @@
 //! What a held joint costs: levers in metres, and how they look from one side.
 //!
-//! Source: `spec/motion-lod.md` 4.1 to 4.3, ours. A joint that shows rotation `b` in place of
+//! Source: `docs/methods/motion-lod.md` 4.1 to 4.3, ours. A joint that shows rotation `b` in place of
 //! `a` moves the skin that hangs on it by at most its lever times the angle between them.
 
 use crate::rotation_vector::rotation_vector;

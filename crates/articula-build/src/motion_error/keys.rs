@@ -1,6 +1,6 @@
 //! Keys of one joint at one tolerance.
 //!
-//! Source: `spec/motion-lod.md` 4.5 and 11. All three take the longest run that fits before
+//! Source: `docs/methods/motion-lod.md` 4.5 and 11. All three take the longest run that fits before
 //! they start the next one. A run of blends or of one rotation ends after [`LONGEST_RUN`] frames
 //! at the latest: trying ever longer runs costs the square of their length.
 

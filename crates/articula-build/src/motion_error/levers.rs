@@ -1,6 +1,6 @@
 //! How the skin hangs on each joint: levers, second moments, shares of the area.
 //!
-//! Source: `spec/motion-lod.md` 4.1. Differs: besides the lever at rest, a reach is kept that
+//! Source: `docs/methods/motion-lod.md` 4.1. Differs: besides the lever at rest, a reach is kept that
 //! bounds every pose; the lever at rest underestimates where a chain is bent at rest.
 
 use super::joint_lever::{JointLever, SecondMoment};
@@ -8,7 +8,7 @@ use articula_core::{Mesh, PosedMesh, Rig};
 use glam::{Quat, Vec3};
 
 /// A vertex belongs to a joint's skin from this summed weight on.
-const LEAST_WEIGHT: f32 = 0.3;
+const MIN_WEIGHT: f32 = 0.3;
 
 /// Levers of all joints, in the rig's order. Without a mesh they come from the bones.
 pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
@@ -20,7 +20,7 @@ pub fn levers(rig: &Rig, mesh: &Mesh) -> Vec<JointLever> {
         for &j in &below.joints {
             let g = &mut gathered[j];
             g.reach = g.reach.max(below.reach[j]);
-            if below.weight[j] >= LEAST_WEIGHT {
+            if below.weight[j] >= MIN_WEIGHT {
                 g.rest = g.rest.max(rest.skin[v].distance(rest.joints[j]));
                 g.area += rest.areas[v];
                 g.vertices.push(v as u32);

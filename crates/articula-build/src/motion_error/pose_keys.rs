@@ -1,6 +1,6 @@
 //! Whole-pose keys: ticks between which blended palettes follow the motion.
 //!
-//! Source: `spec/motion-lod.md` part 6. Skinning is linear in the palette, so blending two
+//! Source: `docs/methods/motion-lod.md` part 6. Skinning is linear in the palette, so blending two
 //! palettes moves every vertex on a straight line between the two skinned poses. Keys are
 //! chosen on a grid of at least 120 Hz and tested on all of it, between the clip's own frames
 //! too; a level whose spans would hardly be longer than two display frames is marked to be
@@ -9,48 +9,48 @@
 //! so that only one block of poses is held at a time.
 
 use super::runs::long_runs;
-use super::tables::{LADDER_BASE_METRES, LADDER_LEVELS, table_hashes};
+use super::tables::{FINEST_TOLERANCE_METRES, TOLERANCE_LEVELS, table_hashes};
 use crate::character::Asset;
 use crate::points::Points;
 use articula_core::{Clip, PoseKeys};
 use glam::Vec3;
 
 /// Least rate at which straightness is tested.
-const LEAST_TICK_HZ: f32 = 120.0;
+const MIN_TICK_HZ: f32 = 120.0;
 
 /// Ticks of a block: half a minute.
 const BLOCK_TICKS: usize = 4096;
 
 /// Spans that are no longer than this on average are not worth their blending: two display
 /// frames at 60 Hz.
-const LEAST_SPAN_SECS: f32 = 2.0 / 60.0;
+const MIN_SPAN_SECS: f32 = 2.0 / 60.0;
 
 /// Keys for every level of the usual ladder. `watched` vertices of the skin, chosen by `seed`,
 /// are looked at. Root motion is part of it: the palette moves on straight lines too.
 pub fn pose_keys(asset: &Asset, clip: &Clip, watched: usize, seed: u64) -> PoseKeys {
     let points = Points::draw(asset, watched, seed);
-    let per_frame = (LEAST_TICK_HZ / clip.rate_hz()).ceil().max(1.0);
+    let per_frame = (MIN_TICK_HZ / clip.rate_hz()).ceil().max(1.0);
     let tick_hz = clip.rate_hz() * per_frame;
     let ticks = (clip.frames() - 1) * per_frame as usize;
-    let mut levels = vec![vec![0u32]; LADDER_LEVELS];
+    let mut levels = vec![vec![0u32]; TOLERANCE_LEVELS];
     for first in (0..ticks).step_by(BLOCK_TICKS) {
         let skins: Vec<Vec<Vec3>> = (first..=ticks.min(first + BLOCK_TICKS))
             .map(|t| points.at(asset, clip, t as f64 / f64::from(tick_hz)))
             .collect();
         for (k, keys) in levels.iter_mut().enumerate() {
-            let ends = straight_runs(&skins, LADDER_BASE_METRES * (1u32 << k) as f32);
+            let ends = straight_runs(&skins, FINEST_TOLERANCE_METRES * (1u32 << k) as f32);
             keys.extend(ends.iter().map(|end| (first + end) as u32));
         }
     }
     let pays = |keys: &Vec<u32>| {
         let spans = (keys.len() - 1) as f32;
-        spans == 0.0 || ticks as f32 > LEAST_SPAN_SECS * tick_hz * spans
+        spans == 0.0 || ticks as f32 > MIN_SPAN_SECS * tick_hz * spans
     };
     PoseKeys {
         hashes: table_hashes(&asset.rig, clip, &asset.mesh),
         tick_hz,
         ticks: ticks as u32,
-        base_metres: LADDER_BASE_METRES,
+        base_metres: FINEST_TOLERANCE_METRES,
         levels: levels
             .into_iter()
             .map(|keys| pays(&keys).then_some(keys))

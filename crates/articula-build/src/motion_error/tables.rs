@@ -1,6 +1,6 @@
 //! Nested keys of every joint for a ladder of tolerances, and fingerprints of what they fit.
 //!
-//! Source: `spec/motion-lod.md` 4.5 and 9 (`segs`).
+//! Source: `docs/methods/motion-lod.md` 4.5 and 9 (`segs`).
 
 use super::bounds::moving_joints;
 use super::joint_lever::JointLever;
@@ -9,9 +9,9 @@ use crate::character::Asset;
 use articula_core::{Clip, KeyMode, KeyTable, Mesh, Rig, TableHashes};
 
 /// Finest tolerance of the usual ladder, that of level 0.
-pub(super) const LADDER_BASE_METRES: f32 = 0.0005;
+pub(super) const FINEST_TOLERANCE_METRES: f32 = 0.0005;
 /// Number of levels of the usual ladder: 0.5 mm to 256 mm.
-pub(super) const LADDER_LEVELS: usize = 10;
+pub(super) const TOLERANCE_LEVELS: usize = 10;
 
 /// Fingerprints of a rig, a clip and a mesh: FNV-1a over their numbers, the same on every
 /// machine. They tell a stale table from a fitting one; they are no protection.
@@ -26,7 +26,7 @@ pub fn table_hashes(rig: &Rig, clip: &Clip, mesh: &Mesh) -> TableHashes {
 /// Keys of all moving joints at every level of the usual ladder, finest first.
 pub fn key_table(asset: &Asset, clip: &Clip, levers: &[JointLever], mode: KeyMode) -> KeyTable {
     let moving = moving_joints(asset, clip);
-    let mut keys = vec![vec![Vec::new(); LADDER_LEVELS]; asset.rig.len()];
+    let mut keys = vec![vec![Vec::new(); TOLERANCE_LEVELS]; asset.rig.len()];
     for track in &clip.tracks().rotations {
         let joint = usize::from(track.target);
         if !moving.contains(joint) {
@@ -34,7 +34,7 @@ pub fn key_table(asset: &Asset, clip: &Clip, levers: &[JointLever], mode: KeyMod
         }
         let mut candidates: Vec<u32> = (0..track.values.len() as u32).collect();
         for (level, slot) in keys[joint].iter_mut().enumerate() {
-            let tolerance = LADDER_BASE_METRES * (1u32 << level) as f32;
+            let tolerance = FINEST_TOLERANCE_METRES * (1u32 << level) as f32;
             let radians = tolerance / levers[joint].rest_metres;
             candidates = match mode {
                 KeyMode::Hold => hold_keys(&track.values, radians, &candidates),
@@ -47,7 +47,7 @@ pub fn key_table(asset: &Asset, clip: &Clip, levers: &[JointLever], mode: KeyMod
         hashes: table_hashes(&asset.rig, clip, &asset.mesh),
         rate_hz: clip.rate_hz(),
         frames: clip.frames() as u32,
-        base_metres: LADDER_BASE_METRES,
+        base_metres: FINEST_TOLERANCE_METRES,
         mode,
         keys,
     }

@@ -2,19 +2,19 @@
 
 use super::skins::Skins;
 use crate::motion_error::runs::long_runs;
-use articula_core::batch::{BatchEvaluator, LANES, BatchPose};
+use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
 use articula_core::{Backend, ClipSet, Mismatch, PaletteForm, PaletteMap, PaletteRows};
 use glam::Vec3;
 
 /// Least rate of the moments that may be keys.
-const LEAST_TICK_HZ: f32 = 120.0;
+const MIN_TICK_HZ: f32 = 120.0;
 
 /// Ticks of a block: so many poses are held at a time, and a block's end is a key.
 const BLOCK_TICKS: usize = 2048;
 
 /// Keys that are no farther apart than this on average are not worth their blending: two
 /// display frames at 60 Hz.
-const LEAST_SPAN_SECS: f64 = 2.0 / 60.0;
+const MIN_SPAN_SECS: f64 = 2.0 / 60.0;
 
 /// The grid of a clip: its frames are ticks, and there are at least 120 a second. Keys stand on
 /// ticks; straightness is tested half-way between ticks too.
@@ -28,7 +28,7 @@ pub(super) struct Ticks {
 
 impl Ticks {
     pub(super) fn new(rate_hz: f32, frames: usize, end_secs: f32) -> Self {
-        let per_frame = (LEAST_TICK_HZ / rate_hz).ceil().max(1.0);
+        let per_frame = (MIN_TICK_HZ / rate_hz).ceil().max(1.0);
         Self {
             hz: f64::from(rate_hz) * f64::from(per_frame),
             last: (frames - 1) * per_frame as usize,
@@ -38,7 +38,7 @@ impl Ticks {
 
     /// The grid of a clip of one pose.
     pub(super) fn single() -> Self {
-        Self::new(LEAST_TICK_HZ, 1, 0.0)
+        Self::new(MIN_TICK_HZ, 1, 0.0)
     }
 
     /// Number of half ticks, both ends counted.
@@ -55,7 +55,7 @@ impl Ticks {
     }
 
     fn pays(&self, spans: usize) -> bool {
-        spans == 0 || self.last as f64 > LEAST_SPAN_SECS * self.hz * spans as f64
+        spans == 0 || self.last as f64 > MIN_SPAN_SECS * self.hz * spans as f64
     }
 }
 

@@ -1,6 +1,6 @@
 //! Pose keys for all clips and levels of a character, baked into one cache.
 //!
-//! Source: `spec/motion-lod.md` part 6 with its cautions, `spec/runtime.md` 4.1. For each clip and
+//! Source: `docs/methods/motion-lod.md` part 6 with its cautions, `docs/methods/runtime.md` 4.1. For each clip and
 //! level as few whole poses are kept as the level's tolerance allows. Differs: the tolerance is a
 //! share of what the level itself costs in that clip, because the two errors add up, and fast
 //! clips get more as long as the next level alone is worse; what is measured is what the frame shows, through [`PoseCache`] itself, at twice the rate that keys
@@ -12,8 +12,8 @@ mod measure;
 mod skins;
 
 use crate::character::Asset;
-use crate::ladder::MergedLevels;
-use articula_core::batch::{BatchEvaluator, LANES, BatchPose};
+use crate::joint_lods::MergedLevels;
+use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
 use articula_core::{
     Backend, CachedKeys, CachedRows, ClipSet, Mismatch, PaletteForm, PaletteRows, PoseCache,
 };
@@ -22,7 +22,7 @@ use measure::measure;
 use skins::Skins;
 
 /// How often a tolerance may be doubled for a clip that is too fast for it.
-const MOST_DOUBLINGS: u32 = 3;
+const MAX_DOUBLINGS: u32 = 3;
 
 /// How a cache is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,7 +67,7 @@ impl CacheOptions {
         let own = levels_metres.get(level).copied().unwrap_or(0.0);
         let next = levels_metres.get(level + 1).copied().unwrap_or(0.0);
         let first = (self.share * own).max(self.least_metres * (1u32 << level) as f32);
-        let wider = (1..=MOST_DOUBLINGS).map(|i| first * (1u32 << i) as f32);
+        let wider = (1..=MAX_DOUBLINGS).map(|i| first * (1u32 << i) as f32);
         let wider = wider.take_while(|t| own + t <= next);
         std::iter::once(first).chain(wider).collect()
     }
@@ -164,7 +164,9 @@ fn check(
     clips: &ClipSet,
     opts: &CacheOptions,
 ) -> Result<(), Mismatch> {
-    if clips.ladder() != &levels.ladder || levels.ladder.joints().len() != asset.rig.len() {
+    if clips.joint_lods() != &levels.joint_lods
+        || levels.joint_lods.joints().len() != asset.rig.len()
+    {
         return Err(Mismatch::new(
             "clips",
             "they are laid out for another ladder",
@@ -226,7 +228,7 @@ fn planned(
 ) -> Result<Vec<Plan>, Mismatch> {
     let own = levels.errors.clips.get(clip);
     let own = own.map_or(&[][..], |e| &e.levels_metres);
-    let tolerances: Vec<Vec<f32>> = (0..levels.ladder.levels())
+    let tolerances: Vec<Vec<f32>> = (0..levels.joint_lods.levels())
         .map(|level| opts.tolerances_metres(level, own))
         .collect();
     let map = &levels.skins.palette;
@@ -241,7 +243,11 @@ fn planned(
         let report = CacheReport {
             clip,
             level,
-            fate: if pays { CacheDecision::Cached } else { CacheDecision::TooFast },
+            fate: if pays {
+                CacheDecision::Cached
+            } else {
+                CacheDecision::TooFast
+            },
             keys,
             bytes: keys * matrices * opts.form.bytes(),
             tolerance_metres,
@@ -279,7 +285,7 @@ fn bake(
     plans: &[Vec<Plan>],
     form: PaletteForm,
 ) -> (Vec<Vec<Option<CachedKeys>>>, CachedRows) {
-    let levels = clips.ladder().levels();
+    let levels = clips.joint_lods().levels();
     let mut keys = vec![vec![None; levels]; plans.len()];
     let mut rows = match form.is_half() {
         true => CachedRows::Half(Vec::new()),

@@ -2,7 +2,7 @@
 
 use super::CacheOptions;
 use crate::character::Asset;
-use crate::ladder::MergedLevels;
+use crate::joint_lods::MergedLevels;
 use crate::points::draw_vertices;
 use articula_core::{Mesh, skin_points};
 use glam::{Affine3A, Vec3};

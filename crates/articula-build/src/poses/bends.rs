@@ -11,7 +11,7 @@ use articula_core::{JointArticulation, ModelPose, Region, local_to_model};
 use glam::{Quat, Vec3};
 
 /// Mapped joints from which on a rig counts as a human.
-const LEAST_MAPPED: usize = 10;
+const MIN_MAPPED: usize = 10;
 
 /// Limit of a joint of which nothing is known, degrees.
 const ANY_DEGREES: f32 = 40.0;
@@ -39,7 +39,7 @@ pub(super) struct Bends {
 impl Bends {
     pub(super) fn new(asset: &Asset, seed: u64) -> Self {
         let rig = &asset.rig;
-        let is_human = rig.articulation().mapped() >= LEAST_MAPPED;
+        let is_human = rig.articulation().mapped() >= MIN_MAPPED;
         let mut model = ModelPose::new(rig.len());
         local_to_model(rig, rig.rest_pose(), &mut model);
         let bend = |joint: usize| {

@@ -4,11 +4,11 @@ use super::bends::Bends;
 use super::shape::{Sample, Shape};
 use super::skin_pose::{PoseOrigin, SkinPose};
 use crate::character::Asset;
-use crate::ladder::{share_frames, spread_frames};
+use crate::joint_lods::{share_frames, spread_frames};
 use articula_core::Morph;
 
 /// Frames looked at, over all clips.
-const MOST_FRAMES: usize = 600;
+const MAX_FRAMES: usize = 600;
 
 /// Random bends of a character that no clip moves.
 const BENDS: usize = 64;
@@ -36,7 +36,7 @@ impl Candidates {
     /// Frames of all clips; each clip is a group.
     pub(super) fn of_clips(asset: &Asset, sample: &Sample) -> Self {
         let mut all = Self::default();
-        let counts = share_frames(&asset.clips, MOST_FRAMES);
+        let counts = share_frames(&asset.clips, MAX_FRAMES);
         for (clip, count) in counts.into_iter().enumerate() {
             for frame in spread_frames(asset.clips[clip].frames(), count) {
                 all.push(asset, sample, SkinPose::of_clip(asset, clip, frame));

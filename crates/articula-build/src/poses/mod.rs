@@ -1,6 +1,6 @@
 //! Poses that stand for how a character moves: some to simplify its mesh by, others to measure on.
 //!
-//! Source: `spec/clustered-mesh.md` 6 and 9; pose-summed quadrics after Mohr and Gleicher
+//! Source: `docs/methods/clustered-mesh.md` 6 and 9; pose-summed quadrics after Mohr and Gleicher
 //! (Deformation Sensitive Decimation, 2003) and DeCoro and Rusinkiewicz (Pose-independent
 //! Simplification of Articulated Meshes, 2005). Differs: poses are those of the character's own
 //! clips that differ most in shape (farthest-point sampling, Gonzalez 1985), and what is measured
@@ -19,7 +19,7 @@ mod spread;
 pub use skin_pose::{PoseOrigin, SkinPose, positions};
 
 use crate::character::Asset;
-use crate::ladder;
+use crate::joint_lods;
 use articula_core::Mismatch;
 use candidates::Candidates;
 use shape::Sample;
@@ -144,7 +144,7 @@ fn alone(rest: SkinPose) -> Poses {
 }
 
 fn check(asset: &Asset) -> Result<(), Mismatch> {
-    ladder::check(asset)?;
+    joint_lods::check(asset)?;
     let mesh = &asset.mesh;
     let slots = mesh.morph_weights.len();
     let outside = |m: &articula_core::Morph| usize::from(m.slot) >= slots;
@@ -158,7 +158,7 @@ fn check(asset: &Asset) -> Result<(), Mismatch> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ladder::test_figures::{arm, moving};
+    use crate::joint_lods::test_figures::{arm, moving};
     use articula_core::{Clip, Morph, Track, Tracks};
     use glam::{Quat, Vec3};
 
@@ -239,7 +239,11 @@ mod tests {
         };
         asset.clips = vec![Clip::new("walk", 30.0, 50, 3, tracks).unwrap()];
         let found = poses(&asset, &PoseOptions::default()).unwrap();
-        assert_eq!(found.source, SkinPoseSource::Bends, "the clip bends nothing");
+        assert_eq!(
+            found.source,
+            SkinPoseSource::Bends,
+            "the clip bends nothing"
+        );
         assert_eq!((found.shaping.len(), found.measuring.len()), (6, 24));
         let root = asset.rig.root();
         for pose in found.shaping.iter().chain(&found.measuring) {

@@ -5,7 +5,7 @@
 
 use super::skin_pose::SkinPose;
 use crate::character::Asset;
-use crate::ladder::principal;
+use crate::joint_lods::principal;
 use crate::points::draw_vertices;
 use articula_core::{Mesh, Morph};
 use glam::{DMat3, DMat4, DVec3, DVec4, Quat, Vec3};

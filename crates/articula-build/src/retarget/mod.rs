@@ -37,11 +37,11 @@ mod twist;
 
 pub use pair::Retargeter;
 pub use planted::ContactPinning;
-pub use quality::{EndEffectorError, RetargetQuality, FootSlide};
-pub use report::{JointReport, RotationOrigin, RetargetReport};
+pub use quality::{EndEffectorError, FootSlide, RetargetQuality};
+pub use report::{JointReport, RetargetReport, RotationOrigin};
 
 use articula_core::Articulation;
-use articula_core::source::{Clip, Skeleton};
+use articula_core::source::{RawClip, Skeleton};
 
 /// A skeleton and what its joints are.
 #[derive(Debug, Clone, Copy)]
@@ -67,7 +67,7 @@ pub struct RetargetOptions {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Retargeted {
     /// Channels for the target's skeleton: linear, at one rate, times from 0 to the end.
-    pub clip: Clip,
+    pub clip: RawClip,
     /// Where each joint's motion comes from, and numbers of quality.
     pub report: RetargetReport,
 }

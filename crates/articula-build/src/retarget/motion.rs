@@ -1,13 +1,13 @@
 //! A source clip as rotations from rest and places in model space, frame by frame.
 
 use super::rest::Rest;
-use crate::clip::{MOST_NUMBERS, source_rate_hz};
-use articula_core::source::{Clip, Interpolation, Property, Skeleton, evaluate};
+use crate::clip::{MAX_NUMBERS, source_rate_hz};
+use articula_core::source::{Interpolation, Property, RawClip, Skeleton, evaluate};
 use articula_core::{LocalPose, Mismatch, Transform, angle_between};
 use glam::{Affine3A, Quat, Vec3};
 
 /// Most frames of one clip.
-const MOST_FRAMES: f64 = 1e6;
+const MAX_FRAMES: f64 = 1e6;
 
 /// A motion in model space.
 #[derive(Debug, Clone)]
@@ -24,7 +24,7 @@ pub(super) struct Motion {
 impl Motion {
     /// Samples a clip at a rate; `None` is the rate of its own keys.
     pub(super) fn new(
-        clip: &Clip,
+        clip: &RawClip,
         skeleton: &Skeleton,
         rest: &Rest,
         rate_hz: Option<f32>,
@@ -97,7 +97,7 @@ impl Motion {
     }
 }
 
-fn check(clip: &Clip, joints: usize) -> Result<(), Mismatch> {
+fn check(clip: &RawClip, joints: usize) -> Result<(), Mismatch> {
     for (c, channel) in clip.channels.iter().enumerate() {
         let at = || format!("clip \"{}\".channels[{c}]", clip.name);
         let width = match channel.property {
@@ -123,7 +123,7 @@ fn check(clip: &Clip, joints: usize) -> Result<(), Mismatch> {
 }
 
 /// Times from 0 to the clip's end, and their rate.
-fn times(clip: &Clip, rate_hz: Option<f32>, joints: usize) -> Result<(f32, Vec<f32>), Mismatch> {
+fn times(clip: &RawClip, rate_hz: Option<f32>, joints: usize) -> Result<(f32, Vec<f32>), Mismatch> {
     let at = || format!("clip \"{}\"", clip.name);
     let duration = clip.duration_secs;
     let wanted = rate_hz.unwrap_or_else(|| source_rate_hz(clip));
@@ -132,7 +132,7 @@ fn times(clip: &Clip, rate_hz: Option<f32>, joints: usize) -> Result<(f32, Vec<f
         return Err(Mismatch::new(at(), what));
     }
     let steps = (f64::from(duration) * f64::from(wanted)).round();
-    if steps > MOST_FRAMES || steps * (joints as f64) * 7.0 > MOST_NUMBERS as f64 {
+    if steps > MAX_FRAMES || steps * (joints as f64) * 7.0 > MAX_NUMBERS as f64 {
         let what = format!("{duration} s at {wanted} Hz of {joints} joints is too long");
         return Err(Mismatch::new(at(), what));
     }

@@ -16,7 +16,7 @@ use super::transfer::Transfer;
 use super::twist::Twists;
 use super::{RetargetFigure, RetargetOptions, RetargetReport, Retargeted};
 use articula_core::Mismatch;
-use articula_core::source::Clip;
+use articula_core::source::RawClip;
 
 /// Two figures that were compared once, for any number of clips.
 #[derive(Debug, Clone)]
@@ -48,7 +48,11 @@ impl<'a> Retargeter<'a> {
     /// # Errors
     /// A [`Mismatch`] if a channel names a joint that is not there or lacks values, if a pose
     /// is not finite, or if the clip has more frames than memory should hold.
-    pub fn retarget(&self, clip: &Clip, options: &RetargetOptions) -> Result<Retargeted, Mismatch> {
+    pub fn retarget(
+        &self,
+        clip: &RawClip,
+        options: &RetargetOptions,
+    ) -> Result<Retargeted, Mismatch> {
         let target = &self.target;
         let motion = Motion::new(
             clip,

@@ -14,7 +14,7 @@ use std::ops::Range;
 /// Time over which a correction fades in before a contact and out after it.
 const FADE_SECS: f32 = 0.15;
 /// Most that a foot is turned to be flat and keep its direction; 30 degrees.
-const MOST_TURN: f32 = 0.5;
+const MAX_TURN: f32 = 0.5;
 
 /// Path of an end joint before pinning.
 #[derive(Debug, Clone, Default)]
@@ -129,7 +129,7 @@ fn turn(delta: Quat, active: &[&Pin]) -> Option<Vec3> {
     let (is, should) = (is.try_normalize()?, should.try_normalize()?);
     let turn = Quat::from_rotation_arc(is, should);
     let vector = rotation_vector(Quat::IDENTITY, turn);
-    (first.on_floor == last.on_floor && vector.length() < MOST_TURN).then_some(vector)
+    (first.on_floor == last.on_floor && vector.length() < MAX_TURN).then_some(vector)
 }
 
 /// How far the end joint has to move at a frame; `None` without contact.

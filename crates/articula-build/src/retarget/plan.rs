@@ -7,7 +7,7 @@ use glam::{Quat, Vec3};
 
 /// A source joint whose rotation is read, and what carries it over.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Source {
+pub(super) struct RotationSource {
     /// The joint.
     pub(super) joint: usize,
     /// Applied before the source's rotation from rest: from the target's frame to the source's.
@@ -23,9 +23,9 @@ pub(super) enum Drive {
     /// As at rest, relative to its parent.
     Held,
     /// As one source joint.
-    Twin(Source),
+    Twin(RotationSource),
     /// Between two source joints; the number is the share of the second.
-    Between(Source, Source, f32),
+    Between(RotationSource, RotationSource, f32),
 }
 
 /// The plan of a pair of rigs.
@@ -125,19 +125,19 @@ struct Pairer<'a> {
 
 impl Pairer<'_> {
     /// A source joint read as a whole part: frames of the part, not of the segment.
-    fn whole(&self, s: usize, t: usize) -> Source {
+    fn whole(&self, s: usize, t: usize) -> RotationSource {
         let (a, b) = (self.source.frames.part[s], self.target.frames.part[t]);
-        Source {
+        RotationSource {
             joint: s,
             frame: a * b.inverse(),
             along: None,
         }
     }
 
-    fn segment(&self, s: usize, t: usize) -> Source {
+    fn segment(&self, s: usize, t: usize) -> RotationSource {
         let (a, b) = (self.source.frames.own[s], self.target.frames.own[t]);
         match a.zip(b) {
-            Some((a, b)) => Source {
+            Some((a, b)) => RotationSource {
                 joint: s,
                 frame: a * b.inverse(),
                 along: None,
@@ -146,7 +146,7 @@ impl Pairer<'_> {
         }
     }
 
-    fn twin(&self, s: usize, t: usize) -> Source {
+    fn twin(&self, s: usize, t: usize) -> RotationSource {
         let mut read = self.segment(s, t);
         let own = self.source.frames.own[s].is_some() && self.target.frames.own[t].is_some();
         let Some(next) = next_title(self.target.rest.title(t))

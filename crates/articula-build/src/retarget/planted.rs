@@ -9,9 +9,9 @@ use super::transfer::Transfer;
 use glam::Vec3;
 
 /// Most that the hips sink so that both feet reach the floor, in leg lengths.
-const MOST_SINK: f32 = 0.12;
+const MAX_SINK: f32 = 0.12;
 /// Most that the hips rise so that folded legs have room, in leg lengths.
-const MOST_RISE: f32 = 0.4;
+const MAX_RISE: f32 = 0.4;
 /// Time over which the hips sink or rise, and back.
 const SINK_SECS: f32 = 0.2;
 /// Share of its length that a leg may have before the hips sink.
@@ -120,8 +120,8 @@ impl Goals {
         }
         let leg = transfer.target.body.leg_metres;
         let reach = (SINK_SECS * rate_hz) as usize;
-        smoothed(&mut plan.sinks, reach, MOST_SINK * leg);
-        smoothed(&mut plan.rises, reach, MOST_RISE * leg);
+        smoothed(&mut plan.sinks, reach, MAX_SINK * leg);
+        smoothed(&mut plan.rises, reach, MAX_RISE * leg);
         plan
     }
 

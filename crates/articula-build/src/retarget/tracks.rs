@@ -3,7 +3,7 @@
 use super::plan::{Drive, Plan};
 use super::pose::Pose;
 use super::side::Side;
-use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{angle_between, same_hemisphere};
 use glam::{Quat, Vec3};
 
@@ -60,7 +60,7 @@ impl Tracks {
     }
 
     /// The finished clip.
-    pub(super) fn clip(self, name: &str, times_secs: &[f32]) -> Clip {
+    pub(super) fn clip(self, name: &str, times_secs: &[f32]) -> RawClip {
         let mut channels = Vec::with_capacity(self.rotations.len() + self.translations.len());
         for (target, keys) in self.translations {
             let still = keys.iter().all(|k| k.distance(keys[0]) < STILL_METRES);
@@ -86,7 +86,7 @@ impl Tracks {
                 times_secs,
             ));
         }
-        Clip {
+        RawClip {
             name: name.to_owned(),
             duration_secs: times_secs.last().copied().unwrap_or(0.0),
             channels,

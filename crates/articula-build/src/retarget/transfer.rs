@@ -3,7 +3,7 @@
 
 use super::limb::Limb;
 use super::motion::Motion;
-use super::plan::{Drive, Plan, Source, swing};
+use super::plan::{Drive, Plan, RotationSource, swing};
 use super::pose::Pose;
 use super::side::Side;
 use super::steps::{Steps, rest_floor};
@@ -53,7 +53,7 @@ impl Transfer<'_> {
         }
     }
 
-    fn read(&self, frame: usize, from: &Source) -> Quat {
+    fn read(&self, frame: usize, from: &RotationSource) -> Quat {
         let mut delta = self.motion.deltas(frame)[from.joint];
         if let Some((upper, lower)) = from.along {
             let places = self.motion.positions(frame);

@@ -1,11 +1,11 @@
 //! The default scenes: a square of characters seen from its edge, and the same from a moving camera.
 //!
-//! Source: `spec/runtime.md` part 4. Differs: any number of characters, not 10,000 only; and what
+//! Source: `docs/methods/runtime.md` part 4. Differs: any number of characters, not 10,000 only; and what
 //! the text leaves open is settled here: the dolly goes straight ahead to the centre and backs out
 //! again, so that a lap closes; every fifth character, drawn by the seed, is in a cross-fade all
 //! the time.
 
-use super::{CrossFade, SceneCharacter, ClipPlayback, Scene};
+use super::{ClipPlayback, CrossFade, Scene, SceneCharacter};
 use crate::evaluate::CameraKey;
 use crate::split_mix::SplitMix;
 use articula_core::Viewport;
@@ -220,7 +220,9 @@ mod tests {
         assert_eq!(fades.len(), PLAZA_COUNT / 5);
         assert!(fades.iter().all(|(own, other)| own != other && *other < 3));
         let still = plaza(PLAZA_COUNT, 3, 5, Plaza::Still);
-        let same = |(a, b): (&SceneCharacter, &SceneCharacter)| a.play == b.play && a.position == b.position;
+        let same = |(a, b): (&SceneCharacter, &SceneCharacter)| {
+            a.play == b.play && a.position == b.position
+        };
         assert!(scene.members.iter().zip(&still.members).all(same));
     }
 

@@ -2,7 +2,7 @@
 //!
 //! A position class holds vertices that lie and move together: equal in rest position, skin
 //! binding and morph deltas, over all parts. A wedge holds those that agree in all attributes.
-//! Source: `spec/clustered-mesh.md` 5. Differs: the part that draws a vertex and the classes that
+//! Source: `docs/methods/clustered-mesh.md` 5. Differs: the part that draws a vertex and the classes that
 //! a caller names tell wedges apart too.
 
 use articula_core::{Mesh, Morph};
@@ -13,7 +13,7 @@ use std::collections::HashMap;
 const TOGETHER: f32 = 1e-5;
 
 /// Classes of one place, skin and morph that are looked through for one that stays together.
-const MOST_ALIKE: usize = 8;
+const MAX_ALIKE: usize = 8;
 
 /// Classes and wedges of a mesh.
 #[derive(Debug, Clone, Default)]
@@ -53,7 +53,7 @@ impl Classes {
                 let first = classes.first[**class as usize] as usize;
                 poses.iter().all(|p| near(p[v], p[first], tolerance))
             };
-            let class = known.iter().rev().take(MOST_ALIKE).find(together).copied();
+            let class = known.iter().rev().take(MAX_ALIKE).find(together).copied();
             let class = class.unwrap_or_else(|| {
                 let new = classes.first.len() as u32;
                 classes.first.push(v as u32);

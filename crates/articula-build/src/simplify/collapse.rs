@@ -6,10 +6,10 @@
 use super::SimplifyOptions;
 use super::classes::Classes;
 use super::components::Components;
-use super::cost::{Costs, MOST_FACES, area_vector};
+use super::cost::{Costs, MAX_FACES, area_vector};
 use super::levels::Sources;
+use super::removed_vertices::RemovedVertices;
 use super::ring::Ring;
-use super::strays::RemovedVertices;
 use super::topology::Surface;
 use super::wedges::{Images, Wedges};
 use super::{LevelTriangles, classes};
@@ -19,9 +19,9 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 /// Cosine of the angle that a face may turn by: 80 degrees.
-const LEAST_COSINE: f64 = 0.173_648;
+const MIN_COSINE: f64 = 0.173_648;
 /// Faces around a class after something moved onto it.
-const MOST_FACES_AFTER: usize = 40;
+const MAX_FACES_AFTER: usize = 40;
 /// Part of the extent that normals wrong by one radian weigh as much as.
 const NORMAL_LENGTH: f64 = 0.01;
 
@@ -62,7 +62,7 @@ pub(super) struct Simplifier<'a> {
     ring: Ring,
     images: Images,
     /// Removed vertices; none if their distances do not count.
-    strays: Option<RemovedVertices>,
+    removed_vertices: Option<RemovedVertices>,
     /// Stamps of neighbours of the target that is looked at.
     stamps: Vec<u32>,
     stamp: u32,
@@ -99,7 +99,7 @@ impl<'a> Simplifier<'a> {
             normal_weight: length * length * poses.len() as f64,
             ring: Ring::default(),
             images: Images::default(),
-            strays: options
+            removed_vertices: options
                 .measured
                 .then(|| RemovedVertices::new(sources.triangles.len(), classes.len())),
             stamps: vec![0; classes.len()],
@@ -168,8 +168,8 @@ impl<'a> Simplifier<'a> {
     /// Squared distance that a move just looked at would leave removed vertices at.
     fn stray(&mut self, from: u32, to: u32) -> f64 {
         let (costs, ring) = (&self.costs, &self.ring);
-        let strays = self.strays.as_mut();
-        strays.map_or(0.0, |s| {
+        let removed_vertices = self.removed_vertices.as_mut();
+        removed_vertices.map_or(0.0, |s| {
             f64::from(s.distance_squared(costs, ring, (from, to)))
         })
     }
@@ -203,7 +203,7 @@ impl<'a> Simplifier<'a> {
     /// Puts the next move of a vertex after the given cost and target into the queue.
     fn push_next(&mut self, from: u32, after: Option<(u64, u32)>) {
         let valence = self.surface.valence(from);
-        if self.kept[from as usize] || valence == 0 || valence > MOST_FACES {
+        if self.kept[from as usize] || valence == 0 || valence > MAX_FACES {
             return;
         }
         let mut best = None;
@@ -240,7 +240,7 @@ impl<'a> Simplifier<'a> {
         };
         let around_target = self.surface.valence(to);
         if around_target > 256
-            || around_target + self.ring.faces.len() > MOST_FACES_AFTER + 4
+            || around_target + self.ring.faces.len() > MAX_FACES_AFTER + 4
             || !self.ring.keeps_border(place)
             || !self.ring.is_one_fan()
             || !self.keeps_links(to)
@@ -320,7 +320,7 @@ impl<'a> Simplifier<'a> {
                 let before = area_vector([start[pose], a[pose], b[pose]]);
                 let after = area_vector([end[pose], a[pose], b[pose]]);
                 let (l, m) = (before.length(), after.length());
-                if l > 0.0 && before.dot(after) <= LEAST_COSINE * l * m {
+                if l > 0.0 && before.dot(after) <= MIN_COSINE * l * m {
                     return true;
                 }
             }
@@ -364,8 +364,8 @@ impl<'a> Simplifier<'a> {
     }
 
     fn apply(&mut self, from: u32, to: u32) {
-        if let Some(strays) = &mut self.strays {
-            strays.apply(&self.ring);
+        if let Some(removed_vertices) = &mut self.removed_vertices {
+            removed_vertices.apply(&self.ring);
         }
         self.surface.collapse(from, to, &self.images.of_corners);
         self.costs.merge(from, to);

@@ -4,7 +4,7 @@ use super::classes::Classes;
 use super::quadric::Quadric;
 use super::ring::Ring;
 use super::topology::Surface;
-use super::{SimplifyOptions, ErrorWeighting};
+use super::{ErrorWeighting, SimplifyOptions};
 use articula_core::Mesh;
 use glam::{DVec3, Vec3};
 
@@ -13,7 +13,7 @@ const BORDER: f64 = 1.0;
 /// The same of an edge at which texture coordinates, colours or parts differ.
 const SEAM: f64 = 0.3;
 /// Faces around a class beyond which its edges are not looked at.
-pub(super) const MOST_FACES: usize = 64;
+pub(super) const MAX_FACES: usize = 64;
 
 /// Points and quadrics of all classes in all poses.
 #[derive(Debug, Clone, Default)]
@@ -85,7 +85,7 @@ impl Costs {
     fn hold_edges(&mut self, surface: &Surface, classes: &Classes) {
         let mut ring = Ring::default();
         for class in 0..classes.len() as u32 {
-            if surface.valence(class) > MOST_FACES {
+            if surface.valence(class) > MAX_FACES {
                 continue;
             }
             ring.look(surface, class);

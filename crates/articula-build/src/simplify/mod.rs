@@ -8,7 +8,7 @@
 //! Source: Garland and Heckbert (1997) for quadrics; Mohr and Gleicher, *Deformation Sensitive
 //! Decimation* (2003), and DeCoro and Rusinkiewicz, *Pose-independent Simplification of
 //! Articulated Meshes* (2005), for their sum over poses; thesis 3.1.2 for levels of one mesh and
-//! the weight of joints; `spec/clustered-mesh.md` 5, 6 and 9. Differs: collapses act on position
+//! the weight of joints; `docs/methods/clustered-mesh.md` 5, 6 and 9. Differs: collapses act on position
 //! classes over all parts of a character, attributes are kept by wedges.
 
 mod classes;
@@ -18,8 +18,8 @@ mod cost;
 mod levels;
 mod quadric;
 mod region_weights;
+mod removed_vertices;
 mod ring;
-mod strays;
 mod topology;
 mod wedges;
 

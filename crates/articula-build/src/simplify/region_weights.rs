@@ -55,7 +55,7 @@ pub fn region_weights(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ladder::test_figures::{figure, rig};
+    use crate::joint_lods::test_figures::{figure, rig};
     use articula_core::Articulation;
     use articula_core::source::{Joint, Skeleton};
 

@@ -1,6 +1,6 @@
 //! Where the wedges of a vertex go when it is moved onto a neighbour.
 //!
-//! Source: `spec/clustered-mesh.md` 5: a wedge goes to the one that shares a removed face with
+//! Source: `docs/methods/clustered-mesh.md` 5: a wedge goes to the one that shares a removed face with
 //! it, which keeps seams, creases and material borders. Differs: where that gives none but the
 //! two agree in all but normals, the nearest normal is taken, at a cost; otherwise meshes whose
 //! every face has normals of its own could not be simplified at all. Seams of texture coordinates

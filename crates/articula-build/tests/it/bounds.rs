@@ -1,4 +1,4 @@
-//! Acceptance test 5 of `spec/motion-lod.md` part 10: errors of held joints stay within their
+//! Acceptance test 5 of `docs/methods/motion-lod.md` part 10: errors of held joints stay within their
 //! bounds, on random rigs, skins and clips.
 
 use crate::random_figure::{FRAMES, RATE, Row, character_of, flat, rows};

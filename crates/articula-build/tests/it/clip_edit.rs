@@ -6,7 +6,7 @@ use articula_build::clip_edit::{CloseOptions, close};
 use articula_build::clip_edit::{ReduceOptions, ReducedClip, reduce_keys};
 use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, split};
 use articula_core::source::{
-    Channel, Character, Clip, Interpolation, Joint, MorphTarget, Property, evaluate,
+    Channel, Character, Interpolation, Joint, MorphTarget, Property, RawClip, evaluate,
 };
 use articula_core::{Mesh, ModelPose, PosedMesh, Rig, Transform, local_to_model};
 use glam::{Quat, Vec3};
@@ -90,7 +90,7 @@ fn armatures() -> impl Strategy<Value = Transform> {
 }
 
 /// Where a clip has every joint and every vertex, morph targets applied.
-fn shown(character: &Character, rig: &Rig, mesh: &Mesh, clip: &Clip, secs: f32) -> Vec<Vec3> {
+fn shown(character: &Character, rig: &Rig, mesh: &Mesh, clip: &RawClip, secs: f32) -> Vec<Vec3> {
     let mut pose = rig.rest_pose().clone();
     evaluate::pose(clip, &character.skeleton, secs, &mut pose);
     let mut weights = mesh.morph_weights.clone();
@@ -179,7 +179,7 @@ fn interpolations() -> impl Strategy<Value = Interpolation> {
 }
 
 /// Times between the keys, some of them within no thousandth of a second of a jump.
-fn moments(clip: &Clip) -> impl Iterator<Item = f32> {
+fn moments(clip: &RawClip) -> impl Iterator<Item = f32> {
     let end = clip.duration_secs;
     (0..150)
         .map(move |i| end * (i as f32 + 0.5) / 150.0)
@@ -189,7 +189,7 @@ fn moments(clip: &Clip) -> impl Iterator<Item = f32> {
         })
 }
 
-fn joints(character: &Character, rig: &Rig, clip: &Clip, secs: f32) -> ModelPose {
+fn joints(character: &Character, rig: &Rig, clip: &RawClip, secs: f32) -> ModelPose {
     let mut pose = rig.rest_pose().clone();
     evaluate::pose(clip, &character.skeleton, secs, &mut pose);
     let mut model = ModelPose::new(rig.len());

@@ -1,6 +1,6 @@
-//! Laws of clustered levels (`spec/clustered-mesh.md` 10, checks 1, 2, 3 and 5), on random levels.
+//! Laws of clustered levels (`docs/methods/clustered-mesh.md` 10, checks 1, 2, 3 and 5), on random levels.
 
-use articula_build::{Clustered, ClusterOrder, cluster};
+use articula_build::{ClusterOrder, Clustered, cluster};
 use proptest::prelude::*;
 use std::collections::HashMap;
 

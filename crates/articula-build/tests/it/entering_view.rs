@@ -1,11 +1,11 @@
-//! Acceptance test 9 of `spec/motion-lod.md` part 10, its half on visibility: who walks into view
+//! Acceptance test 9 of `docs/methods/motion-lod.md` part 10, its half on visibility: who walks into view
 //! is awake before any of its skin is seen, and is seen when any of its skin is.
 
 use crate::random_figure::{RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
 use articula_build::motion_bounds;
 use articula_build::{Asset, character};
-use articula_core::visibility::{Bodies, LEAST_DEPTH_METRES, CullResult, View, Visibility, see};
+use articula_core::visibility::{Bodies, CullResult, MIN_DEPTH_METRES, View, Visibility, cull};
 use articula_core::{Camera, MotionBounds, PosedMesh, Viewport, Wrap, sample};
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use proptest::prelude::*;
@@ -70,16 +70,22 @@ impl Walker {
         f64::from(self.clip_speed) * f64::from(secs)
     }
 
-    fn look(&self, bounds: &MotionBounds, secs: f32, horizon: f32, views: &[View<'_>]) -> CullResult {
+    fn look(
+        &self,
+        bounds: &MotionBounds,
+        secs: f32,
+        horizon: f32,
+        views: &[View<'_>],
+    ) -> CullResult {
         let (now, speed) = (self.clip_secs(secs), self.clip_speed);
         let bound = bounds.clips[0].over(now, horizon, speed, Wrap::Loop).sphere;
         let world = bound.carried(self.position_at(secs), self.rotation_at(secs), self.scale);
         let mut turned = bound;
         turned.centre *= self.scale;
         // The way of the root and the arc of the bound's centre about it.
-        let wake = (self.speed + self.turning.abs() * turned.centre.length()) * horizon;
+        let margin = (self.speed + self.turning.abs() * turned.centre.length()) * horizon;
         let mut seen = [CullResult::default()];
-        see(views, Bodies::new(&[world], &[wake]).unwrap(), &mut seen);
+        cull(views, Bodies::new(&[world], &[margin]).unwrap(), &mut seen);
         seen[0]
     }
 
@@ -143,7 +149,7 @@ fn who_walks_into_view_was_awake_before() {
             if skin.iter().any(|p| depth_in_picture(&camera, *p).is_some()) {
                 prop_assert_eq!(found, Visibility::Visible);
                 prop_assert_ne!(before, Some(Visibility::Hidden));
-                if before == Some(Visibility::Near) {
+                if before == Some(Visibility::Margin) {
                     ENTERED.fetch_add(1, Ordering::Relaxed);
                 }
             }
@@ -178,7 +184,7 @@ proptest! {
             for p in walker.skin(&asset, secs) {
                 if let Some(depth) = depth_in_picture(&camera, p) {
                     prop_assert_eq!(seen.visibility, Visibility::Visible);
-                    let pixels = camera.viewport.pixels_per_metre(depth.max(LEAST_DEPTH_METRES));
+                    let pixels = camera.viewport.pixels_per_metre(depth.max(MIN_DEPTH_METRES));
                     prop_assert!(seen.pixels_per_metre >= pixels * 0.9999);
                 }
             }

@@ -2,8 +2,8 @@
 
 use articula_build::ClipOptions;
 use articula_build::evaluate::{
-    CameraKey, Method, MethodOptions, EvaluationSetup, SkinPxVariant, ClipEvaluator, MethodRun, calibrate, play,
-    play_camera_path, pose_key_frames, sweep, uniform_key_frames,
+    CameraKey, ClipEvaluator, EvaluationSetup, Method, MethodOptions, MethodRun, SkinPxVariant,
+    calibrate, play, play_camera_path, pose_key_frames, sweep, uniform_key_frames,
 };
 use articula_build::levers;
 use articula_build::pose_keys;
@@ -11,7 +11,7 @@ use articula_build::{Asset, character};
 use articula_build::{ChainTolerance, joint_bounds};
 use articula_build::{key_table, table_hashes};
 use articula_core::source::{
-    Channel, Character, Clip, Interpolation, Joint, Mesh, Primitive, Property, Skeleton, Skin,
+    Channel, Character, Interpolation, Joint, Primitive, Property, RawClip, RawMesh, Skeleton, Skin,
 };
 use articula_core::{
     Articulation, DriftOptions, JointArticulation, JointSet, KeyMode, PosedMesh, Region, Track,
@@ -38,7 +38,7 @@ fn asset() -> Asset {
         skeleton: Skeleton {
             joints: vec![joint("root", None), joint("arm", Some(0))],
         },
-        meshes: vec![Mesh {
+        meshes: vec![RawMesh {
             name: "arm".into(),
             skin: Skin {
                 joints: vec![1],
@@ -52,9 +52,9 @@ fn asset() -> Asset {
                 triangles: vec![[0, 1, 2]],
                 ..Primitive::default()
             }],
-            ..Mesh::default()
+            ..RawMesh::default()
         }],
-        clips: vec![Clip {
+        clips: vec![RawClip {
             name: "turn".into(),
             duration_secs: times[FRAMES - 1],
             channels: vec![Channel {
@@ -241,9 +241,9 @@ fn tables_are_nested_and_fit_only_their_own_clip() {
         let opts = ClipOptions {
             rate_hz: Some(15.0),
         };
-        let source = Clip {
+        let source = RawClip {
             duration_secs: 1.0,
-            ..Clip::default()
+            ..RawClip::default()
         };
         clip_of(&asset, source, &opts)
     };
@@ -304,7 +304,12 @@ fn straight_lines_between_whole_poses_leave_an_arc_as_paper_says() {
     };
     let moved = articula_core::Clip::new("thrown", RATE, still.frames(), 2, tracks).unwrap();
     for clip in [still, &moved] {
-        let stage = ClipEvaluator::new(&asset, clip, EvaluationSetup::default(), MethodOptions::default());
+        let stage = ClipEvaluator::new(
+            &asset,
+            clip,
+            EvaluationSetup::default(),
+            MethodOptions::default(),
+        );
         let tens: Vec<usize> = (0..=60).step_by(10).collect();
         assert_eq!(pose_key_frames(&stage, 0.0013), tens);
         assert_eq!(uniform_key_frames(&stage, 0.0013), tens);
@@ -322,7 +327,7 @@ fn straight_lines_between_whole_poses_leave_an_arc_as_paper_says() {
 
 fn with_motion(frames: usize, interpolation: Interpolation, angle: impl Fn(usize) -> f32) -> Asset {
     let mut asset = asset();
-    let source = Clip {
+    let source = RawClip {
         name: "other".into(),
         duration_secs: (frames - 1) as f32 / RATE,
         channels: vec![Channel {
@@ -395,7 +400,12 @@ fn nothing_bounds_the_speed_of_a_jump() {
 fn an_open_loop_is_shown_at_once_from_afar_too() {
     let asset = asset();
     let clip = &asset.clips[0];
-    let stage = ClipEvaluator::new(&asset, clip, EvaluationSetup::default(), MethodOptions::default());
+    let stage = ClipEvaluator::new(
+        &asset,
+        clip,
+        EvaluationSetup::default(),
+        MethodOptions::default(),
+    );
     let key = |secs| CameraKey {
         secs,
         eye: Vec3::Z * 100.0,
@@ -438,7 +448,7 @@ fn the_thesis_never_updates_a_slow_joint_beside_a_quick_one() {
                 joint("quick", Some(0)),
             ],
         },
-        clips: vec![Clip {
+        clips: vec![RawClip {
             name: "minute".into(),
             duration_secs: 60.0,
             channels: vec![channel(1, &slow), channel(2, &quick)],
@@ -469,7 +479,7 @@ fn the_thesis_never_updates_a_slow_joint_beside_a_quick_one() {
 }
 
 /// A clip for the rig of an asset.
-fn clip_of(asset: &Asset, source: Clip, opts: &ClipOptions) -> articula_core::Clip {
+fn clip_of(asset: &Asset, source: RawClip, opts: &ClipOptions) -> articula_core::Clip {
     let source = Character {
         skeleton: skeleton_of(asset),
         clips: vec![source],

@@ -119,7 +119,7 @@ fn nothing_grows_but_the_error_and_every_step_is_worth_it() {
         .errors
         .check(clips, found.levels.len())
         .unwrap();
-    assert_eq!(found.merged.ladder.levels(), found.levels.len());
+    assert_eq!(found.merged.joint_lods.levels(), found.levels.len());
     // Both change, and not always together.
     let changes = |of: fn(&articula_build::FigureLevel) -> usize| {
         found
@@ -235,7 +235,7 @@ fn one_joint_is_enough_for_levels_and_what_does_not_fit_is_refused() {
         },
     )
     .unwrap();
-    assert_eq!(merged.ladder.levels(), 1);
+    assert_eq!(merged.joint_lods.levels(), 1);
     let rest = vec![figure.poses[0].clone()];
     let found = figure_levels(&still, &merged, &levels, &rest, &options()).unwrap();
     assert!(found.levels.len() >= 3, "{:?}", found.levels);

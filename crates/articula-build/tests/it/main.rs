@@ -9,7 +9,7 @@ mod clusters;
 mod entering_view;
 mod evaluate;
 mod figure_levels;
-mod ladder;
+mod joint_lods;
 mod motion_bounds;
 mod occluders;
 mod one_pass;

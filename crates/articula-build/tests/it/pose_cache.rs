@@ -3,11 +3,11 @@
 use crate::random_figure::{RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
-use articula_build::{CacheOptions, CachedPoses, CacheDecision, cached_poses};
+use articula_build::{CacheDecision, CacheOptions, CachedPoses, cached_poses};
 use articula_build::{LevelOptions, MergedLevels, merged_levels};
 use articula_core::batch::BatchEvaluator;
 use articula_core::{
-    Backend, CachedRows, ClipSet, PaletteForm, PaletteRows, ClipStorage, f32_from_half, percentile,
+    Backend, CachedRows, ClipSet, ClipStorage, PaletteForm, PaletteRows, f32_from_half, percentile,
     skin_points,
 };
 use glam::{Affine3A, Vec3};
@@ -35,8 +35,8 @@ fn prepared(asset: Asset) -> Figure {
         ..LevelOptions::default()
     };
     let levels = merged_levels(&asset, &opts).unwrap();
-    let ladder = levels.ladder.clone();
-    let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, ClipStorage::Float).unwrap();
+    let joint_lods = levels.joint_lods.clone();
+    let clips = ClipSet::new(&asset.rig, joint_lods, &asset.clips, ClipStorage::Float).unwrap();
     Figure {
         asset,
         levels,
@@ -206,7 +206,7 @@ fn hostile_figures() {
     without_clips.clips.clear();
     let figure = prepared(without_clips);
     let made = figure.cached(&CacheOptions::default());
-    assert_eq!(made.report.len(), figure.levels.ladder.levels());
+    assert_eq!(made.report.len(), figure.levels.joint_lods.levels());
     let rest = made.cache.locate(0, 0, f32::NAN).unwrap();
     assert_eq!((rest.before, rest.blend), (rest.after, 0.0));
 

@@ -14,7 +14,7 @@ pub(crate) struct CompletionsArgs {
 }
 
 #[derive(Debug, Serialize)]
-struct Report {
+struct CompletionsReport {
     shell: String,
     script: String,
 }
@@ -27,7 +27,7 @@ pub(crate) fn run(
 ) -> anyhow::Result<()> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut program, "articula", &mut script);
-    let report = Report {
+    let report = CompletionsReport {
         shell: args.shell.to_string(),
         script: String::from_utf8(script).context("the completions are no text")?,
     };

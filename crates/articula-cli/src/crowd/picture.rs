@@ -1,15 +1,15 @@
 //! A moment of a crowd as its camera sees it, every character in the colour of its level.
 
-use super::stage::{Settings, ClipEvaluator};
+use super::stage::{Settings, TimedCrowd};
 use anyhow::Context;
-use articula::crowd::{FrameBudget, CrowdAsset, CrowdPlayer, DetailGoal, PoseSource};
+use articula::crowd::{CrowdAsset, CrowdPlayer, DetailGoal, FrameBudget, PoseSource};
 use articula_build::Scene;
 use articula_core::{Camera, Viewport};
 use articula_flat::Picture;
 use articula_report::CrowdPicture;
 
 /// Most triangles that are drawn; who is farther away than they reach is left out.
-const MOST_TRIANGLES: usize = 4_000_000;
+const MAX_TRIANGLES: usize = 4_000_000;
 
 /// Draws the scene at its beginning.
 pub(crate) fn draw(
@@ -18,7 +18,7 @@ pub(crate) fn draw(
     settings: Settings,
     size: (u32, u32),
 ) -> anyhow::Result<Picture> {
-    let mut stage = ClipEvaluator::new(asset, scene, settings)?;
+    let mut stage = TimedCrowd::new(asset, scene, settings)?;
     let allowance = match settings.detail {
         DetailGoal::Budget { ms, .. } => Some(FrameBudget::of_ns(1e6 * ms)),
         _ => None,
@@ -49,7 +49,7 @@ fn gathered(player: &CrowdPlayer, camera: &Camera) -> (CrowdPicture, usize) {
         .map(|(c, source)| (camera.eye.distance(player.positions()[c]), c, source))
         .collect();
     draws.sort_by(|a, b| a.0.total_cmp(&b.0));
-    draws.truncate((MOST_TRIANGLES / asset.full().mesh.triangles.len().max(1)).max(1));
+    draws.truncate((MAX_TRIANGLES / asset.full().mesh.triangles.len().max(1)).max(1));
     let (mut picture, mut drawn) = (CrowdPicture::default(), 0);
     let mut matrices = Vec::new();
     for (_, character, source) in draws {

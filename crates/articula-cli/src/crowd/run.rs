@@ -3,12 +3,12 @@
 //! The second pass decides every frame as the first did, so it shows the same palettes; whatever it
 //! measures takes no time and no cache from what is timed.
 
-use super::stage::{DISPLAY_HZ, Settings, ClipEvaluator};
+use super::stage::{DISPLAY_HZ, Settings, TimedCrowd};
 use super::timing::{Spread, thread_ns};
 use crate::console::Console;
 use articula::crowd::{
-    FrameBudget, BudgetController, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter,
-    ErrorSample, ErrorSummary, LevelTally, LevelUse, PaletteHash,
+    BudgetController, Crowd, CrowdAsset, CrowdReport, DetailGoal, ErrorMeter, ErrorSample,
+    ErrorSummary, FrameBudget, LevelTally, LevelUse, PaletteHash,
 };
 use articula_build::Scene;
 use articula_core::budget::AllocationReport;
@@ -35,7 +35,7 @@ struct FrameTime {
 pub(crate) struct Run {
     pub(crate) frames: usize,
     pub(crate) visible: Spread,
-    pub(crate) near: Spread,
+    pub(crate) in_cull_margin: Spread,
     /// Processor time of a frame, all threads together, milliseconds.
     pub(crate) frame_ms: Spread,
     /// The same on the wall.
@@ -144,7 +144,7 @@ fn timed(
     settings: Settings,
     console: &Console,
 ) -> anyhow::Result<(Vec<FrameTime>, Vec<FrameBudget>)> {
-    let mut stage = ClipEvaluator::new(asset, scene, settings)?;
+    let mut stage = TimedCrowd::new(asset, scene, settings)?;
     let mut budget = match settings.detail {
         DetailGoal::Budget { ms, .. } => Some(BudgetController::new(ms)),
         _ => None,
@@ -183,7 +183,7 @@ fn looked_at(
     allowances: &[FrameBudget],
     (seed, console): (u64, &Console),
 ) -> anyhow::Result<Run> {
-    let mut stage = ClipEvaluator::new(asset, scene, settings)?;
+    let mut stage = TimedCrowd::new(asset, scene, settings)?;
     let mut meter = ErrorMeter::new(asset, seed);
     let mut tally = LevelTally::new(asset);
     let mut hash = PaletteHash::default();
@@ -219,7 +219,7 @@ fn looked_at(
     Ok(Run {
         frames: settings.frames,
         visible: of(&|r| r.visible as f64),
-        near: of(&|r| r.near as f64),
+        in_cull_margin: of(&|r| r.in_margin as f64),
         frame_ms: Spread::default(),
         wall_ms: Spread::default(),
         tick_ms: Spread::default(),
@@ -262,7 +262,8 @@ fn budget_of(reports: &[(CrowdReport, usize)], allowances: &[FrameBudget]) -> Op
         return None;
     }
     let count = found.len() as f64;
-    let mean = |value: &dyn Fn(&AllocationReport) -> f64| found.iter().map(value).sum::<f64>() / count;
+    let mean =
+        |value: &dyn Fn(&AllocationReport) -> f64| found.iter().map(value).sum::<f64>() / count;
     let allowed = allowances.iter().skip(WARM_UP_FRAMES);
     let allowed: f64 = allowed.map(|a| f64::from(a.cost_ns)).sum();
     Some(BudgetFound {

@@ -3,7 +3,8 @@
 use super::timing::thread_ns;
 use anyhow::Context;
 use articula::crowd::{
-    FrameBudget, CacheUse, CrowdAsset, CrowdReport, DetailGoal, FramePart, SceneOptions, ScenePlayer,
+    CacheUse, CrowdAsset, CrowdReport, DetailGoal, FrameBudget, FramePart, SceneOptions,
+    ScenePlayer,
 };
 use articula_build::Scene;
 use rayon::ThreadPool;
@@ -30,13 +31,13 @@ pub(crate) struct Settings {
 
 /// A scene and the threads that it is played on.
 #[derive(Debug)]
-pub(crate) struct Stage<'a> {
+pub(crate) struct TimedCrowd<'a> {
     pub(crate) scene: ScenePlayer<'a>,
     pool: Option<ThreadPool>,
     parts: usize,
 }
 
-impl<'a> Stage<'a> {
+impl<'a> TimedCrowd<'a> {
     /// Puts everyone in place at time 0.
     pub(crate) fn new(
         asset: &CrowdAsset,

@@ -128,7 +128,7 @@ pub(crate) struct MethodArgs {
     pub(crate) loa: Option<String>,
     /// Let every joint above one that may move, move too (with --loa)
     #[arg(long, requires = "loa")]
-    close_up: bool,
+    with_ancestors: bool,
     /// What joints outside the level show (with --method loa)
     /// [default: key-pose]
     #[arg(long, value_enum, value_name = "POLICY")]
@@ -138,7 +138,7 @@ pub(crate) struct MethodArgs {
     chain: Chain,
     /// Give the joints on the way to a standing foot a quarter of the tolerance (skin-px)
     #[arg(long)]
-    contact_care: bool,
+    protect_contacts: bool,
     /// Weight of the angle terms against the position term, metres a radian
     #[arg(long, help_heading = THESIS, default_value_t = 1.0, value_parser = not_negative, value_name = "A")]
     alpha: f32,
@@ -212,8 +212,8 @@ impl MethodArgs {
             _ if self.variant.is_some() => {
                 "--variant is a form of skin-px; leave it out, or play --method skin-px"
             }
-            _ if self.contact_care && method != MethodName::All => {
-                "--contact-care belongs to skin-px; leave it out, or play --method skin-px"
+            _ if self.protect_contacts && method != MethodName::All => {
+                "--protect-contacts belongs to skin-px; leave it out, or play --method skin-px"
             }
             _ => return Ok(()),
         };
@@ -245,7 +245,7 @@ impl MethodArgs {
 
     fn level(&self, rig: &Rig) -> anyhow::Result<NamedMethod> {
         match &self.loa {
-            Some(text) if self.close_up => {
+            Some(text) if self.with_ancestors => {
                 let set = loa::with_ancestors(rig, &joints(text, rig)?);
                 Ok(NamedMethod::fixed(&format!("{text}, close up"), set))
             }
@@ -281,7 +281,7 @@ impl MethodArgs {
             Passive::Rest => PassivePolicy::Rest,
             Passive::KeyPose => PassivePolicy::KeyPose,
         };
-        options.contact_care = self.contact_care;
+        options.protect_contacts = self.protect_contacts;
         options.chain = match self.chain {
             Chain::Whole => ChainTolerance::Whole,
             Chain::Root => ChainTolerance::Root,

@@ -1,8 +1,8 @@
 //! Gain, error and cost as curves and bars (SVG).
 //!
-//! Source: thesis figures 6.14 and 6.15; `spec/motion-lod.md` 12.
+//! Source: thesis figures 6.14 and 6.15; `docs/methods/motion-lod.md` 12.
 
-use articula_build::evaluate::{PathFrame, PathRun, ClipEvaluator, play};
+use articula_build::evaluate::{ClipEvaluator, PathFrame, PathRun, play};
 use articula_core::JointSet;
 use articula_report::{
     BarSeries, MotionLine, Plot, PlotOptions, Scale, Series, Values, bar_plot, line_plot,
@@ -82,7 +82,11 @@ pub(crate) fn cost_plot(
 }
 
 /// Joints updated at each frame of the clip, for each method at its parameter.
-pub(crate) fn updates_plot(stage: &ClipEvaluator<'_>, lines: &[MotionLine<'_>], heading: &str) -> Plot {
+pub(crate) fn updates_plot(
+    stage: &ClipEvaluator<'_>,
+    lines: &[MotionLine<'_>],
+    heading: &str,
+) -> Plot {
     let rate = f64::from(stage.clip.rate_hz());
     let line = |line: &MotionLine<'_>| {
         let playback = play(stage, line.method, line.parameter)

@@ -8,8 +8,8 @@ use articula_build::ClipOptions;
 use articula_build::clip_edit::EditSubject;
 use articula_build::clip_edit::{ReduceOptions, reduce_keys};
 use articula_core::PosedMesh;
-use articula_core::source::{Character, Clip, evaluate};
-use articula_formats::{Limits, bvh, gltf, profile};
+use articula_core::source::{Character, RawClip, evaluate};
+use articula_formats::{Limits, bvh, gltf, joint_map};
 use glam::Vec3;
 use serde_json::Value;
 use std::path::Path;
@@ -29,7 +29,7 @@ fn read(data: &Path, name: &str) -> (Character, Vec<(usize, Vec3)>) {
 }
 
 /// Where a clip has every joint and every vertex (without morph targets).
-fn shown(figure: &Asset, character: &Character, clip: &Clip, secs: f32) -> Vec<Vec3> {
+fn shown(figure: &Asset, character: &Character, clip: &RawClip, secs: f32) -> Vec<Vec3> {
     let mut pose = figure.rig.rest_pose().clone();
     evaluate::pose(clip, &character.skeleton, secs, &mut pose);
     let every: Vec<u32> = (0..figure.mesh.len() as u32).collect();
@@ -62,7 +62,7 @@ fn fewer_keys_move_no_vertex_of_real_figures_farther_than_the_bound() {
         let (character, ends) = read(&data, name);
         let clip = character.clips.iter().find(|c| c.name == clip).unwrap();
         let mapping =
-            articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
+            articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
         let subject = EditSubject::new(&character, mapping.articulation.clone(), &ends).unwrap();
         let posed = articula_build::character(
             &Character {

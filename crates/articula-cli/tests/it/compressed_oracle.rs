@@ -3,7 +3,7 @@
 
 use crate::judges::{ask, judges_are_here};
 use crate::real::{data_folder, data_is_here};
-use articula_core::source::{Character, Mesh, Primitive};
+use articula_core::source::{Character, Primitive, RawMesh};
 use articula_formats::Limits;
 use articula_formats::gltf::{self, GltfFile};
 use glam::{Affine3A, Vec3};
@@ -57,7 +57,7 @@ fn open(path: &Path) -> GltfFile {
 }
 
 /// Skinned vertices at rest, by the definition.
-fn skinned(character: &Character, mesh: &Mesh, primitive: &Primitive) -> Vec<Vec3> {
+fn skinned(character: &Character, mesh: &RawMesh, primitive: &Primitive) -> Vec<Vec3> {
     let mut model: Vec<Affine3A> = Vec::new();
     for joint in &character.skeleton.joints {
         let parent = joint.parent.map_or(Affine3A::IDENTITY, |p| model[p]);
@@ -102,7 +102,7 @@ fn a_compressed_file_is_shown_the_same_by_all() {
     assert_eq!(answer, shown(&written).1, "to the last digit");
 
     let meshes = file.character.meshes.iter();
-    let ours: Vec<(&Mesh, &Primitive)> = meshes
+    let ours: Vec<(&RawMesh, &Primitive)> = meshes
         .flat_map(|m| m.primitives.iter().map(move |p| (m, p)))
         .collect();
     assert_eq!(ours.len(), primitives.len());

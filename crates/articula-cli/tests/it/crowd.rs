@@ -38,7 +38,7 @@ fn promised_fields_are_there() {
     assert!(number(&found["characters_per_ms"]) > 0.0);
     assert_eq!(found["budget_ms"], Value::Null);
     assert_eq!(found["overrun_p95"], Value::Null);
-    let seen = ["visible", "near", "hidden"].map(|f| number(&found[f]));
+    let seen = ["visible", "in_cull_margin", "hidden"].map(|f| number(&found[f]));
     assert_eq!(seen.iter().sum::<f64>(), 200.0);
     let tiers = found["tiers"].as_object().unwrap();
     let shown: f64 = tiers.values().map(|t| number(&t["characters"])).sum();
@@ -78,7 +78,7 @@ fn a_named_level_keeps_what_it_names() {
     let found = crowd("crowd-named", &words);
     let tiers = found["tiers"].as_object().unwrap();
     assert_eq!(tiers.keys().collect::<Vec<_>>(), ["level_1"]);
-    // Low is the first of the standard's levels, with 24 joints up to it (spec/hanim.md 3).
+    // Low is the first of the standard's levels, with 24 joints up to it (docs/methods/hanim.md 3).
     let joints = number(&tiers["level_1"]["joints"]);
     assert!((2.0..89.0).contains(&joints), "{joints}");
 }

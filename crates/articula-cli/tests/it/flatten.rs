@@ -37,8 +37,8 @@ fn every_profile_writes_a_file_and_says_what_it_is() {
         assert!(text.starts_with(start), "{profile}: {}", &text[..40]);
         assert_eq!(report["profile"], profile);
         assert_eq!(report["bytes"]["raw"], text.len());
-        assert_eq!(report["entry"]["modality"], modality);
-        assert_eq!(report["entry"]["bytes"], text.len());
+        assert_eq!(report["representation"]["modality"], modality);
+        assert_eq!(report["representation"]["bytes"], text.len());
         let error = &report["error"];
         let number = |name: &str| error[name].as_f64().unwrap();
         let sorted = number("wrong_pixels_percent_depth_sort");
@@ -47,7 +47,12 @@ fn every_profile_writes_a_file_and_says_what_it_is() {
         assert!(number("ssim") > least, "{profile}: {error}");
         assert!(number("position_rmse_px") < 0.6, "{profile}: {error}");
         assert!(report["triangles_drawn"].as_u64().unwrap() > 60);
-        assert!(!report["entry"]["needs"].as_array().unwrap().is_empty());
+        assert!(
+            !report["representation"]["needs"]
+                .as_array()
+                .unwrap()
+                .is_empty()
+        );
     }
 }
 

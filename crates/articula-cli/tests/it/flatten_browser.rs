@@ -12,7 +12,7 @@ use articula_flat::Picture;
 use articula_flat::Projection;
 use articula_flat::Supersampling;
 use articula_flat::flatten::{
-    PrepareClipOptions, PreparedClip, Profile, Quality, Settings, ReferenceFrames, flatten,
+    PrepareClipOptions, PreparedClip, Profile, Quality, ReferenceFrames, Settings, flatten,
 };
 use articula_flat::planar::PlanarClip;
 use articula_flat::planar::Shading;

@@ -122,7 +122,7 @@ fn bad_side_files_are_named_too() {
             "l.json",
             &["convert", human, "o.glb", "--loa-profile", "l.json"],
         ),
-        ("{}", "n.json", &["inspect", human, "--profile", "n.json"]),
+        ("{}", "n.json", &["inspect", human, "--joint-map", "n.json"]),
     ];
     for (text, name, words) in cases {
         std::fs::write(here.join(name), text).unwrap();

@@ -6,7 +6,7 @@ use articula_build::retarget::{RetargetFigure, RetargetOptions, Retargeter};
 use articula_core::LocalPose;
 use articula_core::source::{Character, evaluate};
 use articula_formats::mpeg4::bap;
-use articula_formats::{Limits, bvh, profile};
+use articula_formats::{Limits, bvh, joint_map};
 use glam::{Affine3A, Vec3};
 
 /// One frame: the jaw opens by 120, the left eyelid stays.
@@ -196,11 +196,12 @@ fn captured_hands_and_feet_come_to_their_places() {
             &Limits::default(),
         );
         let source = read.unwrap().value.character;
-        let names = articula_build::joint_names::map(&source.skeleton, profile::builtin(), None)
+        let names = articula_build::joint_names::map(&source.skeleton, joint_map::builtin(), None)
             .articulation;
         let mut figure = bap::figure();
-        let standard = articula_build::joint_names::map(&figure.skeleton, profile::builtin(), None)
-            .articulation;
+        let standard =
+            articula_build::joint_names::map(&figure.skeleton, joint_map::builtin(), None)
+                .articulation;
         let from = RetargetFigure {
             skeleton: &source.skeleton,
             articulation: &names,

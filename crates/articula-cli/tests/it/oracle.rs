@@ -9,7 +9,7 @@ use articula_build::character;
 use articula_core::source::{self, evaluate};
 use articula_core::{Clip, JointSet, LocalPose, ModelPose, Rig, Wrap, local_to_model, sample};
 use articula_formats::gltf::{self, Document, GltfFile};
-use articula_formats::{Limits, profile};
+use articula_formats::{Limits, joint_map};
 use glam::Vec3;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -61,11 +61,11 @@ impl Subject {
         let path = data_folder().join(name);
         let file = open(name);
         let skeleton = &file.character.skeleton;
-        let mapping = articula_build::joint_names::map(skeleton, profile::builtin(), None);
+        let mapping = articula_build::joint_names::map(skeleton, joint_map::builtin(), None);
         let rig = Rig::new(skeleton, mapping.articulation).unwrap();
         let clip = clip.map(|wanted| {
             let known = &file.character.clips;
-            let named = |c: &source::Clip| wanted.is_empty() || c.name == wanted;
+            let named = |c: &source::RawClip| wanted.is_empty() || c.name == wanted;
             let found = known.iter().position(named);
             found.unwrap_or_else(|| panic!("{name} has no clip {wanted}"))
         });
@@ -77,7 +77,7 @@ impl Subject {
         }
     }
 
-    fn source_clip(&self) -> Option<&source::Clip> {
+    fn source_clip(&self) -> Option<&source::RawClip> {
         self.clip.map(|c| &self.file.character.clips[c])
     }
 
@@ -165,7 +165,7 @@ fn open(name: &str) -> GltfFile {
 }
 
 /// Times on keys, between keys, at both ends and beyond the last.
-fn times_of(clip: &source::Clip) -> Vec<f32> {
+fn times_of(clip: &source::RawClip) -> Vec<f32> {
     let keys = &clip
         .channels
         .iter()
@@ -217,7 +217,7 @@ fn runtime_clips_follow_three_js() {
         let Some(index) = subject.clip else { continue };
         let mapping = articula_build::joint_names::map(
             &subject.file.character.skeleton,
-            profile::builtin(),
+            joint_map::builtin(),
             None,
         );
         let asset = character(

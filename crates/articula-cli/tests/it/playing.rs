@@ -28,7 +28,7 @@ fn inspect_has_its_fields() {
         .iter()
         .map(|l| l.as_u64().unwrap())
         .collect();
-    // The cumulative counts of the standard's levels (spec/hanim.md 3).
+    // The cumulative counts of the standard's levels (docs/methods/hanim.md 3).
     assert_eq!(levels, [5, 10, 24, 35, 51, 89]);
     assert_eq!(
         (&skeleton["joints"], &skeleton["mapped"]),

@@ -3,11 +3,11 @@
 use crate::real::{data_folder, data_is_here};
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
-use articula_build::{CacheOptions, CachedPoses, CacheDecision, cached_poses};
+use articula_build::{CacheDecision, CacheOptions, CachedPoses, cached_poses};
 use articula_build::{LevelOptions, MergedLevels, merged_levels};
 use articula_core::batch::BatchEvaluator;
-use articula_core::{Backend, ClipSet, PaletteForm, PaletteRows, ClipStorage, skin_points};
-use articula_formats::{Limits, gltf, profile};
+use articula_core::{Backend, ClipSet, ClipStorage, PaletteForm, PaletteRows, skin_points};
+use articula_formats::{Limits, gltf, joint_map};
 use glam::{Affine3A, Vec3};
 
 fn asset() -> Asset {
@@ -17,7 +17,7 @@ fn asset() -> Asset {
         .unwrap()
         .value;
     let mapping =
-        articula_build::joint_names::map(&file.character.skeleton, profile::builtin(), None);
+        articula_build::joint_names::map(&file.character.skeleton, joint_map::builtin(), None);
     let opts = ClipOptions::default();
     let mut asset = character(&file.character, Some(mapping.articulation), &opts).unwrap();
     // Walk, jog and run; the fourth is a quarter of a minute that would cost most of the test.
@@ -74,15 +74,15 @@ fn a_walking_human_blends_within_what_its_cache_states() {
     }
     let asset = asset();
     let levels = merged_levels(&asset, &LevelOptions::default()).unwrap();
-    let ladder = levels.ladder.clone();
-    let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, ClipStorage::Float).unwrap();
+    let joint_lods = levels.joint_lods.clone();
+    let clips = ClipSet::new(&asset.rig, joint_lods, &asset.clips, ClipStorage::Float).unwrap();
     // Every vertex is watched, so nothing is left to the sample.
     let opts = CacheOptions {
         vertices: usize::MAX,
         ..CacheOptions::default()
     };
     let made = cached_poses(&asset, &levels, &clips, &opts).unwrap();
-    assert_eq!(made.report.len(), 3 * levels.ladder.levels());
+    assert_eq!(made.report.len(), 3 * levels.joint_lods.levels());
     for report in &made.report {
         let (clip, level) = (report.clip, report.level);
         println!(
@@ -109,6 +109,6 @@ fn a_walking_human_blends_within_what_its_cache_states() {
         }
     }
     // The coarsest level of every clip is slow enough for its tolerance.
-    let coarsest = levels.ladder.levels() - 1;
+    let coarsest = levels.joint_lods.levels() - 1;
     assert!((0..3).all(|clip| made.cache.error_metres(clip, coarsest).is_some()));
 }

@@ -4,7 +4,7 @@ use crate::program::{BVH, articula, fault, folder, human, json, word};
 use crate::real::real_data;
 use articula_core::source::{Character, evaluate};
 use articula_core::{ModelPose, Rig, local_to_model};
-use articula_formats::{Limits, gltf, profile};
+use articula_formats::{Limits, gltf, joint_map};
 use glam::Vec3;
 use serde_json::Value;
 use std::path::Path;
@@ -30,7 +30,7 @@ fn character(path: &Path) -> Character {
 
 /// Joint positions of a clip at a time.
 fn positions(character: &Character, clip: &str, time: f32) -> Vec<Vec3> {
-    let map = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
+    let map = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
     let rig = Rig::new(&character.skeleton, map.articulation).unwrap();
     let clip = character.clips.iter().find(|c| c.name == clip).unwrap();
     let mut local = rig.rest_pose().clone();
@@ -260,7 +260,7 @@ fn what_is_no_human_is_answered_with_a_mend() {
     ] {
         let line = fault(&here, 1, &words);
         assert!(
-            line.contains("bust.bvh: joints: ") && line.contains("--profile"),
+            line.contains("bust.bvh: joints: ") && line.contains("--joint-map"),
             "{line}"
         );
     }
@@ -340,7 +340,7 @@ fn build_takes_clips_from_other_files() {
     std::fs::write(here.join("bust.bvh"), BVH).unwrap();
     let line = fault(&here, 1, &["build", human, "bust.bvh", "p.glb"]);
     assert!(
-        line.contains("bust.bvh: joints: ") && line.contains("--profile F.json"),
+        line.contains("bust.bvh: joints: ") && line.contains("--joint-map F.json"),
         "{line}"
     );
     assert!(!here.join("p.glb").exists());

@@ -3,7 +3,7 @@
 use crate::program::{fault, folder, json, word};
 use crate::real::real_data;
 use articula_build::{bake, resolve};
-use articula_core::source::{Channel, Clip, Expression, Interpolation, Property, evaluate};
+use articula_core::source::{Channel, Expression, Interpolation, Property, RawClip, evaluate};
 use articula_formats::Limits;
 use articula_formats::gltf::{self, GltfFile};
 use std::path::{Path, PathBuf};
@@ -75,7 +75,7 @@ fn expressions_of_a_real_face_become_its_morph_weights() {
         times_secs: vec![0.0, 1.0],
         values: values.to_vec(),
     };
-    let clip = Clip {
+    let clip = RawClip {
         name: "face".into(),
         duration_secs: 1.0,
         channels: vec![drive("angry", [0.0, 1.0]), drive("aa", [0.0, 0.5])],

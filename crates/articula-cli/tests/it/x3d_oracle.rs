@@ -5,7 +5,7 @@ use crate::judges::{ask, judges_are_here};
 use crate::program;
 use crate::real::{data_folder, data_is_here};
 use articula_core::LocalPose;
-use articula_core::source::{Character, Clip, Mesh, Property, evaluate};
+use articula_core::source::{Character, Property, RawClip, RawMesh, evaluate};
 use articula_formats::{Limits, gltf, x3d};
 use glam::{Affine3A, Mat4, Vec3};
 use serde_json::Value;
@@ -46,7 +46,7 @@ fn judged(path: &Path, clip: &str, times: &[f32]) -> Judged {
 }
 
 /// Model matrices of all joints at a time.
-fn globals(character: &Character, clip: &Clip, time_secs: f32) -> Vec<Affine3A> {
+fn globals(character: &Character, clip: &RawClip, time_secs: f32) -> Vec<Affine3A> {
     let joints = &character.skeleton.joints;
     let mut pose = LocalPose {
         translations: joints.iter().map(|j| j.rest.translation).collect(),
@@ -67,7 +67,7 @@ fn globals(character: &Character, clip: &Clip, time_secs: f32) -> Vec<Affine3A> 
 }
 
 /// The vertices of the meshes that follow several joints, in order.
-fn skin(character: &Character, clip: &Clip, time_secs: f32) -> Vec<Vec3> {
+fn skin(character: &Character, clip: &RawClip, time_secs: f32) -> Vec<Vec3> {
     let globals = globals(character, clip, time_secs);
     let mut points = Vec::new();
     for (index, mesh) in character.meshes.iter().enumerate() {
@@ -84,7 +84,7 @@ fn skin(character: &Character, clip: &Clip, time_secs: f32) -> Vec<Vec3> {
     points
 }
 
-fn follows_many(mesh: &Mesh) -> bool {
+fn follows_many(mesh: &RawMesh) -> bool {
     let primitives = mesh.primitives.iter();
     let used = primitives.flat_map(|p| p.joints.iter().zip(&p.weights));
     let mut used = used.filter(|(_, w)| **w > 0.0).map(|(joint, _)| joint);
@@ -92,7 +92,7 @@ fn follows_many(mesh: &Mesh) -> bool {
     used.any(|joint| Some(joint) != first)
 }
 
-fn add_skinned(mesh: &Mesh, globals: &[Affine3A], morphs: &[f32], points: &mut Vec<Vec3>) {
+fn add_skinned(mesh: &RawMesh, globals: &[Affine3A], morphs: &[f32], points: &mut Vec<Vec3>) {
     let binds = mesh.skin.joints.iter().zip(&mesh.skin.inverse_bind);
     let palette: Vec<Mat4> = binds
         .map(|(j, bind)| Mat4::from(globals[*j] * *bind))
@@ -193,7 +193,7 @@ fn check(folder: &Path, source: &Path, clip: &str) {
     let mut alone = |_: &str| Err("nothing beside it is needed".to_owned());
     let character = gltf::read(&bytes, &Limits::default(), &mut alone).unwrap();
     let character = character.value.character;
-    let named = |c: &&Clip| clip.is_empty() || c.name == clip;
+    let named = |c: &&RawClip| clip.is_empty() || c.name == clip;
     let clip = character.clips.iter().find(named).unwrap();
     let end = clip.duration_secs;
     let times = [0.0, 0.31 * end, 0.77 * end];

@@ -1,6 +1,6 @@
 //! What an evaluation costs on this machine, learnt from times that the caller measured.
 //!
-//! Source: `spec/motion-lod.md` part 7: running means of the nanoseconds per sampled joint, per
+//! Source: `docs/methods/motion-lod.md` part 7: running means of the nanoseconds per sampled joint, per
 //! joint of forward kinematics and per matrix. A caller mostly knows the time of a whole frame,
 //! so the means are those of least squares with forgetting (Ljung, *System Identification*, 1999,
 //! 11.2): the costs that explain the frames of late best. What these frames leave open, such as
@@ -65,7 +65,7 @@ pub(crate) struct UnitCosts {
 }
 
 impl Default for UnitCosts {
-    /// The sums are those of the batched floor of `spec/runtime.md` part 1 (8 joints 22 ns, 67
+    /// The sums are those of the batched floor of `docs/methods/runtime.md` part 1 (8 joints 22 ns, 67
     /// joints 179 ns); how a joint's 2.7 ns divide is a guess, observations correct it.
     fn default() -> Self {
         Self {
@@ -88,12 +88,12 @@ const GAIN: f64 = 0.05;
 const LATE_SHARE: f64 = 0.95;
 const LATE_STEP: f64 = 0.01;
 /// However unsteady times are, half the budget is spent.
-const MOST_LATE: f64 = 2.0;
+const MAX_LATE: f64 = 2.0;
 /// Spread that is expected before anything was seen.
 const FIRST_SPREAD: f64 = 1.0;
 /// An observation is out of line if it is off by so many mean deviations, and by half at least.
 const DEVIATIONS: f64 = 4.0;
-const LEAST_DEVIATION: f64 = 0.5;
+const MIN_DEVIATION: f64 = 0.5;
 /// So many observations out of line in a row are no accident: the machine has changed.
 const PERSISTENT: u32 = 8;
 
@@ -110,7 +110,7 @@ const PERSISTENT: u32 = 8;
 ///     model.observe(&all, 80_000.0);
 /// }
 /// assert!((model.cost_ns(&one) - 80.0).abs() < 0.1);
-/// // From time to time: budget.reprice(|menu, option| model.cost_ns(&work[option]) as f32).
+/// // From time to time: budget.reprice(|option_set, option| model.cost_ns(&work[option]) as f32).
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostModel {
@@ -191,10 +191,10 @@ impl CostModel {
             } else {
                 LATE_SHARE - 1.0
             };
-        self.late = self.late.clamp(1.0, MOST_LATE);
+        self.late = self.late.clamp(1.0, MAX_LATE);
         // The same for twice as long and for half as long.
         let off = (measured_ns / expected).max(expected / measured_ns) - 1.0;
-        if off > (DEVIATIONS * self.spread).max(LEAST_DEVIATION) {
+        if off > (DEVIATIONS * self.spread).max(MIN_DEVIATION) {
             self.out_of_line += 1;
             if self.out_of_line < PERSISTENT {
                 return false;

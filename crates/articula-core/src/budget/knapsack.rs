@@ -1,16 +1,16 @@
 //! The choice for everyone: greedy by gain per cost, repaired from frame to frame.
 //!
-//! Source: `spec/motion-lod.md` part 7. The plain form starts everyone at the cheapest option
+//! Source: `docs/methods/motion-lod.md` part 7. The plain form starts everyone at the cheapest option
 //! and takes the upgrade with the greatest error drop per cost until the budget is used; its
 //! total error differs from the least possible by at most one upgrade. Differs: no heap. The
 //! taken upgrades are those above one key, which [`super::frontier`] finds; a repair gives
 //! exactly what solving anew would, and looks at the characters that changed and at those whose
 //! next or last upgrade lies near that key.
 
+use super::character_entry::{ALARM, BudgetPolicy, CharacterEntry, EMPTY, LodRequest, Watch};
 use super::frontier::{Break, Frontier, Span};
-use super::menu::{LodOptionSet, LodOptionSetId, LodOption, from_fixed, to_fixed};
-use super::report::{OptionChange, AllocationReport, survey};
-use super::seat::{ALARM, EMPTY, BudgetPolicy, LodRequest, CharacterEntry, Watch};
+use super::lod_options::{LodOption, LodOptionSet, LodOptionSetId, from_fixed, to_fixed};
+use super::report::{AllocationReport, OptionChange, survey};
 use crate::Mismatch;
 
 /// A key for characters that must be looked at in any case; no upgrade has it.
@@ -27,8 +27,8 @@ const NOTHING: u8 = u8::MAX;
 #[derive(Debug, Clone)]
 pub struct BudgetAllocator {
     policy: BudgetPolicy,
-    menus: Vec<LodOptionSet>,
-    seats: Vec<CharacterEntry>,
+    option_sets: Vec<LodOptionSet>,
+    entries: Vec<CharacterEntry>,
     watches: Vec<Watch>,
     /// Keys of the upgrade that each would take next and of the one it took last.
     next_key: Vec<u32>,
@@ -58,8 +58,8 @@ impl BudgetAllocator {
     pub fn new(characters: usize, policy: BudgetPolicy) -> Self {
         Self {
             policy,
-            menus: Vec::new(),
-            seats: vec![EMPTY; characters],
+            option_sets: Vec::new(),
+            entries: vec![EMPTY; characters],
             watches: vec![ALARM; characters],
             next_key: vec![0; characters],
             last_key: vec![TOUCHED; characters],
@@ -86,10 +86,10 @@ impl BudgetAllocator {
     ///
     /// # Errors
     /// If there is none or more than 255, or a cost or an error is negative or not a number.
-    pub fn add_menu(&mut self, offers: &[LodOption]) -> Result<LodOptionSetId, Mismatch> {
-        let id = LodOptionSetId(self.menus.len() as u32);
-        self.menus.push(LodOptionSet::new(offers)?);
-        let most = self.per_option.len().max(offers.len());
+    pub fn add_options(&mut self, lod_options: &[LodOption]) -> Result<LodOptionSetId, Mismatch> {
+        let id = LodOptionSetId(self.option_sets.len() as u32);
+        self.option_sets.push(LodOptionSet::new(lod_options)?);
+        let most = self.per_option.len().max(lod_options.len());
         self.per_option.resize(most, 0);
         Ok(id)
     }
@@ -112,9 +112,9 @@ impl BudgetAllocator {
 
     /// Says that nobody sees a character: it costs nothing and has no error.
     pub fn hide(&mut self, character: usize) {
-        if self.seats[character].visible {
+        if self.entries[character].visible {
             self.retract(character);
-            self.seats[character] = EMPTY;
+            self.entries[character] = EMPTY;
             self.watches[character] = ALARM;
             self.touch(character);
         }
@@ -134,8 +134,8 @@ impl BudgetAllocator {
     /// Gives every option a new cost, by its menu and index. A cost that is no number makes the
     /// option too dear to be taken, a negative one free. Everyone is placed anew. O(characters + options), does not allocate.
     pub fn reprice(&mut self, mut cost: impl FnMut(LodOptionSetId, usize) -> f32) {
-        for (id, menu) in self.menus.iter_mut().enumerate() {
-            menu.reprice(|option| cost(LodOptionSetId(id as u32), option));
+        for (id, option_set) in self.option_sets.iter_mut().enumerate() {
+            option_set.reprice(|option| cost(LodOptionSetId(id as u32), option));
         }
         self.rebuild();
     }
@@ -174,41 +174,41 @@ impl BudgetAllocator {
 
     #[cold]
     fn judge(&mut self, character: usize, request: &LodRequest) {
-        if self.seats[character].visible {
+        if self.entries[character].visible {
             self.retract(character);
         }
-        let menu = &self.menus[request.menu.0 as usize];
-        self.seats[character].judge(menu, request, &self.policy);
-        self.watches[character] = Watch::around(&self.seats[character]);
+        let option_set = &self.option_sets[request.option_set.0 as usize];
+        self.entries[character].judge(option_set, request, &self.policy);
+        self.watches[character] = Watch::around(&self.entries[character]);
         self.pixels_per_metre[character] = request.pixels_per_metre;
         self.enter(character);
     }
 
     /// Takes a visible character's options out of all sums.
     fn retract(&mut self, character: usize) {
-        let seat = &self.seats[character];
-        let menu = &self.menus[seat.menu as usize];
-        let base = u64::from(menu.points()[0].cost);
-        for (key, cost) in seat.upgrades(menu, 0) {
+        let entry = &self.entries[character];
+        let option_set = &self.option_sets[entry.option_set as usize];
+        let base = u64::from(option_set.points()[0].cost);
+        for (key, cost) in entry.upgrades(option_set, 0) {
             self.frontier.remove(key, cost);
         }
         self.base -= base;
-        self.demand -= u64::from(menu.points()[usize::from(seat.last)].cost);
-        self.used -= u64::from(menu.points()[usize::from(seat.chosen)].cost);
+        self.demand -= u64::from(option_set.points()[usize::from(entry.last)].cost);
+        self.used -= u64::from(option_set.points()[usize::from(entry.chosen)].cost);
         self.visible -= 1;
     }
 
     /// Puts a visible character's options into all sums, itself at the cheapest.
     fn enter(&mut self, character: usize) {
-        let seat = &mut self.seats[character];
-        seat.chosen = 0;
-        let menu = &self.menus[seat.menu as usize];
-        let base = u64::from(menu.points()[0].cost);
-        for (key, cost) in seat.upgrades(menu, 0) {
+        let entry = &mut self.entries[character];
+        entry.chosen = 0;
+        let option_set = &self.option_sets[entry.option_set as usize];
+        let base = u64::from(option_set.points()[0].cost);
+        for (key, cost) in entry.upgrades(option_set, 0) {
             self.frontier.add(key, cost);
         }
         self.base += base;
-        self.demand += u64::from(menu.points()[usize::from(seat.last)].cost);
+        self.demand += u64::from(option_set.points()[usize::from(entry.last)].cost);
         self.used += base;
         self.visible += 1;
         self.touch(character);
@@ -222,18 +222,22 @@ impl BudgetAllocator {
     fn rebuild(&mut self) {
         self.frontier.clear();
         (self.base, self.used, self.demand, self.visible) = (0, 0, 0, 0);
-        for character in 0..self.seats.len() {
-            let seat = &mut self.seats[character];
+        for character in 0..self.entries.len() {
+            let entry = &mut self.entries[character];
             if self.policy.patience_frames == 0 {
-                (seat.ageing, seat.turn) = (1.0, false);
+                (entry.ageing, entry.turn) = (1.0, false);
             }
-            if seat.visible {
+            if entry.visible {
                 let request = LodRequest {
-                    menu: LodOptionSetId(seat.menu),
-                    weight: seat.weight,
-                    pixels_per_metre: seat.pixels_per_metre,
+                    option_set: LodOptionSetId(entry.option_set),
+                    weight: entry.weight,
+                    pixels_per_metre: entry.pixels_per_metre,
                 };
-                seat.judge(&self.menus[seat.menu as usize], &request, &self.policy);
+                entry.judge(
+                    &self.option_sets[entry.option_set as usize],
+                    &request,
+                    &self.policy,
+                );
                 self.enter(character);
             }
         }
@@ -252,20 +256,20 @@ impl BudgetAllocator {
             self.age_one(self.newly_served[k] as usize);
         }
         self.newly_served.clear();
-        let block = self.seats.len().div_ceil(patience);
+        let block = self.entries.len().div_ceil(patience);
         let from = block * (self.frame as usize % patience);
-        for character in from..(from + block).min(self.seats.len()) {
+        for character in from..(from + block).min(self.entries.len()) {
             self.age_one(character);
         }
     }
 
     fn age_one(&mut self, character: usize) {
-        let seat = &mut self.seats[character];
-        let before = seat.ageing;
-        let ageing = seat.aged(self.frame, &self.policy);
-        if seat.visible && ageing != before {
+        let entry = &mut self.entries[character];
+        let before = entry.ageing;
+        let ageing = entry.aged(self.frame, &self.policy);
+        if entry.visible && ageing != before {
             self.retract(character);
-            self.seats[character].ageing = ageing;
+            self.entries[character].ageing = ageing;
             self.enter(character);
         }
     }
@@ -276,23 +280,27 @@ impl BudgetAllocator {
         self.look_for(span);
         for k in 0..self.looked_at.len() {
             let character = self.looked_at[k] as usize;
-            let (seat, menu) = seat_and_menu(&mut self.seats, &self.menus, character);
-            let before = seat.chosen;
+            let (entry, option_set) =
+                entry_and_options(&mut self.entries, &self.option_sets, character);
+            let before = entry.chosen;
             // Keys fall, but counting on costs less than guessing where they pass the span.
-            let above = seat.upgrades(menu, 0).filter(|u| u.0 > span.greatest);
-            seat.chosen = above.count() as u8;
-            self.next_key[character] = seat.next_key(menu);
-            if seat.visible {
-                let cost = |i: u8| u64::from(menu.points()[usize::from(i)].cost);
-                self.used = self.used - cost(before) + cost(seat.chosen);
+            let above = entry
+                .upgrades(option_set, 0)
+                .filter(|u| u.0 > span.greatest);
+            entry.chosen = above.count() as u8;
+            self.next_key[character] = entry.next_key(option_set);
+            if entry.visible {
+                let cost = |i: u8| u64::from(option_set.points()[usize::from(i)].cost);
+                self.used = self.used - cost(before) + cost(entry.chosen);
             }
         }
-        let (seats, menus, next_key) = (&self.seats, &self.menus, &self.next_key);
+        let (entries, option_sets, next_key) = (&self.entries, &self.option_sets, &self.next_key);
         let in_span = |c: &&u32| next_key[**c as usize] >= span.least;
         let end = span.find(|each| {
             for character in self.looked_at.iter().filter(in_span) {
-                let seat = &seats[*character as usize];
-                let upgrades = seat.upgrades(&menus[seat.menu as usize], seat.chosen);
+                let entry = &entries[*character as usize];
+                let upgrades =
+                    entry.upgrades(&option_sets[entry.option_set as usize], entry.chosen);
                 let within = upgrades.take_while(|u| u.0 >= span.least);
                 within.for_each(|(key, cost)| each(key, cost));
             }
@@ -328,9 +336,10 @@ impl BudgetAllocator {
                 self.show(character);
                 continue;
             }
-            let (seat, menu) = seat_and_menu(&mut self.seats, &self.menus, character);
-            let mut chosen = seat.chosen;
-            for (key, cost) in seat.upgrades(menu, seat.chosen) {
+            let (entry, option_set) =
+                entry_and_options(&mut self.entries, &self.option_sets, character);
+            let mut chosen = entry.chosen;
+            for (key, cost) in entry.upgrades(option_set, entry.chosen) {
                 let cost = u64::from(cost);
                 if key == end.key && cost <= end.room {
                     end.room -= cost;
@@ -345,36 +354,36 @@ impl BudgetAllocator {
                 self.used += cost;
                 chosen += 1;
             }
-            seat.chosen = chosen;
+            entry.chosen = chosen;
             self.show(character);
         }
     }
 
     /// Writes down what follows from a character's choice.
     fn show(&mut self, character: usize) {
-        let seat = &mut self.seats[character];
+        let entry = &mut self.entries[character];
         let (mut now, mut error) = (NOTHING, 0.0);
         (self.next_key[character], self.last_key[character]) = (0, TOUCHED);
-        if seat.visible {
-            let menu = &self.menus[seat.menu as usize];
-            let point = &menu.points()[usize::from(seat.chosen)];
+        if entry.visible {
+            let option_set = &self.option_sets[entry.option_set as usize];
+            let point = &option_set.points()[usize::from(entry.chosen)];
             (now, error) = (point.option, point.error_metres);
-            self.next_key[character] = seat.next_key(menu);
-            if let Some(i) = seat.chosen.checked_sub(1) {
-                self.last_key[character] = seat.key(i, &menu.steps()[usize::from(i)]);
+            self.next_key[character] = entry.next_key(option_set);
+            if let Some(i) = entry.chosen.checked_sub(1) {
+                self.last_key[character] = entry.key(i, &option_set.steps()[usize::from(i)]);
             }
         }
-        let starved = seat.visible && seat.chosen < seat.target;
-        match (seat.starved, starved) {
-            _ if seat.turn => {}
+        let starved = entry.visible && entry.chosen < entry.target;
+        match (entry.starved, starved) {
+            _ if entry.turn => {}
             (true, false) => {
-                (seat.turn, seat.turn_since) = (true, self.frame);
+                (entry.turn, entry.turn_since) = (true, self.frame);
                 self.newly_served.push(character as u32);
             }
-            (false, true) => seat.waits_since = self.frame,
+            (false, true) => entry.waits_since = self.frame,
             _ => {}
         }
-        seat.starved = starved;
+        entry.starved = starved;
         self.error_metres[character] = error;
         let before = std::mem::replace(&mut self.shown[character], now);
         if before != now {
@@ -411,14 +420,14 @@ impl BudgetAllocator {
     }
 }
 
-fn seat_and_menu<'a>(
-    seats: &'a mut [CharacterEntry],
-    menus: &'a [LodOptionSet],
+fn entry_and_options<'a>(
+    entries: &'a mut [CharacterEntry],
+    option_sets: &'a [LodOptionSet],
     character: usize,
 ) -> (&'a mut CharacterEntry, &'a LodOptionSet) {
-    let seat = &mut seats[character];
-    let menu = &menus[seat.menu as usize];
-    (seat, menu)
+    let entry = &mut entries[character];
+    let option_set = &option_sets[entry.option_set as usize];
+    (entry, option_set)
 }
 
 fn option(shown: u8) -> Option<u8> {

@@ -1,10 +1,10 @@
 //! Who gets how much of a frame: one option for each character, least error within a budget.
 //!
-//! Source: `spec/motion-lod.md` part 7. On the FRAME line this stands between the view and the
+//! Source: `docs/methods/motion-lod.md` part 7. On the FRAME line this stands between the view and the
 //! level: before it, what each character may cost and how wrong it would look; after it, the
 //! option that each character is shown with, and which characters changed theirs.
 //!
-//! - [`LodOption`]: one way to show a kind of character; [`BudgetAllocator::add_menu`] keeps those worth their cost
+//! - [`LodOption`]: one way to show a kind of character; [`BudgetAllocator::add_options`] keeps those worth their cost
 //! - [`BudgetAllocator`]: the choice for everyone, repaired from frame to frame
 //! - [`CostModel`]: what an option costs, from times that the caller measured
 //!
@@ -12,12 +12,12 @@
 //! use articula_core::budget::{BudgetAllocator, LodOption, BudgetPolicy, LodRequest};
 //!
 //! // Two ways to show a figure: coarse, 50 mm off, or all of its joints.
-//! let offers = [(40.0, 0.050), (200.0, 0.0)].map(|(cost, error_metres)| LodOption { cost, error_metres });
+//! let lod_options = [(40.0, 0.050), (200.0, 0.0)].map(|(cost, error_metres)| LodOption { cost, error_metres });
 //! let mut budget = BudgetAllocator::new(2, BudgetPolicy::default());
-//! let menu = budget.add_menu(&offers)?;
+//! let option_set = budget.add_options(&lod_options)?;
 //!
 //! // The first is near, the second far; there is room for one of them in full.
-//! let request = |pixels_per_metre| LodRequest { menu, weight: pixels_per_metre, pixels_per_metre };
+//! let request = |pixels_per_metre| LodRequest { option_set, weight: pixels_per_metre, pixels_per_metre };
 //! budget.request(0, request(200.0));
 //! budget.request(1, request(10.0));
 //! let report = budget.solve(250.0);
@@ -29,15 +29,15 @@
 //! # Ok::<(), articula_core::Mismatch>(())
 //! ```
 
+mod character_entry;
 mod cost_model;
 mod frontier;
 mod knapsack;
-mod menu;
+mod lod_options;
 mod report;
-mod seat;
 
+pub use character_entry::{BudgetPolicy, LodRequest};
 pub use cost_model::{CostModel, Workload};
 pub use knapsack::BudgetAllocator;
-pub use menu::{LodOptionSetId, LodOption};
-pub use report::{OptionChange, AllocationReport};
-pub use seat::{BudgetPolicy, LodRequest};
+pub use lod_options::{LodOption, LodOptionSetId};
+pub use report::{AllocationReport, OptionChange};

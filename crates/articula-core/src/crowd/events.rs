@@ -86,22 +86,22 @@ pub(crate) fn for_events(events: &[ClipEvent], step: Step, tell: &mut dyn FnMut(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crowd::player::ClipState;
+    use crate::crowd::character_state::ClipState;
     use crate::sample::Wrap;
     use proptest::prelude::*;
 
-    fn told(voice: &mut ClipState, duration: f32, dt: f32, times: &[f32]) -> Vec<u32> {
+    fn told(clip_state: &mut ClipState, duration: f32, dt: f32, times: &[f32]) -> Vec<u32> {
         let events: Vec<ClipEvent> = times
             .iter()
             .zip(0..)
             .map(|(secs, id)| ClipEvent { secs: *secs, id })
             .collect();
         let mut heard = Vec::new();
-        voice.advance(duration, dt, &events, &mut |e| heard.push(e.id));
+        clip_state.advance(duration, dt, &events, &mut |e| heard.push(e.id));
         heard
     }
 
-    fn voice(secs: f32, speed: f32, wrap: Wrap) -> ClipState {
+    fn clip_state(secs: f32, speed: f32, wrap: Wrap) -> ClipState {
         ClipState {
             secs,
             speed,
@@ -113,19 +113,19 @@ mod tests {
     #[test]
     fn by_hand() {
         let marks = [0.0, 0.5, 1.0];
-        let mut v = voice(0.0, 1.0, Wrap::Loop);
+        let mut v = clip_state(0.0, 1.0, Wrap::Loop);
         assert_eq!(told(&mut v, 1.0, 0.5, &marks), [0]);
         assert_eq!(told(&mut v, 1.0, 0.25, &marks), [1]);
         // Over the end: the end's mark, then the beginning's.
         assert_eq!(told(&mut v, 1.0, 0.5, &marks), [2, 0]);
         // Two and a half laps.
-        let mut v = voice(0.25, 1.0, Wrap::Loop);
+        let mut v = clip_state(0.25, 1.0, Wrap::Loop);
         assert_eq!(told(&mut v, 1.0, 2.0, &marks), [1, 2, 0, 1, 2, 0]);
         // Backwards.
-        let mut v = voice(0.25, -1.0, Wrap::Loop);
+        let mut v = clip_state(0.25, -1.0, Wrap::Loop);
         assert_eq!(told(&mut v, 1.0, 0.5, &marks), [0, 2]);
         // A clip that stops tells its end once.
-        let mut v = voice(0.75, 1.0, Wrap::Clamp);
+        let mut v = clip_state(0.75, 1.0, Wrap::Clamp);
         assert_eq!(told(&mut v, 1.0, 0.5, &marks), [2]);
         assert!(told(&mut v, 1.0, 0.5, &marks).is_empty());
     }
@@ -138,7 +138,7 @@ mod tests {
             steps in prop::collection::vec(0.001f32..1.7, 1..40),
             start in 0.0f32..0.99,
         ) {
-            let mut v = voice(start, 1.0, Wrap::Loop);
+            let mut v = clip_state(start, 1.0, Wrap::Loop);
             let mut heard = 0usize;
             let mut laps = 0;
             for dt in &steps {

@@ -1,6 +1,6 @@
 //! What goes into a frame and what comes out of it, but for the palettes.
 
-use super::player::MOST_STEP_SECS;
+use super::character_state::MAX_STEP_SECS;
 use crate::budget::{self, Workload};
 use crate::visibility::View;
 use glam::{Quat, Vec3};
@@ -18,11 +18,11 @@ pub struct Frame<'a> {
     /// Uniform scale of each; empty: all 1.
     pub scales: &'a [f32],
     /// How far each may go until it is looked for again, metres; empty: nowhere.
-    pub wake_metres: &'a [f32],
+    pub cull_margin_metres: &'a [f32],
     /// How important each is: 1 is neutral, 2 halves its tolerance; empty: all 1.
     pub importance: &'a [f32],
     /// Who can be seen.
-    pub sight: Culling<'a>,
+    pub culling: Culling<'a>,
     /// How much detail each gets.
     pub detail: Detail,
     /// Whether characters whose poses agree within their tolerance may share one palette.
@@ -50,7 +50,7 @@ pub enum Culling<'a> {
     /// Whoever meets one of these views.
     Views(&'a [View<'a>]),
     /// Everyone, in full detail.
-    Everyone,
+    Off,
 }
 
 /// How much detail each character gets.
@@ -78,7 +78,7 @@ pub enum Detail {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CrowdEvent {
     /// A mark on a clip was passed.
-    Event {
+    Clip {
         /// The character.
         character: usize,
         /// Its clip.
@@ -107,7 +107,7 @@ pub struct CrowdReport {
     /// Characters that a view sees.
     pub visible: usize,
     /// Characters that are near to being seen.
-    pub near: usize,
+    pub in_margin: usize,
     /// Poses to evaluate for single characters.
     pub own: usize,
     /// Poses to evaluate that several share.
@@ -131,7 +131,7 @@ impl Frame<'_> {
     pub(crate) fn step_secs(&self) -> f32 {
         // No number fails the comparison too.
         if self.dt_secs > 0.0 {
-            self.dt_secs.min(MOST_STEP_SECS)
+            self.dt_secs.min(MAX_STEP_SECS)
         } else {
             0.0
         }

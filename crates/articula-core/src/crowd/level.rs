@@ -1,7 +1,7 @@
 //! The level of one character: the coarsest whose error its viewer cannot see.
 
+use super::character_state::CharacterState;
 use super::model::CrowdModel;
-use super::player::CharacterState;
 use crate::attention::multiplier;
 
 /// What was chosen for a visible character.

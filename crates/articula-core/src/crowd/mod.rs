@@ -1,13 +1,13 @@
 //! The FRAME line of a crowd: clocks, views, levels, batches, palettes.
 //!
-//! Source: `spec/motion-lod.md` parts 5 to 8, `spec/runtime.md` parts 3 and 4. [`Crowd::tick`]
+//! Source: `docs/methods/motion-lod.md` parts 5 to 8, `docs/methods/runtime.md` parts 3 and 4. [`Crowd::tick`]
 //! does what is cheap and serial: it runs every clock on, tells the events, looks who is seen,
 //! chooses a level for each and sorts them into batches. [`Crowd::evaluate`] writes palettes for
 //! any range of batches and changes nothing, so the caller may give ranges to its threads.
 //!
 //! - [`CrowdModel`]: what all share, made once
 //! - [`CharacterState`], [`ClipState`]: what one character plays
-//! - [`ClipEvent`], [`RootTrajectory`], [`socket`]: what is never skipped, whatever is shown
+//! - [`ClipEvent`], [`RootTrajectory`], [`attachment`]: what is never skipped, whatever is shown
 //!
 //! No hidden policy: what a level may cost is in [`Detail`], and every change of level is told.
 //!
@@ -28,23 +28,23 @@
 //!   holds, transposed to columns, or the whole array is one `DataTexture` for an
 //!   `InstancedMesh` whose shader reads `first_matrix` from an instanced attribute.
 
+mod attachment;
+mod character_state;
+mod crowd_budget;
 mod events;
 mod frame;
 mod level;
 mod model;
 mod plan;
-mod player;
-mod purse;
 mod root_path;
 mod share;
-mod socket;
 mod tick;
 
+pub use attachment::attachment;
+pub use character_state::{CharacterState, ClipState};
 pub use events::ClipEvent;
-pub use frame::{CacheUse, CrowdReport, Detail, Frame, CrowdEvent, Culling};
+pub use frame::{CacheUse, CrowdEvent, CrowdReport, Culling, Detail, Frame};
 pub use model::{CrowdModel, CrowdParts};
 pub use plan::{Draw, DrawGroup, DrawList, RecordGroup};
-pub use player::{CharacterState, ClipState};
-pub use root_path::{RootTrajectory, RootDelta};
-pub use socket::socket;
+pub use root_path::{RootDelta, RootTrajectory};
 pub use tick::Crowd;

@@ -6,7 +6,7 @@ use crate::Mismatch;
 use crate::attention::Attention;
 use crate::batch::BatchEvaluator;
 use crate::clip_set::ClipSet;
-use crate::level_error::{ClipLodErrors, LodErrors};
+use crate::lod_error::{ClipLodErrors, LodErrors};
 use crate::motion_bounds::MotionBounds;
 use crate::palette::{PaletteForm, PaletteMap};
 use crate::pose_cache::PoseCache;
@@ -45,7 +45,7 @@ pub struct CrowdModel {
     parts: CrowdParts,
     durations: Vec<f32>,
     /// Errors of all clips in one array, `levels` for each clip.
-    level_errors: Vec<f32>,
+    lod_errors: Vec<f32>,
     /// Whether no clip has events or a path.
     plain: bool,
 }
@@ -61,7 +61,7 @@ impl CrowdModel {
         BatchEvaluator::new(clips, &parts.palette, parts.form, parts.backend)?;
         let count = clips.clips();
         errors
-            .check(count, clips.ladder().levels())
+            .check(count, clips.joint_lods().levels())
             .map_err(|e| Mismatch::new(format!("errors.{}", e.at), e.what))?;
         if parts.bounds.clips.len() != count {
             let what = format!("{} entries for {count} clips", parts.bounds.clips.len());
@@ -87,7 +87,7 @@ impl CrowdModel {
         let errors = parts.errors.clips.iter();
         let no_event = parts.events.iter().all(Vec::is_empty);
         Ok(Self {
-            level_errors: errors.flat_map(ClipLodErrors::judged).collect(),
+            lod_errors: errors.flat_map(ClipLodErrors::judged).collect(),
             plain: no_event && parts.paths.iter().all(Option::is_none),
             durations,
             parts,
@@ -102,7 +102,7 @@ impl CrowdModel {
 
     /// Number of levels.
     pub(crate) fn levels(&self) -> usize {
-        self.parts.clips.ladder().levels()
+        self.parts.clips.joint_lods().levels()
     }
 
     /// The evaluator of its batches.
@@ -126,7 +126,7 @@ impl CrowdModel {
     #[inline]
     pub(crate) fn errors_of(&self, clip: usize) -> &[f32] {
         let levels = self.levels();
-        &self.level_errors[clip * levels..][..levels]
+        &self.lod_errors[clip * levels..][..levels]
     }
 
     /// Whether nothing of a clip but its pose is to be told.
@@ -180,7 +180,7 @@ fn filled<T: Clone + Default>(
 
 /// Whether cached palettes are of these clips, levels and matrices.
 fn check_cache(parts: &CrowdParts, cache: &PoseCache) -> Result<(), Mismatch> {
-    let levels = parts.clips.ladder().levels();
+    let levels = parts.clips.joint_lods().levels();
     let of = |count, cached, what: &str| {
         (count != cached).then(|| format!("{cached} {what}, the model has {count}"))
     };

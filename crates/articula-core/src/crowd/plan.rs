@@ -1,6 +1,6 @@
 //! What has to be evaluated in a frame, sorted into batches, and who shows what.
 
-use crate::ladder::JointLods;
+use crate::joint_lods::JointLods;
 use crate::palette::PaletteMap;
 use crate::pose_cache::BlendRecord;
 use crate::simd::LANES;

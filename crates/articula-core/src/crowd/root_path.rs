@@ -1,6 +1,6 @@
 //! Where a clip carries the whole character: its way over the ground, apart from the pose.
 //!
-//! Root motion is never a joint (`spec/motion-lod.md` part 0): it advances at every level, and
+//! Root motion is never a joint (`docs/methods/motion-lod.md` part 0): it advances at every level, and
 //! for hidden characters too.
 
 use crate::Mismatch;
@@ -133,7 +133,10 @@ mod tests {
     #[test]
     fn refuses_what_is_no_path() {
         let at = |r: Result<RootTrajectory, Mismatch>| r.unwrap_err().at;
-        assert_eq!(at(RootTrajectory::new(0.0, vec![RootDelta::default()])), "rate_hz");
+        assert_eq!(
+            at(RootTrajectory::new(0.0, vec![RootDelta::default()])),
+            "rate_hz"
+        );
         assert_eq!(at(RootTrajectory::new(1.0, Vec::new())), "places");
         let bad = RootDelta {
             yaw_radians: f32::NAN,

@@ -1,6 +1,6 @@
 //! Shared poses: characters whose poses agree within their tolerance show one palette.
 //!
-//! Source: `spec/motion-lod.md` part 6. Each clip has one clock. The phases around it are cut
+//! Source: `docs/methods/motion-lod.md` part 6. Each clip has one clock. The phases around it are cut
 //! into equal buckets, so few that half a bucket's way stays within the tolerance; everyone in a
 //! bucket follows its leader, whose phase is the middle. Leaders run with the clock, so a
 //! follower that plays at the clip's own speed never changes its bucket and shows no step.

@@ -1,24 +1,24 @@
 //! One frame of a crowd, from clocks to palettes.
 
-use super::frame::{CacheUse, CrowdReport, Detail, Frame, CrowdEvent, Culling};
+use super::attachment::attachment;
+use super::character_state::{CharacterState, ClipState};
+use super::crowd_budget::{CrowdBudget, work};
+use super::frame::{CacheUse, CrowdEvent, CrowdReport, Culling, Detail, Frame};
 use super::level::{Choice, attention, cached_within};
 use super::model::CrowdModel;
 use super::plan::{Batch, DrawList, Kind, Plan, Poser};
-use super::player::{CharacterState, ClipState};
-use super::purse::{CrowdBudget, work};
 use super::root_path::RootDelta;
 use super::share::{ClipWay, Follower, Leader, Sharing};
-use super::socket::socket;
 use crate::Mismatch;
-use crate::batch::{Scratch, BatchPose};
-use crate::budget::{CostModel, BudgetPolicy};
+use crate::batch::{BatchPose, Scratch};
+use crate::budget::{BudgetPolicy, CostModel};
 use crate::level_choice::{kept_between, level_within};
 use crate::palette::PaletteRows;
 use crate::pose_cache::BlendRecord;
 use crate::sample::Wrap;
 use crate::simd::LANES;
 use crate::sphere::Sphere;
-use crate::visibility::{Bodies, CullResult, Visibility, see};
+use crate::visibility::{Bodies, CullResult, Visibility, cull};
 use crate::visibility::{Places, carry};
 use glam::Affine3A;
 use std::ops::Range;
@@ -36,11 +36,11 @@ const NEW: u8 = u8::MAX - 1;
 /// A tolerance that is the same for everyone, so that levels may be kept while sizes on screen
 /// hardly change.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Kept {
+struct SteadyTolerance {
     px: f32,
 }
 
-impl Kept {
+impl SteadyTolerance {
     /// If nothing but the size on screen and the clip decides on a level.
     fn of(model: &CrowdModel, frame: &Frame<'_>) -> Option<Self> {
         let Detail::Tolerance { px } = frame.detail else {
@@ -61,7 +61,7 @@ pub struct Crowd {
     /// second. Nothing lies between if the level is to be chosen anew.
     keeps: Vec<[f32; 2]>,
     /// What `keeps` was made for.
-    kept_for: Option<Kept>,
+    kept_for: Option<SteadyTolerance>,
     /// Model-space bound of each, and how much longer it holds.
     bounds: Vec<Sphere>,
     bound_secs: Vec<f32>,
@@ -74,7 +74,7 @@ pub struct Crowd {
     sharing: Sharing,
     leader_jobs: Vec<u32>,
     plan: Plan,
-    purse: Option<CrowdBudget>,
+    crowd_budget: Option<CrowdBudget>,
 }
 
 impl Crowd {
@@ -98,7 +98,7 @@ impl Crowd {
             sharing: Sharing::new(model.parts().clips.clips(), levels, characters),
             leader_jobs: Vec::with_capacity(characters),
             plan: Plan::new(characters, levels),
-            purse: None,
+            crowd_budget: None,
         }
     }
 
@@ -127,8 +127,8 @@ impl Crowd {
     }
 
     /// Starts a character's fade to another clip; see [`CharacterState::fade_to`].
-    pub fn fade_to(&mut self, character: usize, voice: ClipState, secs: f32) {
-        self.players[character].fade_to(voice, secs);
+    pub fn fade_to(&mut self, character: usize, clip_state: ClipState, secs: f32) {
+        self.players[character].fade_to(clip_state, secs);
         self.bound_secs[character] = -1.0;
         self.keeps[character] = ANEW;
     }
@@ -137,21 +137,21 @@ impl Crowd {
     /// Allocates.
     ///
     /// # Errors
-    /// A [`Mismatch`] as [`crate::budget::BudgetAllocator::add_menu`] gives it.
+    /// A [`Mismatch`] as [`crate::budget::BudgetAllocator::add_options`] gives it.
     pub fn set_budget(
         &mut self,
         model: &CrowdModel,
         policy: BudgetPolicy,
         costs: &CostModel,
     ) -> Result<(), Mismatch> {
-        self.purse = Some(CrowdBudget::new(model, self.len(), policy, costs)?);
+        self.crowd_budget = Some(CrowdBudget::new(model, self.len(), policy, costs)?);
         Ok(())
     }
 
     /// Takes over what a cost model has learnt. Does not allocate.
     pub fn reprice(&mut self, model: &CrowdModel, costs: &CostModel) {
-        if let Some(purse) = &mut self.purse {
-            purse.reprice(model, costs);
+        if let Some(crowd_budget) = &mut self.crowd_budget {
+            crowd_budget.reprice(model, costs);
         }
     }
 
@@ -222,16 +222,16 @@ impl Crowd {
     fn look(&mut self, frame: &Frame<'_>) {
         let count = self.len();
         let scales = or_all(frame.scales, &self.ones);
-        let wakes = or_all(frame.wake_metres, &self.zeros);
+        let margins = or_all(frame.cull_margin_metres, &self.zeros);
         let importance = or_all(frame.importance, &self.ones);
-        for slice in [scales, wakes, importance] {
+        for slice in [scales, margins, importance] {
             assert_eq!(slice.len(), count, "one entry for each character");
         }
         for places in [frame.positions.len(), frame.rotations.len()] {
             assert_eq!(places, count, "one place for each character");
         }
-        match frame.sight {
-            Culling::Everyone => self.seen.fill(CullResult {
+        match frame.culling {
+            Culling::Off => self.seen.fill(CullResult {
                 pixels_per_metre: f32::MAX,
                 visibility: Visibility::Visible,
             }),
@@ -242,8 +242,8 @@ impl Crowd {
                 {
                     carry(places, &mut self.world);
                 }
-                if let Ok(bodies) = Bodies::new(&self.world, wakes) {
-                    see(views, bodies, &mut self.seen);
+                if let Ok(bodies) = Bodies::new(&self.world, margins) {
+                    cull(views, bodies, &mut self.seen);
                 }
             }
         }
@@ -257,13 +257,15 @@ impl Crowd {
         tell: &mut dyn FnMut(CrowdEvent),
     ) -> CrowdReport {
         let mut report = CrowdReport::default();
-        if let (Detail::Budget { cost }, Some(purse)) = (frame.detail, &mut self.purse) {
+        if let (Detail::Budget { cost }, Some(crowd_budget)) =
+            (frame.detail, &mut self.crowd_budget)
+        {
             let weight = |c: usize| frame.importance.get(c).copied().unwrap_or(1.0);
             report.budget =
-                Some(purse.spend(cost, &self.players, &self.seen, &self.bounds, &weight));
+                Some(crowd_budget.spend(cost, &self.players, &self.seen, &self.bounds, &weight));
         }
         let (mut unchanged, mut bound_part) = (0, 0f32);
-        let kept = Kept::of(model, frame);
+        let kept = SteadyTolerance::of(model, frame);
         if kept != self.kept_for {
             self.keeps.fill(ANEW);
             self.kept_for = kept;
@@ -283,7 +285,7 @@ impl Crowd {
                 continue;
             }
             if seen.visibility != Visibility::Visible {
-                report.near += usize::from(seen.visibility == Visibility::Near);
+                report.in_margin += usize::from(seen.visibility == Visibility::Margin);
                 if self.levels[character] != HIDDEN {
                     self.set_level(model, character, None, tell);
                     self.keeps[character] = ANEW;
@@ -298,7 +300,7 @@ impl Crowd {
         }
         report.visible += unchanged;
         report.own += unchanged;
-        if let Some(Kept { px }) = kept {
+        if let Some(SteadyTolerance { px }) = kept {
             report.bound_px = report.bound_px.max(bound_part * px);
         }
         report
@@ -308,7 +310,7 @@ impl Crowd {
     fn keeping(&self, model: &CrowdModel, character: usize, level: usize) -> [f32; 2] {
         let player = &self.players[character];
         match self.kept_for {
-            Some(Kept { px }) if !player.is_fading() => {
+            Some(SteadyTolerance { px }) if !player.is_fading() => {
                 kept_between(model.errors_of(player.from.clip()), level, px)
             }
             _ => ANEW,
@@ -328,8 +330,8 @@ impl Crowd {
             Detail::Full => 0,
             Detail::Level(level) => level.min(coarsest),
             Detail::Budget { .. } => {
-                let purse = self.purse.as_ref();
-                let found = purse.and_then(|p| p.level(character));
+                let crowd_budget = self.crowd_budget.as_ref();
+                let found = crowd_budget.and_then(|p| p.level(character));
                 found.unwrap_or(coarsest)
             }
             Detail::Tolerance { px } => {
@@ -478,7 +480,7 @@ impl Crowd {
 
     /// Way over the ground that a character's clips carried it in the last tick, in the space of
     /// its root; nothing if no clip has a path. Hidden characters are carried too.
-    pub fn root_step(&self, character: usize) -> RootDelta {
+    pub fn root_delta(&self, character: usize) -> RootDelta {
         self.roots.get(character).copied().unwrap_or_default()
     }
 
@@ -487,9 +489,9 @@ impl Crowd {
     ///
     /// # Panics
     /// If there is no such character or joint.
-    pub fn socket(&self, model: &CrowdModel, character: usize, joint: usize) -> Affine3A {
+    pub fn attachment(&self, model: &CrowdModel, character: usize, joint: usize) -> Affine3A {
         let shown = self.players[character].shown(&model.parts().clips);
-        socket(&model.parts().clips, &shown, joint)
+        attachment(&model.parts().clips, &shown, joint)
     }
 
     /// What was found in this frame: who is shown, and where the palettes are.
@@ -619,12 +621,12 @@ fn advance_one(
     let shares = [1.0 - player.fade, player.fade];
     let count = if before.is_fading() { 2 } else { 1 };
     let mut laps = [0; 2];
-    let voices = [&mut player.from, &mut player.to];
-    for (v, voice) in voices.into_iter().enumerate().take(count) {
-        let clip = voice.clip();
+    let clip_states = [&mut player.from, &mut player.to];
+    for (v, clip_state) in clip_states.into_iter().enumerate().take(count) {
+        let clip = clip_state.clip();
         let duration = model.durations()[clip];
-        laps[v] = voice.advance(duration, dt_secs, model.events(clip), &mut |e| {
-            tell(CrowdEvent::Event {
+        laps[v] = clip_state.advance(duration, dt_secs, model.events(clip), &mut |e| {
+            tell(CrowdEvent::Clip {
                 character,
                 clip,
                 id: e.id,
@@ -632,13 +634,18 @@ fn advance_one(
             });
         });
     }
-    let way = root_step(model, &before, player, laps);
+    let way = root_delta(model, &before, player, laps);
     player.advance_fade(dt_secs);
     way
 }
 
 /// Way of a character whose clips went on.
-fn root_step(model: &CrowdModel, before: &CharacterState, after: &CharacterState, laps: [i32; 2]) -> RootDelta {
+fn root_delta(
+    model: &CrowdModel,
+    before: &CharacterState,
+    after: &CharacterState,
+    laps: [i32; 2],
+) -> RootDelta {
     let step = |from: &ClipState, to: &ClipState, laps| {
         let path = model.path(from.clip());
         path.map_or(RootDelta::default(), |p| p.step(from.secs, to.secs, laps))

@@ -1,6 +1,6 @@
 //! The expression language of joint sets, such as `loa(Low) + zone(hands) - joint(r_wrist)`.
 //!
-//! Source: `spec/motion-lod.md` 1.2; ours, no thesis counterpart.
+//! Source: `docs/methods/motion-lod.md` 1.2; ours, no thesis counterpart.
 //!
 //! ```text
 //! expr := term (('+' | '&' | '-') term)*      left-associative

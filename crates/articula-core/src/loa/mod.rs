@@ -1,6 +1,6 @@
 //! Levels of articulation: which joints are allowed to move.
 //!
-//! Source: thesis 5.1, `spec/motion-lod.md` part 1. Every selector gives a
+//! Source: thesis 5.1, `docs/methods/motion-lod.md` part 1. Every selector gives a
 //! [`JointSet`](crate::JointSet), so any combination is set arithmetic. Numbers of levels are those
 //! of H-Anim, 0 the root alone, and are always called `loa`; levels of detail count the other way,
 //! from 0, the finest.

@@ -2,7 +2,7 @@
 //!
 //! A kernel is written once over [`Lanes`] and run by [`dispatch`] on the chosen [`Backend`].
 //! No backend fuses multiply and add or estimates a root, so all of them give the same bits;
-//! the plain arrays of [`scalar`] are the oracle. Source: `spec/runtime.md` part 3. Differs:
+//! the plain arrays of [`scalar`] are the oracle. Source: `docs/methods/runtime.md` part 3. Differs:
 //! transposes are written as intrinsics, since compilers turn plain loops into single inserts
 //! (measured: 417 against 222 ns for a figure of 67 joints).
 

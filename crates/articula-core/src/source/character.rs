@@ -1,6 +1,6 @@
 //! A whole character as a file describes it.
 
-use super::{Clip, Credits, Expression, Mesh, Skeleton};
+use super::{Credits, Expression, RawClip, RawMesh, Skeleton};
 use crate::articulation::Articulation;
 use crate::level_table::LevelTable;
 use glam::Vec4;
@@ -53,11 +53,11 @@ pub struct Character {
     /// H-Anim level and region of each joint, if the file stores them.
     pub articulation: Option<Articulation>,
     /// Meshes, in the order of the file's nodes.
-    pub meshes: Vec<Mesh>,
-    /// What the levels of [`Mesh::clustered`] lose, if the file stores them.
+    pub meshes: Vec<RawMesh>,
+    /// What the levels of [`RawMesh::clustered`] lose, if the file stores them.
     pub mesh_levels: Option<LevelTable>,
     /// Motions, in the order of the file.
-    pub clips: Vec<Clip>,
+    pub clips: Vec<RawClip>,
     /// Named expressions that clips may drive.
     pub expressions: Vec<Expression>,
     /// Origin and licence, if the file says anything of them.

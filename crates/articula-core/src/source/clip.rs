@@ -54,7 +54,7 @@ pub struct Channel {
 
 /// A motion. It runs from 0 to `duration_secs`; before its first key a channel holds it.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Clip {
+pub struct RawClip {
     /// Name as the file has it, or one made from its number.
     pub name: String,
     /// Time of the last key.

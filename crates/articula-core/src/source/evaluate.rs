@@ -4,7 +4,7 @@
 //! splines that are normalised afterwards. Before its first key and after its last a channel
 //! holds.
 
-use super::{Channel, Clip, Interpolation, Property, Skeleton};
+use super::{Channel, Interpolation, Property, RawClip, Skeleton};
 use crate::math::same_hemisphere;
 use crate::pose::LocalPose;
 use glam::{Quat, Vec3, Vec4};
@@ -65,7 +65,7 @@ pub fn channel(channel: &Channel, time_secs: f32, out: &mut [f32]) {
 ///
 /// # Panics
 /// If `out` is of another skeleton, or a channel names a joint that is not there.
-pub fn pose(clip: &Clip, skeleton: &Skeleton, time_secs: f32, out: &mut LocalPose) {
+pub fn pose(clip: &RawClip, skeleton: &Skeleton, time_secs: f32, out: &mut LocalPose) {
     assert_eq!(
         out.rotations.len(),
         skeleton.joints.len(),

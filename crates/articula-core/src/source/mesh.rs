@@ -49,7 +49,7 @@ pub struct Primitive {
     pub material: Option<usize>,
 }
 
-/// A coarser form of a [`Mesh`], to be shown in its place when it is small on the screen.
+/// A coarser form of a [`RawMesh`], to be shown in its place when it is small on the screen.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct MeshLevel {
     /// What moves it.
@@ -62,7 +62,7 @@ pub struct MeshLevel {
 
 /// A mesh as one node shows it.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Mesh {
+pub struct RawMesh {
     /// Name of the node or, without one, of the mesh.
     pub name: String,
     /// What moves it.

@@ -12,8 +12,8 @@ mod mesh;
 mod skeleton;
 
 pub use character::{Character, Image, Material};
-pub use clip::{Channel, Clip, Interpolation, Property};
+pub use clip::{Channel, Interpolation, Property, RawClip};
 pub use credits::Credits;
 pub use expression::{Expression, JointBinding, Mask, MaskKind, MorphBinding};
-pub use mesh::{Mesh, MeshLevel, MorphTarget, Primitive, Skin};
+pub use mesh::{MeshLevel, MorphTarget, Primitive, RawMesh, Skin};
 pub use skeleton::{Joint, Skeleton};

@@ -131,7 +131,7 @@ impl Frustum {
     }
 
     /// Whether a ball may be seen: true for every ball that reaches inside, and for a few beyond
-    /// a corner. The plain version of what [`crate::visibility::see`] does to many.
+    /// a corner. The plain version of what [`crate::visibility::cull`] does to many.
     pub(crate) fn meets(&self, centre: Vec3, radius: f32) -> bool {
         let depth = self.depth(centre);
         let inside = |side: &Vec4| {

@@ -1,6 +1,6 @@
 //! How much of a body is hidden behind others: an estimate for those who have no renderer to ask.
 //!
-//! Source: `spec/motion-lod.md` part 5 takes the occluded fraction from the engine; this makes one,
+//! Source: `docs/methods/motion-lod.md` part 5 takes the occluded fraction from the engine; this makes one,
 //! after the software occlusion buffers of the field. Capsules that lie *inside* the nearest
 //! bodies are drawn into a small grid of depths, and the boxes of the others are looked up in it.
 //! Conservative on both sides: a cell counts as covered only if a capsule covers all of it, at the

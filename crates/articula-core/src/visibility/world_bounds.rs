@@ -1,7 +1,7 @@
 //! Bounds of many bodies carried into the world at once.
 //!
 //! Takes where the roots of a crowd are and a bound of each in model space; gives the bounds in
-//! the world that [`crate::visibility::see`] looks for. By fours through `glam`'s vectors.
+//! the world that [`crate::visibility::cull`] looks for. By fours through `glam`'s vectors.
 
 use crate::Mismatch;
 use crate::sphere::Sphere;

@@ -3,10 +3,10 @@
 //! nothing is allocated.
 
 use crate::random_rig::{Options, figure};
-use articula_core::batch::{BatchEvaluator, LANES, BatchPose};
+use articula_core::batch::{BatchEvaluator, BatchPose, LANES};
 use articula_core::{
-    Backend, Clip, ClipSet, JointLods, ModelPose, PaletteForm, PaletteMap, PaletteRows, Rig, ClipStorage,
-    Wrap, blend, f32_from_half, local_to_model, sample,
+    Backend, Clip, ClipSet, ClipStorage, JointLods, ModelPose, PaletteForm, PaletteMap,
+    PaletteRows, Rig, Wrap, blend, f32_from_half, local_to_model, sample,
 };
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
@@ -77,8 +77,8 @@ fn rigid(rows: &[[f32; 4]]) -> Affine3A {
 }
 
 /// Bindings for every second place, with a matrix that turns and moves (and scales, if asked).
-fn bindings(ladder: &JointLods, scale: f32) -> Vec<(u16, Affine3A)> {
-    (0..ladder.joints().len() as u16)
+fn bindings(joint_lods: &JointLods, scale: f32) -> Vec<(u16, Affine3A)> {
+    (0..joint_lods.joints().len() as u16)
         .step_by(2)
         .map(|place| {
             let turn = Quat::from_rotation_z(f32::from(place) * 0.3);
@@ -121,18 +121,18 @@ proptest! {
         (rig, clips, sets) in figure(Options { scaled: true, steps: true }),
         plays in prop::collection::vec(play(), 1..=LANES),
     ) {
-        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
+        let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let set = ClipSet::new(&rig, joint_lods.clone(), &clips, ClipStorage::Float).unwrap();
         let shown: Vec<BatchPose> = plays.iter().map(|p| shown(&set, *p)).collect();
         let truth: Vec<ModelPose> = plays.iter().map(|p| plain(&rig, &clips, *p)).collect();
-        let skin = bindings(&ladder, 1.5);
-        let maps = [PaletteMap::joints(&ladder), PaletteMap::skin(&ladder, &skin).unwrap()];
-        for (map, level) in maps.iter().flat_map(|m| (0..ladder.levels()).map(move |l| (m, l))) {
+        let skin = bindings(&joint_lods, 1.5);
+        let maps = [PaletteMap::joints(&joint_lods), PaletteMap::skin(&joint_lods, &skin).unwrap()];
+        for (map, level) in maps.iter().flat_map(|m| (0..joint_lods.levels()).map(move |l| (m, l))) {
             let float = evaluated(&set, map, (PaletteForm::Matrix, Backend::Scalar), level, &shown);
             for (i, rows) in float.chunks(3).enumerate() {
                 let (character, entry) = (i / map.len(level), i % map.len(level));
                 let place = if map == &maps[1] { usize::from(skin[entry].0) } else { entry };
-                let joint = usize::from(ladder.joints()[place]);
+                let joint = usize::from(joint_lods.joints()[place]);
                 let mut expected = truth[character].matrices[joint];
                 if map.len(0) == skin.len() && map == &maps[1] {
                     expected *= skin[entry].1;
@@ -158,11 +158,11 @@ proptest! {
         (rig, clips, sets) in figure(Options { scaled: false, steps: false }),
         plays in prop::collection::vec(play(), 1..=LANES),
     ) {
-        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
+        let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let set = ClipSet::new(&rig, joint_lods.clone(), &clips, ClipStorage::Float).unwrap();
         let shown: Vec<BatchPose> = plays.iter().map(|p| shown(&set, *p)).collect();
-        let map = PaletteMap::skin(&ladder, &bindings(&ladder, 1.0)).unwrap();
-        let last = ladder.levels() - 1;
+        let map = PaletteMap::skin(&joint_lods, &bindings(&joint_lods, 1.0)).unwrap();
+        let last = joint_lods.levels() - 1;
         for level in [0, last] {
             let best = (PaletteForm::Matrix, Backend::best());
             let matrices = evaluated(&set, &map, best, level, &shown);
@@ -184,11 +184,11 @@ proptest! {
         (rig, clips, _) in figure(Options { scaled: false, steps: false }),
         plays in prop::collection::vec(play(), 1..=LANES),
     ) {
-        let ladder = JointLods::whole(&rig).unwrap();
-        let float = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
-        let short = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Short).unwrap();
+        let joint_lods = JointLods::whole(&rig).unwrap();
+        let float = ClipSet::new(&rig, joint_lods.clone(), &clips, ClipStorage::Float).unwrap();
+        let short = ClipSet::new(&rig, joint_lods.clone(), &clips, ClipStorage::Short).unwrap();
         prop_assert_eq!(short.bytes() * 2, float.bytes());
-        let map = PaletteMap::joints(&ladder);
+        let map = PaletteMap::joints(&joint_lods);
         let shown_in = |set: &ClipSet| plays.iter().map(|p| shown(set, *p)).collect::<Vec<_>>();
         let best = (PaletteForm::Matrix, Backend::best());
         let wanted = evaluated(&float, &map, best, 0, &shown_in(&float));
@@ -227,9 +227,9 @@ fn evaluating_allocates_nothing() {
     };
     let tree = figure(options).new_tree(&mut runner).unwrap();
     let (rig, clips, sets) = proptest::strategy::ValueTree::current(&tree);
-    let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-    let set = ClipSet::new(&rig, ladder, &clips, ClipStorage::Float).unwrap();
-    let map = PaletteMap::joints(set.ladder());
+    let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+    let set = ClipSet::new(&rig, joint_lods, &clips, ClipStorage::Float).unwrap();
+    let map = PaletteMap::joints(set.joint_lods());
     for backend in Backend::ALL.into_iter().filter(|b| b.is_available()) {
         let evaluator = BatchEvaluator::new(&set, &map, PaletteForm::Matrix, backend).unwrap();
         let mut scratch = evaluator.scratch();
@@ -251,14 +251,14 @@ fn what_does_not_fit_is_refused() {
     };
     let tree = figure(options).new_tree(&mut runner).unwrap();
     let (rig, clips, _) = proptest::strategy::ValueTree::current(&tree);
-    let ladder = JointLods::whole(&rig).unwrap();
-    let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
-    let map = PaletteMap::joints(&ladder);
+    let joint_lods = JointLods::whole(&rig).unwrap();
+    let set = ClipSet::new(&rig, joint_lods.clone(), &clips, ClipStorage::Float).unwrap();
+    let map = PaletteMap::joints(&joint_lods);
     if set.is_scaled() {
         let rigid = BatchEvaluator::new(&set, &map, PaletteForm::Rigid, Backend::Scalar);
         assert_eq!(rigid.unwrap_err().at, "form");
     }
-    let none = ClipSet::new(&rig, ladder, &[], ClipStorage::Float).unwrap();
+    let none = ClipSet::new(&rig, joint_lods, &[], ClipStorage::Float).unwrap();
     assert_eq!((none.clips(), none.duration_secs(0)), (1, 0.0));
     let at = none.cursor(0, f32::NAN);
     let rest = evaluated(
@@ -271,7 +271,7 @@ fn what_does_not_fit_is_refused() {
     let mut model = ModelPose::new(rig.len());
     local_to_model(&rig, rig.rest_pose(), &mut model);
     for (place, rows) in rest.chunks(3).enumerate() {
-        let joint = usize::from(set.ladder().joints()[place]);
+        let joint = usize::from(set.joint_lods().joints()[place]);
         assert!(apart(&matrix(rows), &model.matrices[joint]) < BOUND_METRES);
     }
 }

@@ -1,7 +1,7 @@
-//! Promises of the budget: acceptance test 10 of `spec/motion-lod.md` part 10, agreement with the
+//! Promises of the budget: acceptance test 10 of `docs/methods/motion-lod.md` part 10, agreement with the
 //! heap that the specification describes and with brute force, and no allocation in a frame.
 
-use articula_core::budget::{BudgetAllocator, LodOptionSetId, LodOption, BudgetPolicy, LodRequest};
+use articula_core::budget::{BudgetAllocator, BudgetPolicy, LodOption, LodOptionSetId, LodRequest};
 use proptest::prelude::*;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -19,14 +19,17 @@ type Wish = Option<(usize, f32, f32)>;
 
 #[derive(Debug, Clone)]
 struct Crowd {
-    menus: Vec<Vec<LodOption>>,
+    option_sets: Vec<Vec<LodOption>>,
     wishes: Vec<Wish>,
 }
 
 impl Crowd {
     fn budget(&self, policy: BudgetPolicy) -> (BudgetAllocator, Vec<LodOptionSetId>) {
         let mut budget = BudgetAllocator::new(self.wishes.len(), policy);
-        let ids = self.menus.iter().map(|m| budget.add_menu(m).unwrap());
+        let ids = self
+            .option_sets
+            .iter()
+            .map(|m| budget.add_options(m).unwrap());
         let ids: Vec<LodOptionSetId> = ids.collect();
         self.ask(&mut budget, &ids);
         (budget, ids)
@@ -36,10 +39,10 @@ impl Crowd {
         for (c, wish) in self.wishes.iter().enumerate() {
             match *wish {
                 None => budget.hide(c),
-                Some((menu, weight, pixels_per_metre)) => budget.request(
+                Some((option_set, weight, pixels_per_metre)) => budget.request(
                     c,
                     LodRequest {
-                        menu: ids[menu],
+                        option_set: ids[option_set],
                         weight,
                         pixels_per_metre,
                     },
@@ -48,33 +51,35 @@ impl Crowd {
         }
     }
 
-    fn offer(&self, budget: &BudgetAllocator, c: usize) -> Option<LodOption> {
-        let (menu, ..) = self.wishes[c]?;
-        Some(self.menus[menu][budget.choice(c).unwrap()])
+    fn lod_option(&self, budget: &BudgetAllocator, c: usize) -> Option<LodOption> {
+        let (option_set, ..) = self.wishes[c]?;
+        Some(self.option_sets[option_set][budget.choice(c).unwrap()])
     }
 
     /// Cost and weighted error of what was chosen.
     fn totals(&self, budget: &BudgetAllocator) -> (f64, f64) {
         let mut totals = (0.0, 0.0);
         for c in 0..self.wishes.len() {
-            if let (Some(offer), Some((_, weight, _))) = (self.offer(budget, c), self.wishes[c]) {
-                totals.0 += f64::from(offer.cost);
-                totals.1 += f64::from(weight) * f64::from(offer.error_metres);
+            if let (Some(lod_option), Some((_, weight, _))) =
+                (self.lod_option(budget, c), self.wishes[c])
+            {
+                totals.0 += f64::from(lod_option.cost);
+                totals.1 += f64::from(weight) * f64::from(lod_option.error_metres);
             }
         }
         totals
     }
 
     fn cheapest_cost(&self) -> f64 {
-        let menus = self.wishes.iter().flatten().map(|w| &self.menus[w.0]);
-        menus.map(|m| f64::from(hull(m)[0].cost)).sum()
+        let option_sets = self.wishes.iter().flatten().map(|w| &self.option_sets[w.0]);
+        option_sets.map(|m| f64::from(hull(m)[0].cost)).sum()
     }
 
     /// The largest weighted error that one upgrade of anyone takes away.
     fn largest_upgrade(&self) -> f64 {
         let wishes = self.wishes.iter().flatten();
-        let gains = wishes.flat_map(|(menu, weight, _)| {
-            let hull = hull(&self.menus[*menu]);
+        let gains = wishes.flat_map(|(option_set, weight, _)| {
+            let hull = hull(&self.option_sets[*option_set]);
             let drops = hull
                 .windows(2)
                 .map(|p| p[0].error_metres - p[1].error_metres);
@@ -87,19 +92,21 @@ impl Crowd {
 }
 
 /// Gift wrapping: from the cheapest and best, always on to the steepest.
-fn hull(offers: &[LodOption]) -> Vec<LodOption> {
+fn hull(lod_options: &[LodOption]) -> Vec<LodOption> {
     let by_cost = |a: &&LodOption, b: &&LodOption| {
         let by_cost = a.cost.total_cmp(&b.cost);
         by_cost.then(a.error_metres.total_cmp(&b.error_metres))
     };
-    let mut hull = vec![*offers.iter().min_by(by_cost).unwrap()];
+    let mut hull = vec![*lod_options.iter().min_by(by_cost).unwrap()];
     loop {
         let at = hull[hull.len() - 1];
         let slope = |o: &LodOption| {
             (f64::from(at.error_metres) - f64::from(o.error_metres))
                 / (f64::from(o.cost) - f64::from(at.cost))
         };
-        let better = offers.iter().filter(|o| o.error_metres < at.error_metres);
+        let better = lod_options
+            .iter()
+            .filter(|o| o.error_metres < at.error_metres);
         let next = better.max_by(|a, b| {
             slope(a)
                 .total_cmp(&slope(b))
@@ -140,11 +147,11 @@ impl Ord for Upgrade {
 /// The plain form of the specification: cheapest first, then the best upgrade from a heap until
 /// the next one does not fit. Gives the chosen offers.
 fn plain(crowd: &Crowd, cap_px: f32, budget: f64) -> Vec<Option<LodOption>> {
-    let hulls: Vec<_> = crowd.menus.iter().map(|m| hull(m)).collect();
+    let hulls: Vec<_> = crowd.option_sets.iter().map(|m| hull(m)).collect();
     let mut at = vec![0; crowd.wishes.len()];
     let upgrade = |character: usize, at: usize| {
-        let (menu, weight, scale) = crowd.wishes[character]?;
-        let (from, to) = (hulls[menu][at], hulls[menu].get(at + 1)?);
+        let (option_set, weight, scale) = crowd.wishes[character]?;
+        let (from, to) = (hulls[option_set][at], hulls[option_set].get(at + 1)?);
         let drop = f64::from(from.error_metres) - f64::from(to.error_metres);
         Some(Upgrade {
             urgent: from.error_metres * scale > cap_px,
@@ -172,25 +179,25 @@ fn plain(crowd: &Crowd, cap_px: f32, budget: f64) -> Vec<Option<LodOption>> {
 }
 
 /// Costs in steps of a quarter, which the fixed point holds exactly.
-fn offers() -> impl Strategy<Value = Vec<LodOption>> {
-    let offer = (0_u16..400, 0_u16..2000).prop_map(|(cost, error)| LodOption {
+fn lod_options() -> impl Strategy<Value = Vec<LodOption>> {
+    let lod_option = (0_u16..400, 0_u16..2000).prop_map(|(cost, error)| LodOption {
         cost: 0.25 * f32::from(cost),
         error_metres: 1e-4 * f32::from(error),
     });
-    prop::collection::vec(offer, 1..6)
+    prop::collection::vec(lod_option, 1..6)
 }
 
-fn wish(menus: usize) -> impl Strategy<Value = Wish> {
+fn wish(option_sets: usize) -> impl Strategy<Value = Wish> {
     let scale = 1.0_f32..2000.0;
-    prop::option::weighted(0.85, (0..menus, 0.01_f32..100.0, scale))
+    prop::option::weighted(0.85, (0..option_sets, 0.01_f32..100.0, scale))
 }
 
 fn crowd(most: usize) -> impl Strategy<Value = Crowd> {
-    let menus = prop::collection::vec(offers(), 1..4);
-    menus.prop_flat_map(move |menus| {
-        let wishes = prop::collection::vec(wish(menus.len()), 0..most);
+    let option_sets = prop::collection::vec(lod_options(), 1..4);
+    option_sets.prop_flat_map(move |option_sets| {
+        let wishes = prop::collection::vec(wish(option_sets.len()), 0..most);
         wishes.prop_map(move |wishes| Crowd {
-            menus: menus.clone(),
+            option_sets: option_sets.clone(),
             wishes,
         })
     })
@@ -202,10 +209,10 @@ fn brute_force(crowd: &Crowd, budget: f64) -> f64 {
         let Some(wish) = crowd.wishes.get(c) else {
             return 0.0;
         };
-        let Some((menu, weight, _)) = *wish else {
+        let Some((option_set, weight, _)) = *wish else {
             return least(crowd, c + 1, left);
         };
-        let affordable = crowd.menus[menu]
+        let affordable = crowd.option_sets[option_set]
             .iter()
             .filter(|o| f64::from(o.cost) <= left);
         let errors = affordable.map(|o| {
@@ -234,9 +241,9 @@ proptest! {
             prop_assert!(error <= before, "{error} after {before}");
             before = error;
             for (c, cost) in costs.iter_mut().enumerate() {
-                if let Some(offer) = crowd.offer(&budget, c) {
-                    prop_assert!(offer.cost >= *cost, "nobody loses");
-                    *cost = offer.cost;
+                if let Some(lod_option) = crowd.lod_option(&budget, c) {
+                    prop_assert!(lod_option.cost >= *cost, "nobody loses");
+                    *cost = lod_option.cost;
                 }
             }
         }
@@ -261,7 +268,7 @@ proptest! {
         // Equal gains per cost may be rounded apart, which is worth one upgrade of one character.
         let others = (0..chosen.len()).filter(|c| {
             let cost = |o: Option<LodOption>| o.map(|o| o.cost);
-            cost(crowd.offer(&budget, *c)) != cost(chosen[*c])
+            cost(crowd.lod_option(&budget, *c)) != cost(chosen[*c])
         });
         prop_assert!(others.count() <= 2);
         let total: f64 = crowd.wishes.iter().zip(&chosen)
@@ -283,7 +290,7 @@ proptest! {
             for (c, wish) in changes {
                 if let Some(slot) = crowd.wishes.get_mut(c) {
                     // Either the same scale or one that is far enough away to be seen.
-                    *slot = wish.map(|(menu, weight, scale)| (menu, weight, scale.log2().round().exp2()));
+                    *slot = wish.map(|(option_set, weight, scale)| (option_set, weight, scale.log2().round().exp2()));
                 }
             }
             // The history must be forgotten where it would be kept within the hysteresis.
@@ -323,7 +330,7 @@ proptest! {
             prop_assert_eq!(report.changes, budget.changes().len());
             prop_assert_eq!(report.budget, f64::from((units * 64.0).round()) / 64.0);
             let px: Vec<f32> = (0..known.len())
-                .filter_map(|c| Some(crowd.offer(&budget, c)?.error_metres * crowd.wishes[c]?.2))
+                .filter_map(|c| Some(crowd.lod_option(&budget, c)?.error_metres * crowd.wishes[c]?.2))
                 .collect();
             prop_assert_eq!(report.visible, px.len());
             prop_assert_eq!(report.above_cap, px.iter().filter(|px| **px > 5.0).count());
@@ -338,9 +345,9 @@ proptest! {
 
 /// A crowd of equals with two options, 10 and 110 units, off by 100 mm or not at all.
 fn equals(n: usize) -> Crowd {
-    let offer = |cost, error_metres| LodOption { cost, error_metres };
+    let lod_option = |cost, error_metres| LodOption { cost, error_metres };
     Crowd {
-        menus: vec![vec![offer(10.0, 0.1), offer(110.0, 0.0)]],
+        option_sets: vec![vec![lod_option(10.0, 0.1), lod_option(110.0, 0.0)]],
         wishes: vec![Some((0, 1.0, 100.0)); n],
     }
 }
@@ -364,16 +371,16 @@ fn ties_go_to_the_first_and_a_permutation_changes_nothing_else() {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 8) as f32 / (1 << 24) as f32
     };
-    let offer = |cost: f32, error_metres: f32| LodOption { cost, error_metres };
-    let menu = |f: f32| {
+    let lod_option = |cost: f32, error_metres: f32| LodOption { cost, error_metres };
+    let option_set = |f: f32| {
         vec![
-            offer(20.0, 0.2 * f),
-            offer(60.0, 0.05 * f),
-            offer(180.0, 0.0),
+            lod_option(20.0, 0.2 * f),
+            lod_option(60.0, 0.05 * f),
+            lod_option(180.0, 0.0),
         ]
     };
     let crowd = Crowd {
-        menus: vec![menu(1.0), menu(0.7)],
+        option_sets: vec![option_set(1.0), option_set(0.7)],
         wishes: (0..500)
             .map(|i| Some((i % 2, 0.1 + random(), 10.0 + 300.0 * random())))
             .collect(),
@@ -396,9 +403,13 @@ fn ties_go_to_the_first_and_a_permutation_changes_nothing_else() {
 
 #[test]
 fn who_is_above_the_cap_comes_first() {
-    let offer = |cost, error_metres| LodOption { cost, error_metres };
+    let lod_option = |cost, error_metres| LodOption { cost, error_metres };
     let crowd = Crowd {
-        menus: vec![vec![offer(0.0, 0.10), offer(10.0, 0.01), offer(100.0, 0.0)]],
+        option_sets: vec![vec![
+            lod_option(0.0, 0.10),
+            lod_option(10.0, 0.01),
+            lod_option(100.0, 0.0),
+        ]],
         // The first counts a hundred times as much, but is within the cap of 2 px.
         wishes: vec![Some((0, 100.0, 15.0)), Some((0, 1.0, 100.0))],
     };
@@ -420,7 +431,7 @@ fn who_is_above_the_cap_comes_first() {
     assert_eq!(budget.solve(1e6).used, 200.0);
     // Who does not matter is brought to the cap, no further.
     let dull = |weight| LodRequest {
-        menu: ids[0],
+        option_set: ids[0],
         weight,
         pixels_per_metre: 100.0,
     };
@@ -442,7 +453,7 @@ fn small_changes_of_scale_touch_nothing() {
     };
     let (mut budget, ids) = crowd.budget(policy);
     let at = |pixels_per_metre| LodRequest {
-        menu: ids[0],
+        option_set: ids[0],
         weight: 1.0,
         pixels_per_metre,
     };
@@ -525,7 +536,7 @@ fn hostile_numbers_behave() {
         0.0,
     ] {
         let request = |weight, pixels_per_metre| LodRequest {
-            menu: ids[0],
+            option_set: ids[0],
             weight,
             pixels_per_metre,
         };
@@ -587,7 +598,7 @@ fn a_frame_allocates_nothing() {
                     budget.request(
                         c,
                         LodRequest {
-                            menu: ids[0],
+                            option_set: ids[0],
                             weight: 1.0,
                             pixels_per_metre,
                         },

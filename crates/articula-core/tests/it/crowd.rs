@@ -1,17 +1,17 @@
-//! Promises of a crowd: acceptance test 9 of `spec/motion-lod.md` part 10, palettes where the
+//! Promises of a crowd: acceptance test 9 of `docs/methods/motion-lod.md` part 10, palettes where the
 //! draws say, the same bytes however batches are spread, nothing skipped for who is hidden, and no
 //! allocation in a frame.
 
 use crate::random_rig::{Options, figure};
 use articula_core::crowd::{
-    CacheUse, ClipEvent, Crowd, CrowdModel, CrowdParts, CrowdReport, Detail, Frame, CrowdEvent, CharacterState,
-    RootTrajectory, RootDelta, Culling, ClipState,
+    CacheUse, CharacterState, ClipEvent, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdParts,
+    CrowdReport, Culling, Detail, Frame, RootDelta, RootTrajectory,
 };
 use articula_core::visibility::View;
 use articula_core::{
     Backend, Bound, CachedKeys, CachedRows, Camera, Clip, ClipBounds, ClipLodErrors, ClipSet,
-    JointSet, JointLods, LodErrors, ModelPose, MotionBounds, PaletteForm, PaletteMap, PaletteRows,
-    PoseCache, Rig, Sphere, ClipStorage, Viewport, Wrap, local_to_model, sample,
+    ClipStorage, JointLods, JointSet, LodErrors, ModelPose, MotionBounds, PaletteForm, PaletteMap,
+    PaletteRows, PoseCache, Rig, Sphere, Viewport, Wrap, local_to_model, sample,
 };
 use glam::{Affine3A, Quat, Vec3};
 use proptest::prelude::*;
@@ -24,8 +24,8 @@ const PLAIN: Options = Options {
 
 /// A rig with two clips and up to four levels, each said to cost a centimetre more.
 fn parts(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdParts {
-    let ladder = JointLods::of_sets(rig, sets, rig.rest_pose()).unwrap();
-    let levels: Vec<f32> = (0..ladder.levels()).map(|l| l as f32 * 0.01).collect();
+    let joint_lods = JointLods::of_sets(rig, sets, rig.rest_pose()).unwrap();
+    let levels: Vec<f32> = (0..joint_lods.levels()).map(|l| l as f32 * 0.01).collect();
     let errors = LodErrors {
         clips: vec![
             ClipLodErrors {
@@ -54,8 +54,8 @@ fn parts(rig: &Rig, clips: &[Clip], sets: &[JointSet]) -> CrowdParts {
         reach_metres: 1.2,
     };
     CrowdParts {
-        palette: PaletteMap::joints(&ladder),
-        clips: ClipSet::new(rig, ladder, clips, ClipStorage::Float).unwrap(),
+        palette: PaletteMap::joints(&joint_lods),
+        clips: ClipSet::new(rig, joint_lods, clips, ClipStorage::Float).unwrap(),
         form: PaletteForm::Matrix,
         backend: Backend::best(),
         errors,
@@ -105,9 +105,9 @@ impl Square {
             positions: &self.positions,
             rotations: &self.rotations,
             scales: &[],
-            wake_metres: &[],
+            cull_margin_metres: &[],
             importance: &[],
-            sight: Culling::Views(views),
+            culling: Culling::Views(views),
             detail: Detail::Tolerance { px },
             share,
             cache: CacheUse::Never,
@@ -136,10 +136,10 @@ fn origin(rows: &[[f32; 4]], matrix: usize) -> Vec3 {
 fn played(model: &CrowdModel, square: &Square, share: bool, frames: usize) -> (Crowd, CrowdReport) {
     let mut crowd = Crowd::new(model, square.positions.len());
     for i in 0..square.positions.len() {
-        let voice = ClipState::new(&model.parts().clips, i % 2)
+        let clip_state = ClipState::new(&model.parts().clips, i % 2)
             .at_secs(&model.parts().clips, i as f32 * 0.037)
             .at_speed([1.0, 0.5, -1.0, 2.0][i % 4]);
-        crowd.play(i, voice.into());
+        crowd.play(i, clip_state.into());
         if i % 5 == 0 {
             crowd.fade_to(i, ClipState::new(&model.parts().clips, (i + 1) % 2), 10.0);
         }
@@ -177,8 +177,8 @@ fn draws_name_the_palette_of_their_character() {
                 assert_eq!(crowd.level(character), Some(group.level));
                 let mut off = 0f32;
                 for place in 0..group.matrices {
-                    let joint = usize::from(model.parts().clips.ladder().joints()[place]);
-                    let truth = crowd.socket(&model, character, joint).translation;
+                    let joint = usize::from(model.parts().clips.joint_lods().joints()[place]);
+                    let truth = crowd.attachment(&model, character, joint).translation;
                     let shown = origin(&rows, draw.first_matrix as usize + place);
                     off = off.max(shown.distance(truth.into()));
                 }
@@ -295,20 +295,20 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
             positions: &positions,
             rotations: &rotations,
             scales: &[],
-            wake_metres: &[],
+            cull_margin_metres: &[],
             importance: &[],
-            sight: Culling::Views(&views),
+            culling: Culling::Views(&views),
             detail: Detail::Full,
             share: true,
             cache: CacheUse::Never,
         };
         crowd.tick(&model, &frame, &mut |notice| {
-            if let CrowdEvent::Event { id, .. } = notice {
+            if let CrowdEvent::Clip { id, .. } = notice {
                 heard.push(id);
             }
         });
         secs += f64::from(dt_secs);
-        position += facing * crowd.root_step(0).offset;
+        position += facing * crowd.root_delta(0).offset;
         if crowd.level(0).is_some() {
             first_seen = Some(i);
             break;
@@ -336,7 +336,7 @@ fn who_comes_into_view_is_right_at_once_and_missed_no_event() {
     let mut truth = ModelPose::new(rig.len());
     local_to_model(&rig, &pose, &mut truth);
     for place in 0..rig.len() {
-        let joint = usize::from(model.parts().clips.ladder().joints()[place]);
+        let joint = usize::from(model.parts().clips.joint_lods().joints()[place]);
         // A clock of f32 that ran for some seconds is right to some microseconds.
         assert!(origin(&rows, place).distance(truth.position(joint)) < 1e-3);
     }
@@ -362,7 +362,7 @@ fn a_fade_ends_at_the_other_clip_and_both_tell_their_events() {
         let mut frame = square.frame(&[], 1.0, false);
         frame.dt_secs = 0.02;
         crowd.tick(&model, &frame, &mut |notice| {
-            if let CrowdEvent::Event { id, weight, .. } = notice {
+            if let CrowdEvent::Clip { id, weight, .. } = notice {
                 heard[id as usize] = true;
                 assert!((0.0..=1.0).contains(&weight));
             }
@@ -371,7 +371,7 @@ fn a_fade_ends_at_the_other_clip_and_both_tell_their_events() {
         assert_eq!(crowd.player(0).next().is_none(), done, "step {step}");
     }
     assert_eq!(heard, [false, true, true]);
-    assert_eq!(crowd.player(0).voice().clip(), 1);
+    assert_eq!(crowd.player(0).clip_state().clip(), 1);
 }
 
 proptest! {
@@ -394,10 +394,10 @@ proptest! {
         let rotations = vec![Quat::IDENTITY; count];
         let scales: Vec<f32> = odd[..count].to_vec();
         for (i, o) in odd.iter().enumerate().take(count) {
-            let voice = ClipState::new(&model.parts().clips, i % 2).at_speed(*o).at_secs(&model.parts().clips, *o);
-            crowd.play(i, CharacterState::blend(voice, voice.once(), *o));
+            let clip_state = ClipState::new(&model.parts().clips, i % 2).at_speed(*o).at_secs(&model.parts().clips, *o);
+            crowd.play(i, CharacterState::blend(clip_state, clip_state.once(), *o));
             if i % 3 == 0 {
-                crowd.fade_to(i, voice, *o);
+                crowd.fade_to(i, clip_state, *o);
             }
         }
         let camera = camera();
@@ -408,9 +408,9 @@ proptest! {
                 positions: &positions,
                 rotations: &rotations,
                 scales: &scales,
-                wake_metres: &scales,
+                cull_margin_metres: &scales,
                 importance: &scales,
-                sight: if i % 4 == 3 { Culling::Everyone } else { Culling::Views(&views) },
+                culling: if i % 4 == 3 { Culling::Off } else { Culling::Views(&views) },
                 detail: Detail::Tolerance { px },
                 share: i % 2 == 0,
                 cache: CacheUse::Never,
@@ -436,7 +436,7 @@ proptest! {
     ) {
         let set = ClipSet::new(&rig, JointLods::whole(&rig).unwrap(), &clips, ClipStorage::Float).unwrap();
         let joint = joint.index(rig.len());
-        let found = articula_core::crowd::socket(&set, &set.cursor(0, secs).into(), joint);
+        let found = articula_core::crowd::attachment(&set, &set.cursor(0, secs).into(), joint);
         let mut pose = rig.rest_pose().clone();
         sample(&clips[0], f64::from(secs), Wrap::Clamp, &rig.all(), &mut pose);
         let mut truth = ModelPose::new(rig.len());
@@ -491,7 +491,7 @@ fn with_cache(model: CrowdModel) -> CrowdModel {
     for clip in 0..model.parts().clips.clips() {
         let duration = model.parts().clips.duration_secs(clip);
         let mut of_clip = vec![None];
-        for level in 1..model.parts().clips.ladder().levels() {
+        for level in 1..model.parts().clips.joint_lods().levels() {
             let first_matrix = (rows.len() / 3) as u32;
             for secs in [0.0, duration] {
                 let mut palette = vec![[0.0; 4]; evaluator.rows(level)];
@@ -528,9 +528,9 @@ fn cached_poses_are_blended_by_either_side() {
     let views = [View::of(&camera)];
     let mut crowd = Crowd::new(&model, 200);
     for i in 0..200 {
-        let voice =
-            ClipState::new(&model.parts().clips, i % 2).at_secs(&model.parts().clips, 0.01 * i as f32);
-        crowd.play(i, voice.into());
+        let clip_state = ClipState::new(&model.parts().clips, i % 2)
+            .at_secs(&model.parts().clips, 0.01 * i as f32);
+        crowd.play(i, clip_state.into());
     }
     let mut frame = square.frame(&views, 3.0, false);
     frame.dt_secs = 0.0;

@@ -1,12 +1,12 @@
 //! Promises of the drift controller: acceptance tests 3, 4, 6, 7, 11 and 13 of
-//! `spec/motion-lod.md` part 10, and no allocation in a frame.
+//! `docs/methods/motion-lod.md` part 10, and no allocation in a frame.
 
 use articula_core::joint_state::{JointState, JointStates, PassivePolicy, TransitionOptions};
 use articula_core::source::{self, Joint, MorphTarget, Primitive, Skeleton, Skin};
 use articula_core::{
-    Articulation, Clip, DriftController, DriftOptions, JointArticulation, JointErrorBounds, JointSet, JointViews,
-    LocalPose, Mesh, ModelPose, Region, Rig, SkinnedMesh, Track, Tracks, Transform, Viewport, Wrap,
-    angle_between, local_to_model, palette, sample, sample_morphs, skin,
+    Articulation, Clip, DriftController, DriftOptions, JointArticulation, JointErrorBounds,
+    JointSet, JointViews, LocalPose, Mesh, ModelPose, Region, Rig, SkinnedMesh, Track, Tracks,
+    Transform, Viewport, Wrap, angle_between, local_to_model, palette, sample, sample_morphs, skin,
 };
 use glam::{Affine3A, Quat, Vec3};
 
@@ -355,7 +355,7 @@ fn a_frame_does_not_allocate() {
 
 /// A triangle with one corner on each of the first three joints, and a morph target.
 fn skinned_triangle() -> Mesh {
-    let source = source::Mesh {
+    let source = source::RawMesh {
         name: "triangle".into(),
         skin: Skin {
             joints: vec![0, 1, 2],
@@ -375,7 +375,7 @@ fn skinned_triangle() -> Mesh {
         }],
         morph_names: vec!["bulge".into()],
         morph_weights: vec![0.5],
-        ..source::Mesh::default()
+        ..source::RawMesh::default()
     };
     Mesh::new(&[source], 4).unwrap()
 }

@@ -1,4 +1,4 @@
-//! Acceptance test 1 of `spec/motion-lod.md` part 10: masks of levels of articulation on the
+//! Acceptance test 1 of `docs/methods/motion-lod.md` part 10: masks of levels of articulation on the
 //! standard's own 89 joints.
 
 use articula_core::hanim_table::JOINTS;

@@ -78,9 +78,9 @@ fn no_point_of_a_hidden_box_can_be_seen() {
                 if !(inside && depth > 0.0) {
                     continue;
                 }
-                let sight = [camera.eye.as_dvec3(), p.as_dvec3()];
+                let culling = [camera.eye.as_dvec3(), p.as_dvec3()];
                 let is_hidden = capsules.iter().any(|c| {
-                    distance(sight, c.ends.map(|e| e.as_dvec3())) <= f64::from(c.radius)
+                    distance(culling, c.ends.map(|e| e.as_dvec3())) <= f64::from(c.radius)
                 });
                 prop_assert!(is_hidden, "{p} can be seen");
             }

@@ -5,8 +5,8 @@
 use crate::random_rig::{Options, figure};
 use articula_core::batch::{BatchEvaluator, BatchPose};
 use articula_core::{
-    Backend, BlendRecord, CachedKeys, CachedRows, ClipSet, JointLods, PaletteForm, PaletteMap,
-    PaletteRows, PoseCache, ClipStorage, f32_from_half, half_from_f32,
+    Backend, BlendRecord, CachedKeys, CachedRows, ClipSet, ClipStorage, JointLods, PaletteForm,
+    PaletteMap, PaletteRows, PoseCache, f32_from_half, half_from_f32,
 };
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -48,7 +48,7 @@ fn cached(
     half: bool,
 ) -> (PoseCache, Vec<Vec<Option<CachedKeys>>>) {
     let evaluator = BatchEvaluator::new(set, map, PaletteForm::Matrix, Backend::best()).unwrap();
-    let levels = set.ladder().levels();
+    let levels = set.joint_lods().levels();
     let mut rows: Vec<[f32; 4]> = Vec::new();
     let mut keys = vec![vec![None; levels]; set.clips()];
     for (clip, level) in (0..set.clips()).flat_map(|c| (0..levels).map(move |l| (c, l))) {
@@ -124,11 +124,11 @@ proptest! {
         secs in prop::collection::vec(-0.1f32..6.0, 8),
         half in any::<bool>(),
     ) {
-        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
-        let map = PaletteMap::joints(&ladder);
+        let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let set = ClipSet::new(&rig, joint_lods.clone(), &clips, ClipStorage::Float).unwrap();
+        let map = PaletteMap::joints(&joint_lods);
         let (cache, keys) = cached(&set, &map, &fractions, half);
-        for (clip, level) in (0..2).flat_map(|c| (0..ladder.levels()).map(move |l| (c, l))) {
+        for (clip, level) in (0..2).flat_map(|c| (0..joint_lods.levels()).map(move |l| (c, l))) {
             let Some(keys) = &keys[clip][level] else {
                 prop_assert_eq!(cache.error_metres(clip, level), None);
                 prop_assert_eq!(cache.locate(clip, level, secs[0]), None);
@@ -175,12 +175,12 @@ proptest! {
         fractions in fractions(),
         half in any::<bool>(),
     ) {
-        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
-        let map = PaletteMap::joints(&ladder);
+        let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let set = ClipSet::new(&rig, joint_lods.clone(), &clips, ClipStorage::Float).unwrap();
+        let map = PaletteMap::joints(&joint_lods);
         let (cache, keys) = cached(&set, &map, &fractions, half);
         let evaluator = BatchEvaluator::new(&set, &map, cache.form(), Backend::best()).unwrap();
-        for (clip, level) in (0..2).flat_map(|c| (0..ladder.levels()).map(move |l| (c, l))) {
+        for (clip, level) in (0..2).flat_map(|c| (0..joint_lods.levels()).map(move |l| (c, l))) {
             let times = keys[clip][level].iter().flat_map(|k| &k.times_secs);
             for secs in times {
                 let record = cache.locate(clip, level, *secs).unwrap();
@@ -197,11 +197,11 @@ proptest! {
         fractions in fractions(),
         plays in prop::collection::vec((0usize..2, 0.0f32..2.0), 0..12),
     ) {
-        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
-        let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
-        let map = PaletteMap::joints(&ladder);
+        let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let set = ClipSet::new(&rig, joint_lods.clone(), &clips, ClipStorage::Float).unwrap();
+        let map = PaletteMap::joints(&joint_lods);
         let (cache, _) = cached(&set, &map, &fractions, false);
-        for level in 0..ladder.levels() {
+        for level in 0..joint_lods.levels() {
             let records: Vec<BlendRecord> = plays
                 .iter()
                 .filter_map(|(clip, secs)| cache.locate(*clip, level, *secs))
@@ -222,9 +222,9 @@ fn locating_and_blending_allocate_nothing() {
         steps: false,
     };
     let (rig, clips, _) = figure(options).new_tree(&mut runner).unwrap().current();
-    let ladder = JointLods::whole(&rig).unwrap();
-    let set = ClipSet::new(&rig, ladder.clone(), &clips, ClipStorage::Float).unwrap();
-    let map = PaletteMap::joints(&ladder);
+    let joint_lods = JointLods::whole(&rig).unwrap();
+    let set = ClipSet::new(&rig, joint_lods.clone(), &clips, ClipStorage::Float).unwrap();
+    let map = PaletteMap::joints(&joint_lods);
     for half in [false, true] {
         let (cache, _) = cached(&set, &map, &[0.2, 0.7], half);
         let len = cache.matrices(0) * 3;

@@ -1,10 +1,10 @@
 //! One look at a whole crowd does not allocate.
 
 use articula_core::visibility::{
-    Bodies, ApproachSpeed, Occlusion, CullResult, View, Visibility, secs_until_grown, see,
+    ApproachSpeed, Bodies, CullResult, Occlusion, View, Visibility, cull, secs_until_grown,
 };
 use articula_core::{
-    Attention, Bound, Camera, Capsule, ClipBounds, AttentionInterval, Sphere, Viewport, Wrap,
+    Attention, AttentionInterval, Bound, Camera, Capsule, ClipBounds, Sphere, Viewport, Wrap,
 };
 use glam::{Quat, Vec3};
 
@@ -36,7 +36,7 @@ fn a_look_does_not_allocate() {
     let scales = vec![scale; count];
     let mut bounds = vec![BALL; count];
     let mut world = vec![BALL; count];
-    let wakes = vec![0.1; count];
+    let margins = vec![0.1; count];
     let mut occluded = vec![0.0; count];
     let mut seen = vec![CullResult::default(); count];
     let mut tolerance = 0.0;
@@ -57,7 +57,7 @@ fn a_look_does_not_allocate() {
             *occluded = grid.occluded(&second, positions[b], rotations[b], scale);
         }
         let views = [View::of(&camera).with_occluded(&occluded)];
-        see(&views, Bodies::new(&world, &wakes).unwrap(), &mut seen);
+        cull(&views, Bodies::new(&world, &margins).unwrap(), &mut seen);
         let secs = secs_until_grown(&views, world[0], seen[0], 0.25, ApproachSpeed::default());
         let m = attention.at(f64::from(secs.min(1.0)), Wrap::Loop);
         tolerance = m / seen[0].pixels_per_metre;

@@ -1,17 +1,17 @@
 //! A file that a host drives through named inputs, with its size and error.
 //!
-//! Source: `spec/vector.md` 8.3. Inputs are linear on the screen and the painting order is fixed,
+//! Source: `docs/methods/vector.md` 8.3. Inputs are linear on the screen and the painting order is fixed,
 //! so what is measured is the clip that the file carries along, against the real one.
 
 use super::prepared::PreparedClip;
+use super::reference_frames::{BACKGROUND, ReferenceFrames};
 use super::report::{Errors, Sizes};
 use super::search::{Flattened, Trial};
 use super::settings::{Profile, Settings};
-use super::truth::{BACKGROUND, ReferenceFrames};
 use crate::item_buffer::Supersampling;
 use crate::planar::PlanarError;
 use crate::planar::reference::reference;
-use crate::vector::player::{LiveSource, PlayerOutput, PlayerOptions, decode, live_player};
+use crate::vector::player::{LiveSource, PlayerOptions, PlayerOutput, decode, live_player};
 use articula_core::Progress;
 
 /// Writes a source; `prepared` is of its shapes, `truth` of its clip.

@@ -1,7 +1,7 @@
 //! One call from a planar clip to a file with its size and error; with a byte budget, the best
 //! setting that fits.
 //!
-//! Source: `spec/vector.md` 1, 4 and 9.
+//! Source: `docs/methods/vector.md` 1, 4 and 9.
 //!
 //! - [`PreparedClip`]: what is drawn, in which order, and what that leaves wrong, worked out once
 //! - [`Settings`]: a [`Profile`], and how near to the truth it comes ([`Quality`])
@@ -16,15 +16,15 @@
 mod live;
 mod pages;
 mod prepared;
+mod reference_frames;
 mod report;
 mod search;
 mod settings;
-mod truth;
 mod written;
 
 pub use live::flatten_live;
 pub use prepared::{PrepareClipOptions, PreparedClip};
-pub use report::{Representation, Errors, Sizes};
+pub use reference_frames::{ImageError, ReferenceFrames, sampled_frames};
+pub use report::{Errors, Representation, Sizes};
 pub use search::{Flattened, Trial, flatten};
 pub use settings::{Profile, Quality, Settings};
-pub use truth::{ImageError, ReferenceFrames, sampled_frames};

@@ -1,6 +1,6 @@
 //! The pages of a flip-book: every frame as a clip of its own, with common ramps.
 //!
-//! Source: `spec/vector.md` 8.2.
+//! Source: `docs/methods/vector.md` 8.2.
 
 use super::prepared::PreparedClip;
 use crate::planar::key_frames::{KeyOptions, keyed};

@@ -1,6 +1,6 @@
 //! What is told of a converted file: its size, its error, and what it can stand for.
 
-use super::truth::ImageError;
+use super::reference_frames::ImageError;
 use crate::planar::PlanarError;
 use flate2::Compression;
 use flate2::write::GzEncoder;

@@ -1,13 +1,13 @@
 //! The best setting of a ladder under a byte budget.
 //!
-//! Source: `spec/vector.md` 1 and 9. Within one way of filling shapes, a step further down the
+//! Source: `docs/methods/vector.md` 1 and 9. Within one way of filling shapes, a step further down the
 //! ladder is smaller and worse, so the first that fits is its best; between ways the picture
 //! decides. The same clip and budget give the same file.
 
 use super::prepared::PreparedClip;
-use super::report::{Representation, Errors, Sizes};
+use super::reference_frames::{ImageError, ReferenceFrames};
+use super::report::{Errors, Representation, Sizes};
 use super::settings::{Profile, Quality, Settings};
-use super::truth::{ImageError, ReferenceFrames};
 use super::written::{Written, write};
 use crate::planar::PlanarError;
 use crate::planar::shading::Shading;
@@ -60,7 +60,7 @@ impl Flattened {
     }
 
     /// What it can stand for.
-    pub fn entry(&self) -> Representation {
+    pub fn representation(&self) -> Representation {
         Representation {
             modality: format!("vector/{}", self.profile),
             bytes: self.sizes.raw,

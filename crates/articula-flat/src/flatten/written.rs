@@ -6,8 +6,8 @@
 
 use super::pages::pages;
 use super::prepared::PreparedClip;
+use super::reference_frames::BACKGROUND;
 use super::settings::{Profile, Quality};
-use super::truth::BACKGROUND;
 use crate::item_buffer::Supersampling;
 use crate::picture::Picture;
 use crate::planar::PlanarError;
@@ -39,12 +39,12 @@ pub(super) struct Written {
     pub frames: usize,
     /// Triangles that it shows in some frame.
     pub triangles_drawn: usize,
-    shown: Shown,
+    shown: ReadBack,
 }
 
 /// What reads the file back.
 #[derive(Debug, Clone, PartialEq)]
-enum Shown {
+enum ReadBack {
     Moving(Box<AnimatedSvg>),
     Player(Box<PlayerClip>),
     Still(String),
@@ -91,13 +91,19 @@ impl Written {
     ///
     /// # Errors
     /// [`PlanarError::Picture`] if it cannot be drawn.
-    pub(super) fn picture(&self, prepared: &PreparedClip, frame: f64) -> Result<Picture, PlanarError> {
+    pub(super) fn picture(
+        &self,
+        prepared: &PreparedClip,
+        frame: f64,
+    ) -> Result<Picture, PlanarError> {
         let secs = frame / f64::from(prepared.clip.fps);
         Ok(match &self.shown {
-            Shown::Moving(moving) => raster(&moving.at(secs)?, BACKGROUND)?,
-            Shown::Still(text) => raster(text, BACKGROUND)?,
-            Shown::Player(clip) => reference(&clip.painted(frame), 0, Supersampling::Four, BACKGROUND)?,
-            Shown::Naive(options) => {
+            ReadBack::Moving(moving) => raster(&moving.at(secs)?, BACKGROUND)?,
+            ReadBack::Still(text) => raster(text, BACKGROUND)?,
+            ReadBack::Player(clip) => {
+                reference(&clip.painted(frame), 0, Supersampling::Four, BACKGROUND)?
+            }
+            ReadBack::Naive(options) => {
                 let still = thesis_frame(&prepared.clip, options, frame)?;
                 raster(&still, BACKGROUND)?
             }
@@ -154,7 +160,7 @@ fn key_framed(
         shapes: keyed.shapes.len(),
         frames: clip.frames.len(),
         triangles_drawn: prepared.triangles_drawn(),
-        shown: Shown::Moving(moving),
+        shown: ReadBack::Moving(moving),
     })
 }
 
@@ -171,7 +177,7 @@ fn paged(prepared: &PreparedClip, quality: &Quality, name: &str) -> Result<Writt
         shapes: pages.iter().map(|p| p.shapes.len()).sum(),
         frames: clip.frames.len(),
         triangles_drawn: prepared.triangles_drawn(),
-        shown: Shown::Moving(moving),
+        shown: ReadBack::Moving(moving),
     })
 }
 
@@ -195,7 +201,7 @@ fn played(prepared: &PreparedClip, options: &PlayerOptions) -> Result<Written, P
         frames: clip.frames.len(),
         triangles_drawn: prepared.triangles_drawn(),
         bytes: file.text.into_bytes(),
-        shown: Shown::Player(Box::new(shown)),
+        shown: ReadBack::Player(Box::new(shown)),
     })
 }
 
@@ -219,7 +225,7 @@ fn one_frame(
         shapes: order.len(),
         frames: 1,
         triangles_drawn: order.len(),
-        shown: Shown::Still(text),
+        shown: ReadBack::Still(text),
     })
 }
 
@@ -234,6 +240,6 @@ fn naive(prepared: &PreparedClip, options: ThesisSvgOptions) -> Result<Written, 
         shapes: file.elements,
         frames: clip.frames.len(),
         triangles_drawn: prepared.triangles_drawn(),
-        shown: Shown::Naive(options),
+        shown: ReadBack::Naive(options),
     })
 }

@@ -2,7 +2,7 @@
 //!
 //! Source: reverse water-filling (Cover and Thomas, *Elements of Information Theory*, 10.3):
 //! with components at right angles, one step for all of them loses least for the bits. So the
-//! strong components get large numbers and the weak ones small, where `spec/vector.md` 8.3 gives
+//! strong components get large numbers and the weak ones small, where `docs/methods/vector.md` 8.3 gives
 //! the first two 16 bits and the others 8.
 
 use super::{Component, LowRank};

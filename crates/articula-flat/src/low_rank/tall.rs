@@ -1,7 +1,7 @@
 //! A table of numbers as its mean row and a few components: truncated singular value
 //! decomposition.
 //!
-//! Source: `spec/vector.md` 8.3; Halko, Martinsson and Tropp, *Finding structure with randomness*
+//! Source: `docs/methods/vector.md` 8.3; Halko, Martinsson and Tropp, *Finding structure with randomness*
 //! (SIAM Review 53, 2011), algorithm 4.4: subspace iteration. Differs: the start is a fixed
 //! sequence, so the same table gives the same bits, and the block grows until what is left is
 //! small enough, so no rank has to be guessed. A block as wide as the table is exact.

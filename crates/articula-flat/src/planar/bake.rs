@@ -1,13 +1,13 @@
 //! Skins, projects and lights a character into a [`PlanarClip`].
 //!
-//! Source: `spec/vector.md` 2. One key light and an even ambient, both fixed to the viewer;
+//! Source: `docs/methods/vector.md` 2. One key light and an even ambient, both fixed to the viewer;
 //! light multiplies sRGB levels, since vector players blend there. Colours of textured vertices
 //! are fitted to the texture in the triangles around them.
 
 use super::clip::{MAX_FRAMES, MAX_TRIANGLES, PlanarClip, PlanarFrame, PlanarMaterial};
 use super::error::PlanarError;
 use super::subject::PlanarSubject;
-use super::vertex_colors::{Look, fitted};
+use super::vertex_colors::{SurfaceColor, fitted};
 use crate::projection::{Projection, Screen};
 use articula_core::source::Material;
 use articula_core::{Camera, PosedMesh, SkinnedMesh, Wrap, sample, sample_morphs};
@@ -139,7 +139,7 @@ pub fn bake_shapes(
 
 /// Where a vertex of the planar clip comes from: a vertex of the mesh, and the side it shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Source {
+struct SourceVertex {
     vertex: u32,
     is_back: bool,
 }
@@ -148,7 +148,7 @@ struct Source {
 fn still_parts(
     subject: &PlanarSubject<'_>,
     options: &BakeOptions,
-) -> Result<(PlanarClip, Vec<Source>), PlanarError> {
+) -> Result<(PlanarClip, Vec<SourceVertex>), PlanarError> {
     let mesh = subject.mesh;
     if subject.triangles.len() > MAX_TRIANGLES {
         let (found, most) = (subject.triangles.len(), MAX_TRIANGLES);
@@ -189,11 +189,13 @@ fn still_parts(
                 continue;
             }
             let mut corners = triangle.map(|vertex| {
-                *index.entry(Source { vertex, is_back }).or_insert_with(|| {
-                    sources.push(Source { vertex, is_back });
-                    clip.albedo.push(colors[&vertex]);
-                    sources.len() as u32 - 1
-                })
+                *index
+                    .entry(SourceVertex { vertex, is_back })
+                    .or_insert_with(|| {
+                        sources.push(SourceVertex { vertex, is_back });
+                        clip.albedo.push(colors[&vertex]);
+                        sources.len() as u32 - 1
+                    })
             });
             if is_back {
                 corners.swap(1, 2);
@@ -259,9 +261,9 @@ impl<'a> Painter<'a> {
         self.materials.iter().enumerate().map(of_part).collect()
     }
 
-    fn look(&self, part: usize) -> Look<'_> {
+    fn look(&self, part: usize) -> SurfaceColor<'_> {
         let material = &self.materials[part];
-        Look {
+        SurfaceColor {
             material,
             texture: self.subject.look.texture_of(material),
         }
@@ -347,7 +349,7 @@ impl<'a> Poser<'a> {
 
 fn project(
     skinned: &SkinnedMesh,
-    sources: &[Source],
+    sources: &[SourceVertex],
     frame: usize,
     angle: f32,
     options: &BakeOptions,

@@ -1,6 +1,6 @@
 //! Places and light of every vertex in every frame, on the screen.
 //!
-//! Source: `spec/vector.md` 2. Differs: vertices keep their nearness instead of their depth,
+//! Source: `docs/methods/vector.md` 2. Differs: vertices keep their nearness instead of their depth,
 //! since nearness is linear on the screen under every projection ([`crate::projection`]).
 
 use super::error::PlanarError;

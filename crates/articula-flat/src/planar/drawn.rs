@@ -1,6 +1,6 @@
 //! Which triangles are seen in which frames.
 //!
-//! Source: `spec/vector.md` 3. A triangle is seen if it owns at least one of the 2 x 2 samples
+//! Source: `docs/methods/vector.md` 3. A triangle is seen if it owns at least one of the 2 x 2 samples
 //! of some pixel; covered triangles and backs are not drawn, which changes no pixel. Short gaps
 //! are drawn all the same, since switching costs more bytes than painting something hidden.
 

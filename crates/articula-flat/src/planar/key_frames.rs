@@ -1,6 +1,6 @@
 //! Key-frame reduction: from places and light in every frame to few keys.
 //!
-//! Source: `spec/vector.md` 7. Differs: keys need not lie on the data (`tunnel`,
+//! Source: `docs/methods/vector.md` 7. Differs: keys need not lie on the data (`tunnel`,
 //! `moving_gradient`), and a gradient's line is kept in shares of its shape's bounding
 //! box where the writer can say so, since it then goes along with the shape and most lines need
 //! not move at all.

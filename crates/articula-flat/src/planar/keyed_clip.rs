@@ -1,6 +1,6 @@
 //! Shapes with keys: what is left of a clip after key-frame reduction, ready to be written.
 //!
-//! Source: `spec/vector.md` 7. Everything is a whole number on a grid, so that a writer loses
+//! Source: `docs/methods/vector.md` 7. Everything is a whole number on a grid, so that a writer loses
 //! nothing and a reader gets it back exactly.
 
 use crate::planar::PlanarError;

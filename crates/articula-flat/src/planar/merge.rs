@@ -1,6 +1,6 @@
 //! Merging: regions of triangles of nearly one colour, painted as one shape each.
 //!
-//! Source: `spec/vector.md` 6. Regions grow across common edges, the most alike first. A region
+//! Source: `docs/methods/vector.md` 6. Regions grow across common edges, the most alike first. A region
 //! is painted in one go, so a triangle may join only if that moves it past nothing that it ever
 //! lies over or under. Only triangles that are drawn in the same frames join, so that an outline
 //! never changes its points.

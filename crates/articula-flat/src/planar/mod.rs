@@ -1,7 +1,7 @@
 //! A clip as the camera sees it: projected triangles with their light, and what is known of
 //! them before anything is written.
 //!
-//! Source: thesis 4.2, `spec/vector.md` 2 to 7.
+//! Source: thesis 4.2, `docs/methods/vector.md` 2 to 7.
 //!
 //! - [`PlanarSubject`]: who is shown; [`bake()`] skins, projects and lights it into a [`PlanarClip`]:
 //!   places and light of every vertex in every frame

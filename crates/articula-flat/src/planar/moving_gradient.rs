@@ -1,6 +1,6 @@
 //! Few keys for the line of a gradient, measured in levels where it matters: at the corners.
 //!
-//! Source: `spec/vector.md` 7. One line for the whole time comes first (least squares, the worst
+//! Source: `docs/methods/vector.md` 7. One line for the whole time comes first (least squares, the worst
 //! frames weighing more). A moving line begins with a key at both ends; its keys' values are
 //! fitted to all frames at once (Gauss and Newton, with Levenberg's damping), keys are added
 //! where the error between two is worst until none is above the tolerance, and keys that were

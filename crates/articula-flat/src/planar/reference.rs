@@ -1,6 +1,6 @@
 //! The picture that every output is measured against: what an ideal player would paint.
 //!
-//! Source: `spec/vector.md` 11. Colours run straight between the corners on the screen and are
+//! Source: `docs/methods/vector.md` 11. Colours run straight between the corners on the screen and are
 //! averaged in sRGB, as vector players do; hidden surfaces go sample by sample, so there is no
 //! painting order to be wrong.
 
@@ -42,7 +42,11 @@ pub(crate) fn reference_with_mask(
     ))
 }
 
-fn drawn(clip: &PlanarClip, frame: usize, samples: Supersampling) -> Result<ItemBuffer, PictureError> {
+fn drawn(
+    clip: &PlanarClip,
+    frame: usize,
+    samples: Supersampling,
+) -> Result<ItemBuffer, PictureError> {
     let mut buffer = ItemBuffer::new(clip.width, clip.height, samples)?;
     draw_frame(clip, frame, &mut buffer);
     Ok(buffer)

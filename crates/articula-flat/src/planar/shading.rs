@@ -1,7 +1,7 @@
 //! One gradient for each triangle: what a vector player can show of colours that run straight
 //! between three corners.
 //!
-//! Source: `spec/vector.md` 6. Triangles of one albedo are lit along a ramp from black to it,
+//! Source: `docs/methods/vector.md` 6. Triangles of one albedo are lit along a ramp from black to it,
 //! shared by all of that albedo, which is exact. Where albedo differs from corner to corner, the
 //! first principal axis of the corners' colours gives two colours of its own. The two colours
 //! stay the same over time and the line between them moves.
@@ -15,7 +15,7 @@ use glam::{Mat3, Vec2, Vec3};
 /// Colours that differ by less than this are one, levels.
 const FLAT_SPREAD: f32 = 1.5;
 /// Below this area of the parallelogram a triangle is a line, square pixels.
-const LEAST_AREA: f32 = 1e-2;
+const MIN_AREA: f32 = 1e-2;
 
 /// How triangles are filled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Hash)]
@@ -170,7 +170,7 @@ impl Affine {
         let (ab, ac) = (b - a, c - a);
         let area = ab.perp_dot(ac);
         let (to_b, to_c) = (values[1] - values[0], values[2] - values[0]);
-        let slope = if area.abs() >= LEAST_AREA {
+        let slope = if area.abs() >= MIN_AREA {
             (ac.perp() * -to_b + ab.perp() * to_c) / area
         } else {
             let edge = |i: usize| {
@@ -220,7 +220,7 @@ fn corner_colors(clip: &PlanarClip, frame: usize, triangle: usize) -> [Vec3; 3] 
 /// How much a frame counts for a triangle's colours: its size, and a little in any case.
 fn weight(clip: &PlanarClip, frame: usize, triangle: usize) -> f32 {
     let [a, b, c] = clip.places(frame, triangle);
-    (b - a).perp_dot(c - a).abs() + LEAST_AREA
+    (b - a).perp_dot(c - a).abs() + MIN_AREA
 }
 
 /// Mean of the corners' colours, and the direction in which they differ most.

@@ -1,6 +1,6 @@
 //! Cuts triangles that pass through each other, so that an order exists that shows them right.
 //!
-//! Source: `spec/vector.md` 4, `--split`. Where two triangles lie over each other both ways in
+//! Source: `docs/methods/vector.md` 4, `--split`. Where two triangles lie over each other both ways in
 //! one frame no order is right. One of them is cut where both are equally near, in the frame
 //! in which most samples are at stake. Differs: only one of the two is cut, which is enough;
 //! its neighbours are cut at the same points, so that edges still meet.

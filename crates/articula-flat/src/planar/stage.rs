@@ -1,6 +1,6 @@
 //! Where a moving subject is, and which of its triangles are ever seen.
 //!
-//! Source: `spec/vector.md` 1 and 3. Layers that no frame shows (a skull under a helmet) are
+//! Source: `docs/methods/vector.md` 1 and 3. Layers that no frame shows (a skull under a helmet) are
 //! found before the mesh is made coarser: they would take triangles away from what is seen and
 //! cause most cycles of the painting order.
 
@@ -169,7 +169,10 @@ mod tests {
     #[test]
     fn bounds_hold_the_figure_and_its_turn() {
         let figure = figure();
-        let still = figure.subject().bounds(&[0.0], &Turntable::default()).unwrap();
+        let still = figure
+            .subject()
+            .bounds(&[0.0], &Turntable::default())
+            .unwrap();
         assert!(still.high.y > 1.5 && still.low.y < 0.1);
         let turn = Turntable {
             axis: (0.0, 0.0),

@@ -2,7 +2,7 @@
 //!
 //! Source: the tunnel of H. Imai and M. Iri ("Polygonal approximations of a curve", 1988) for
 //! several numbers with common key frames, solved forward with the set of values that each
-//! number can still have. Differs from `spec/vector.md` 7 (greedy longest segments between data
+//! number can still have. Differs from `docs/methods/vector.md` 7 (greedy longest segments between data
 //! points): keys need not lie on the data, so that the same tolerance needs fewer of them, and
 //! a shortest path over all frames replaces looking ahead.
 

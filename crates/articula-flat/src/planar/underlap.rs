@@ -1,7 +1,7 @@
 //! Sealed edges: triangles reach a little under those neighbours that are painted later, so
 //! that no background shows through anti-aliased edges.
 //!
-//! Source: `spec/vector.md` 5. Silhouettes stay where they are, and it costs no byte. Differs so
+//! Source: `docs/methods/vector.md` 5. Silhouettes stay where they are, and it costs no byte. Differs so
 //! that corners move steadily from frame to frame, since every jump would cost a key frame:
 //! - an edge moves out no further than its neighbour reaches, so it comes to rest on the
 //!   silhouette while the neighbour turns away; an end that would stick out beside the
@@ -21,7 +21,7 @@ pub(crate) type OutlineEdge = (u32, u8);
 /// A corner moves no further than this many distances.
 const FURTHEST: f32 = 2.5;
 /// Edges move no further than this, pixels.
-const MOST_DISTANCE: f32 = 64.0;
+const MAX_DISTANCE: f32 = 64.0;
 /// Weight that keeps a corner near its place, against the two edge lines that pull it.
 const DAMPING: f32 = 0.02;
 /// How stiff an edge line is that stays, against one that moves by the whole distance.
@@ -30,7 +30,7 @@ const STIFFNESS: f32 = 50.0;
 /// way opens a gap.
 const WALL: f32 = 0.5;
 /// An edge of more triangles than this on one side is not sealed.
-const MOST_NEIGHBOURS: usize = 8;
+const MAX_NEIGHBOURS: usize = 8;
 
 /// How edges are sealed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,7 +100,7 @@ impl<'a> Sealer<'a> {
             clip,
             neighbours: Neighbours::new(clip),
             // Also where it is not a number.
-            distance: f32::max(options.distance_px, 0.0).min(MOST_DISTANCE),
+            distance: f32::max(options.distance_px, 0.0).min(MAX_DISTANCE),
         }
     }
 
@@ -263,7 +263,7 @@ impl Neighbours {
             let (a, b) = ends(t, e);
             let from = edges.partition_point(|(ends, _)| *ends < (b, a));
             let to = edges.partition_point(|(ends, _)| *ends <= (b, a));
-            if a != b && to - from <= MOST_NEIGHBOURS {
+            if a != b && to - from <= MAX_NEIGHBOURS {
                 entries.extend(edges[from..to].iter().map(|(_, n)| *n));
             }
             first.push(entries.len() as u32);

@@ -21,12 +21,12 @@ const PULL: f32 = 0.02;
 const ROUNDS: usize = 24;
 
 /// What triangles of one material look like.
-pub(super) struct Look<'a> {
+pub(super) struct SurfaceColor<'a> {
     pub(super) material: &'a Material,
     pub(super) texture: Option<&'a Texture>,
 }
 
-impl Look<'_> {
+impl SurfaceColor<'_> {
     /// sRGB levels and opacity at a place, without light.
     fn color(&self, vertex_color: Vec4, at: Vec2, level: usize) -> (Vec3, f32) {
         let mut color = self.material.base_color * vertex_color;
@@ -50,7 +50,7 @@ impl Look<'_> {
 /// O(triangles).
 pub(super) fn fitted<'a>(
     subject: &PlanarSubject<'_>,
-    look: impl Fn(&[u32; 3]) -> Look<'a>,
+    look: impl Fn(&[u32; 3]) -> SurfaceColor<'a>,
 ) -> BTreeMap<u32, [f32; 3]> {
     let mut fit = Fit::new(subject);
     for triangle in subject.triangles {
@@ -100,7 +100,12 @@ impl Fit {
         }
     }
 
-    fn unknown(&mut self, subject: &PlanarSubject<'_>, vertex: u32, look: &Look<'_>) -> usize {
+    fn unknown(
+        &mut self,
+        subject: &PlanarSubject<'_>,
+        vertex: u32,
+        look: &SurfaceColor<'_>,
+    ) -> usize {
         if let Some(unknown) = self.of_vertex.get(&vertex) {
             return *unknown;
         }
@@ -124,7 +129,7 @@ impl Fit {
         unknown
     }
 
-    fn add(&mut self, subject: &PlanarSubject<'_>, triangle: &[u32; 3], look: &Look<'_>) {
+    fn add(&mut self, subject: &PlanarSubject<'_>, triangle: &[u32; 3], look: &SurfaceColor<'_>) {
         let mesh = subject.mesh;
         let unknowns = triangle.map(|v| self.unknown(subject, v, look));
         let Some(texture) = look.texture else {
@@ -230,7 +235,11 @@ mod tests {
     }
 
     /// Sum of squares over the samples of the subject's triangles.
-    fn error(subject: &PlanarSubject<'_>, look: &Look<'_>, color: impl Fn(u32) -> Vec3) -> f32 {
+    fn error(
+        subject: &PlanarSubject<'_>,
+        look: &SurfaceColor<'_>,
+        color: impl Fn(u32) -> Vec3,
+    ) -> f32 {
         let mut sum = 0.0;
         for t in subject.triangles {
             for s in samples() {
@@ -253,7 +262,7 @@ mod tests {
         }
         let (texture, material) = (half_black(16), Material::default());
         let subject = figure.subject();
-        let look = || Look {
+        let look = || SurfaceColor {
             material: &material,
             texture: Some(&texture),
         };
@@ -272,7 +281,7 @@ mod tests {
         let figure = figure();
         let subject = figure.subject();
         let material = Material::default();
-        let look = || Look {
+        let look = || SurfaceColor {
             material: &material,
             texture: None,
         };

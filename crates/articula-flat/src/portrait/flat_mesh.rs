@@ -9,7 +9,7 @@ use glam::Vec2;
 use std::collections::BTreeMap;
 
 /// Triangles smaller than this, in square pixels, show nothing.
-const LEAST_AREA: f32 = 0.02;
+const MIN_AREA: f32 = 0.02;
 
 /// Triangles of a portrait, without anything of where they are.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -50,7 +50,7 @@ impl FlatMesh {
 
     /// Whether a triangle with these corners is drawn: its front is seen.
     pub(crate) fn shows(corners: [Vec2; 3]) -> bool {
-        front_area(corners) > LEAST_AREA
+        front_area(corners) > MIN_AREA
     }
 }
 

@@ -1,6 +1,6 @@
 //! A talking face in 2D that can turn its head: warped view pictures of a 3D figure.
 //!
-//! Source: `spec/vector.md` part 10; thesis 4.1 (a 2D mesh over a portrait, driven by face
+//! Source: `docs/methods/vector.md` part 10; thesis 4.1 (a 2D mesh over a portrait, driven by face
 //! parameters) and annex C (which of them it supports). What differs: the head turns, what is
 //! behind (teeth, tongue, eyes under lids) is found rather than drawn by hand, and every shape
 //! of the face moves in all views.

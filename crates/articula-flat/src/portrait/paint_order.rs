@@ -1,6 +1,6 @@
 //! The order in which triangles are painted, back to front, for a range of turns.
 //!
-//! Source: `spec/vector.md` parts 4 and 10. Some poses of the range are the frames of one clip,
+//! Source: `docs/methods/vector.md` parts 4 and 10. Some poses of the range are the frames of one clip,
 //! whose order is that of [`crate::planar::order`].
 
 use super::error::PortraitError;

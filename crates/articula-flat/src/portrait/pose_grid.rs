@@ -1,6 +1,6 @@
 //! Where the vertices of a portrait are for any turn, nod and expression: tables of few modes.
 //!
-//! Source: `spec/vector.md` part 10. Places are stored for the nodes of a grid of yaw and pitch
+//! Source: `docs/methods/vector.md` part 10. Places are stored for the nodes of a grid of yaw and pitch
 //! and blend linearly between them. What differs: the rest shape and the offsets of all
 //! expressions share the modes of one truncated decomposition over the nodes, so that a node
 //! costs a few numbers however many vertices and expressions there are.
@@ -10,7 +10,7 @@ use crate::low_rank::{dot, modes};
 use glam::Vec2;
 
 /// Most modes; turning heads take four to seven.
-const MOST_MODES: usize = 12;
+const MAX_MODES: usize = 12;
 /// Offsets smaller than this at every node are left out, pixels.
 const STILL_PX: f32 = 0.02;
 
@@ -70,7 +70,7 @@ impl PoseGrid {
             .map(|(_, nodes)| moved(&samples.rest, nodes))
             .collect();
         let (offsets, rows) = rows(samples, &moved);
-        let all = modes(&rows, MOST_MODES);
+        let all = modes(&rows, MAX_MODES);
         let columns = project_rows(&rows, &all);
         let groups = groups(vertices, &moved);
         let rank = fewest(&rows, &columns, &groups, f64::from(tolerance_px));

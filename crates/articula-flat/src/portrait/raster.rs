@@ -14,7 +14,7 @@ use crate::picture::{Picture, Rgba};
 use glam::{Affine2, Mat2, Vec2, Vec3, Vec4};
 
 /// Weights smaller than this are not worth painting a triangle once more.
-pub(super) const LEAST_WEIGHT: f32 = 0.03;
+pub(super) const MIN_WEIGHT: f32 = 0.03;
 /// Twice the area of a triangle in a view below which it is a sliver, square pixels.
 const SLIVER: f32 = 0.1;
 
@@ -127,7 +127,7 @@ impl Portrait {
         for (view, weight) in weights
             .iter()
             .enumerate()
-            .filter(|(_, w)| **w >= LEAST_WEIGHT)
+            .filter(|(_, w)| **w >= MIN_WEIGHT)
         {
             let layer = usize::from(self.layers.of_view[view][triangle]);
             let Some([x, y]) = self.views[view].shifts.get(layer) else {

@@ -1,7 +1,7 @@
 //! Corners moved outward a little under neighbours that are painted later, so that no background
 //! shows between anti-aliased triangles.
 //!
-//! Source: `spec/vector.md` part 5 (underlap). Silhouette edges stay where they are. What differs:
+//! Source: `docs/methods/vector.md` part 5 (underlap). Silhouette edges stay where they are. What differs:
 //! edges move a little over earlier neighbours too, since a canvas draws slivers thinner than a
 //! pixel with holes.
 

@@ -15,8 +15,8 @@ use articula_core::{
 use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 /// A rectangle with two triangles, of one colour, with its offset when the mouth is open.
-fn plate(corners: [Vec3; 4], color: Vec4, open: Vec3) -> source::Mesh {
-    source::Mesh {
+fn plate(corners: [Vec3; 4], color: Vec4, open: Vec3) -> source::RawMesh {
+    source::RawMesh {
         skin: Skin {
             joints: vec![0],
             inverse_bind: vec![Affine3A::IDENTITY],
@@ -35,7 +35,7 @@ fn plate(corners: [Vec3; 4], color: Vec4, open: Vec3) -> source::Mesh {
             }],
             ..Primitive::default()
         }],
-        ..source::Mesh::default()
+        ..source::RawMesh::default()
     }
 }
 

@@ -1,6 +1,6 @@
 //! How much each view picture counts for a triangle in a pose.
 //!
-//! Source: `spec/vector.md` part 10: the square of the area in the view over the area in the
+//! Source: `docs/methods/vector.md` part 10: the square of the area in the view over the area in the
 //! pose, capped at 2; zero where the triangle was covered. What differs: the nearer view counts
 //! more, falling linearly with the angle, so that a pose that is a view shows that view alone.
 

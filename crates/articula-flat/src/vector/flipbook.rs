@@ -1,6 +1,6 @@
 //! Writes an SVG file with a group for each frame, one shown at a time.
 //!
-//! Source: `spec/vector.md` 8.2. Nothing is interpolated, so every frame has its own shapes,
+//! Source: `docs/methods/vector.md` 8.2. Nothing is interpolated, so every frame has its own shapes,
 //! order and paint and none is off by more than the grid; the price is bytes, so it suits up to
 //! about 25 frames.
 

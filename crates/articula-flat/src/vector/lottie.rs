@@ -1,6 +1,6 @@
 //! Lottie JSON: the clip for the players of applications.
 //!
-//! Source: Lottie specification 1.0.1 (lottie.github.io); `spec/vector.md` 8.4. Differs: what that
+//! Source: Lottie specification 1.0.1 (lottie.github.io); `docs/methods/vector.md` 8.4. Differs: what that
 //! specification leaves optional but players need is written too (`v`, the layer's `st`, the whole
 //! transforms, easing handles of straight keys); `docs/formats/lottie.md` says who needs what.
 //!

@@ -1,6 +1,6 @@
 //! Vector graphics, still and moving: what is written, and what reads it back.
 //!
-//! Source: thesis 4.2, `spec/vector.md` 7 to 11; what the files hold: `docs/formats/svg.md`.
+//! Source: thesis 4.2, `docs/methods/vector.md` 7 to 11; what the files hold: `docs/formats/svg.md`.
 //! [`crate::flatten`] chooses among the writers and measures what they give.
 //!
 //! - [`player`]: a clip as a small file with a small player

@@ -1,6 +1,6 @@
 //! Still SVG to pixels, through resvg: it judges what is written here and shows a moment of it.
 //!
-//! Source: `spec/vector.md` 11. Only elements that draw shapes are taken: whatever needs fonts,
+//! Source: `docs/methods/vector.md` 11. Only elements that draw shapes are taken: whatever needs fonts,
 //! files, other pictures or a stylesheet is refused by its name, so that nothing is missing
 //! from a picture unseen. Animation is left out: it is the first state that shows.
 

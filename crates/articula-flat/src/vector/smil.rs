@@ -1,6 +1,6 @@
 //! Writes a [`KeyedClip`] as one SVG file that moves without script.
 //!
-//! Source: `spec/vector.md` 8.1 (SVG 1.1 and SVG 2 with SMIL 3.0 animation). A shape is one
+//! Source: `docs/methods/vector.md` 8.1 (SVG 1.1 and SVG 2 with SMIL 3.0 animation). A shape is one
 //! `path` whose `d` is animated from key to key; a gradient names a shared ramp and gives its
 //! own line. Rules that players taught: `fill` is never animated between gradients, switching is
 //! always `calcMode="discrete"`, linear key times run from 0 to 1.

@@ -2,7 +2,7 @@
 //! shows at a moment as a still SVG.
 //!
 //! Source: SMIL 3.0 (simple animation: `values`, `keyTimes`, `calcMode` linear and discrete) and
-//! SVG 2, as far as our writers use them; `spec/vector.md` 11. Everything is taken from the
+//! SVG 2, as far as our writers use them; `docs/methods/vector.md` 11. Everything is taken from the
 //! file's text, so writer and reader judge each other. What is not in that subset is refused
 //! by name instead of being shown wrongly.
 //!

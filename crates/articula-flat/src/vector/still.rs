@@ -1,6 +1,6 @@
 //! One frame of a clip as SVG, in one colour or one gradient a triangle, or exact.
 //!
-//! Source: `spec/vector.md` 6, thesis 4.2.3. A surface's ramp is written once; each triangle's
+//! Source: `docs/methods/vector.md` 6, thesis 4.2.3. A surface's ramp is written once; each triangle's
 //! gradient refers to it and adds its line. Differs from the thesis: its three superposed
 //! triangles under filters become one triangle; [`StillOptions::exact`] paints red, green and blue
 //! apart and adds them by `screen`, since `plus-lighter` is not known everywhere.

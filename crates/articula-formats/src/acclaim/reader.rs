@@ -3,13 +3,13 @@
 use super::amc::{self, Bones, MotionText};
 use super::asf::{self, Dof, SkeletonText, turned};
 use super::hierarchy::{self, Hierarchy};
-use crate::error::{Assumption, Read, ReadError, Warning};
+use crate::error::{Assumption, Parsed, ReadError, Warning};
 use crate::limits::Limits;
 use crate::motion_file::{MotionFile, ReadOptions};
 use crate::notes::Notes;
 use crate::units;
 use crate::words::FRAME_TIMES_SECS;
-use articula_core::source::{self, Character, Clip, Interpolation, Joint, Property, Skeleton};
+use articula_core::source::{self, Character, Interpolation, Joint, Property, RawClip, Skeleton};
 use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
 
@@ -28,7 +28,7 @@ pub fn read(
     amc: Option<&[u8]>,
     options: &ReadOptions,
     limits: &Limits,
-) -> Result<Read<MotionFile>, ReadError> {
+) -> Result<Parsed<MotionFile>, ReadError> {
     let length = asf.len().max(amc.map_or(0, <[u8]>::len));
     Limits::check("file", "bytes", length as u64, limits.bytes)?;
     let mut notes = Notes::default();
@@ -53,7 +53,7 @@ pub fn read(
     }
     let mut warnings = notes.into_list();
     let basis = figure.basis(options, &mut warnings)?;
-    Ok(Read {
+    Ok(Parsed {
         value: figure.file(&basis),
         warnings,
     })
@@ -303,7 +303,7 @@ impl Figure {
         }
     }
 
-    fn clip(&self, basis: &Basis) -> Option<Clip> {
+    fn clip(&self, basis: &Basis) -> Option<RawClip> {
         let last_frame = self.motion.frames.checked_sub(1)?;
         let mut channels = Vec::new();
         for slot in 0..self.axes.len() {
@@ -327,7 +327,7 @@ impl Figure {
                 channels.push(keyed(Property::Rotation, keys.rotations.clone()));
             }
         }
-        Some(Clip {
+        Some(RawClip {
             name: "motion".to_owned(),
             duration_secs: self.time_secs(last_frame),
             channels,

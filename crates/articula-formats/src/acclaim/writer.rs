@@ -12,7 +12,7 @@ use super::bones::{self, Bone, Bones};
 use crate::euler;
 use crate::sampled::{self, Place};
 use crate::written::{WriteError, WrittenFile};
-use articula_core::source::{Character, Clip, Property, Skeleton};
+use articula_core::source::{Character, Property, RawClip, Skeleton};
 use glam::{EulerRot, Quat, Vec3};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -89,7 +89,7 @@ struct Figure<'a> {
 
 impl Figure<'_> {
     /// Frame by frame: the root (its place and turn in model space), then every bone.
-    fn frames(&self, clip: &Clip, rate_hz: f32) -> Vec<Vec<Channels>> {
+    fn frames(&self, clip: &RawClip, rate_hz: f32) -> Vec<Vec<Channels>> {
         let mut frames = Vec::new();
         sampled::each_frame(self.skeleton, clip, rate_hz, |places| {
             let turn = |joint: usize| places[joint].rotation * self.rest[joint].rotation.inverse();
@@ -210,7 +210,7 @@ impl Figure<'_> {
         text
     }
 
-    fn left_out(&self, clip: Option<&Clip>) -> Vec<String> {
+    fn left_out(&self, clip: Option<&RawClip>) -> Vec<String> {
         let mut list = Vec::new();
         let mut say = |count: usize, one: &str, many: &str| {
             if count > 0 {

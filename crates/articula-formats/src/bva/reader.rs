@@ -1,12 +1,12 @@
 //! From the text of a BVA file to joints that move side by side in the world.
 
-use crate::error::{Read, ReadError};
+use crate::error::{Parsed, ReadError};
 use crate::limits::Limits;
 use crate::motion_file::{MotionFile, ReadOptions};
 use crate::notes::Notes;
 use crate::units::{self, UpAxis};
 use crate::words::{MAX_FRAMES, frame_time, number, shortened, value_of};
-use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property};
+use articula_core::source::{Channel, Character, Interpolation, Joint, Property, RawClip};
 use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
 
@@ -42,7 +42,7 @@ pub fn read(
     bytes: &[u8],
     options: &ReadOptions,
     limits: &Limits,
-) -> Result<Read<MotionFile>, ReadError> {
+) -> Result<Parsed<MotionFile>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim_start_matches('\u{feff}');
@@ -56,7 +56,7 @@ pub fn read(
         UpAxis::Z => units::y_from_z(),
         UpAxis::Y | UpAxis::Auto => Quat::IDENTITY,
     };
-    Ok(Read {
+    Ok(Parsed {
         value: file.character(turn),
         warnings: notes.into_list(),
     })
@@ -356,7 +356,7 @@ impl File {
                 segment.frames.iter().map(placed),
             ));
         }
-        character.clips.extend(last_frame.map(|frame| Clip {
+        character.clips.extend(last_frame.map(|frame| RawClip {
             name: "motion".to_owned(),
             duration_secs: time_secs(frame, self.frame_time_secs),
             channels,

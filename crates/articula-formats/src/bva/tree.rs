@@ -5,13 +5,13 @@
 //! stand in every frame: what does not keep its distance to its parent gets translation keys.
 
 use super::reader;
-use crate::error::{Read, Warning};
+use crate::error::{Parsed, Warning};
 use crate::motion_file::MotionFile;
 use crate::sampled::still_metres;
 use articula_core::Transform;
 use articula_core::hanim_table::{self, JOINTS};
 use articula_core::joint_names::Segments;
-use articula_core::source::{Channel, Character, Clip, Joint, Property, Skeleton};
+use articula_core::source::{Channel, Character, Joint, Property, RawClip, Skeleton};
 use glam::{Quat, Vec3};
 
 /// Frames in which an unknown segment is compared with the known ones.
@@ -21,14 +21,14 @@ const FRAMES_LOOKED_AT: usize = 16;
 const NEARER: f32 = 0.01;
 
 /// Unknown segments beyond this many hang from the root unseen.
-const MOST_COMPARED: usize = 512;
+const MAX_COMPARED: usize = 512;
 
 /// Puts the segments of a file together by what they are (`articula-build` tells it by their
 /// names): a tree with the same motion, and how it was made; `None` if there is no motion, or none of them is the root of a human.
 ///
 /// At rest every segment has zero rotations, as in BVH; if the figure would not stand then,
 /// the first frame is its rest pose. Scale is left out, since it would reach the children.
-pub fn tree(file: &MotionFile, segments: &Segments) -> Option<Read<Character>> {
+pub fn tree(file: &MotionFile, segments: &Segments) -> Option<Parsed<Character>> {
     let clip = file.character.clips.first()?;
     let skeleton = &file.character.skeleton;
     if segments.joints.len() != skeleton.joints.len() {
@@ -49,7 +49,7 @@ pub fn tree(file: &MotionFile, segments: &Segments) -> Option<Read<Character>> {
         ),
     )];
     let character = world.figure(file, &order, &meanings, &mut warnings);
-    Some(Read {
+    Some(Parsed {
         value: character,
         warnings,
     })
@@ -66,7 +66,7 @@ struct World {
 }
 
 impl World {
-    fn new(clip: &Clip, skeleton: &Skeleton) -> Self {
+    fn new(clip: &RawClip, skeleton: &Skeleton) -> Self {
         let rests = skeleton.joints.iter().map(|j| vec![j.rest]);
         let mut frames: Vec<Vec<Transform>> = rests.collect();
         for channel in &clip.channels {
@@ -189,7 +189,7 @@ impl World {
         {
             warnings.push(Warning::new("file", "the scale of segments is left out"));
         }
-        let clips = file.character.clips.iter().map(|clip| Clip {
+        let clips = file.character.clips.iter().map(|clip| RawClip {
             channels: channels.clone(),
             ..clip.clone()
         });
@@ -255,7 +255,7 @@ fn ordered(world: &World, meanings: &[Option<usize>], root: usize) -> Vec<Slot> 
     let known = order.len();
     let unknown = (0..meanings.len()).filter(|&s| meanings[s].is_none());
     for (index, segment) in unknown.enumerate() {
-        let parents = if index < MOST_COMPARED { known } else { 1 };
+        let parents = if index < MAX_COMPARED { known } else { 1 };
         let strays = |slot: &usize| world.strays(segment, order[*slot].0);
         let parent = (0..parents).min_by(|a, b| strays(a).total_cmp(&strays(b)));
         order.push((segment, parent.or(Some(0))));

@@ -2,11 +2,11 @@
 
 use super::hierarchy::{self, Channel, Hierarchy, RawJoint};
 use super::motion::{self, Motion};
-use crate::error::{Read, ReadError, Warning};
+use crate::error::{Parsed, ReadError, Warning};
 use crate::limits::Limits;
 use crate::motion_file::{MotionFile, ReadOptions};
 use crate::units;
-use articula_core::source::{self, Character, Clip, Interpolation, Joint, Property, Skeleton};
+use articula_core::source::{self, Character, Interpolation, Joint, Property, RawClip, Skeleton};
 use articula_core::{Transform, same_hemisphere};
 use glam::{Quat, Vec3};
 
@@ -20,7 +20,7 @@ pub fn read(
     bytes: &[u8],
     options: &ReadOptions,
     limits: &Limits,
-) -> Result<Read<MotionFile>, ReadError> {
+) -> Result<Parsed<MotionFile>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim_start_matches('\u{feff}');
@@ -39,7 +39,7 @@ pub fn read(
         channels,
     };
     let basis = raw.basis(options, &mut warnings)?;
-    Ok(Read {
+    Ok(Parsed {
         value: raw.file(&basis),
         warnings,
     })
@@ -161,7 +161,7 @@ impl Raw {
         }
     }
 
-    fn clip(&self, basis: &Basis) -> Option<Clip> {
+    fn clip(&self, basis: &Basis) -> Option<RawClip> {
         let time = |frame: usize| (frame as f64 * f64::from(self.motion.frame_time_secs)) as f32;
         let times_secs: Vec<f32> = (0..self.motion.frames).map(time).collect();
         let duration_secs = *times_secs.last()?;
@@ -185,7 +185,7 @@ impl Raw {
                 channels.push(keyed(Property::Rotation, rotations));
             }
         }
-        Some(Clip {
+        Some(RawClip {
             name: "motion".to_owned(),
             duration_secs,
             channels,

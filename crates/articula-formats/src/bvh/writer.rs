@@ -8,7 +8,7 @@
 use crate::euler;
 use crate::sampled::{self, Place};
 use crate::written::WriteError;
-use articula_core::source::{Character, Clip, Skeleton};
+use articula_core::source::{Character, RawClip, Skeleton};
 use glam::{EulerRot, Quat, Vec3};
 use std::fmt::Write as _;
 
@@ -99,7 +99,7 @@ struct Figure<'a> {
 impl<'a> Figure<'a> {
     fn new(
         skeleton: &'a Skeleton,
-        clip: &Clip,
+        clip: &RawClip,
         options: &'a WriteOptions,
         order: Vec<usize>,
     ) -> Self {

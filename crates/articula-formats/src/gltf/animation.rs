@@ -3,14 +3,14 @@
 //! Source: glTF 2.0, 3.11 and appendix C.
 
 use super::node;
+use super::node_meshes::NodeMeshes;
 use super::place::Place;
 use super::pointer::{self, Pointed};
 use super::reader::Reader;
-use super::shown::Shown;
 use super::skeleton::Skeletal;
 use crate::error::ReadError;
 use crate::limits::Limits;
-use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use glam::Quat;
 use std::collections::HashSet;
 
@@ -18,8 +18,8 @@ use std::collections::HashSet;
 pub(super) fn read_all(
     reader: &mut Reader<'_>,
     skeletal: &Skeletal,
-    shown: &Shown,
-) -> Result<Vec<Clip>, ReadError> {
+    shown: &NodeMeshes,
+) -> Result<Vec<RawClip>, ReadError> {
     let animations = reader.root.entries("animations")?;
     let mut clips = Vec::with_capacity(animations.len());
     for (i, animation) in animations.iter().enumerate() {
@@ -29,7 +29,7 @@ pub(super) fn read_all(
         };
         let channels = read_channels(reader, animation, skeletal, shown)?;
         let last = channels.iter().filter_map(|c| c.times_secs.last());
-        clips.push(Clip {
+        clips.push(RawClip {
             name,
             duration_secs: last.copied().fold(0.0, f32::max),
             channels,
@@ -50,7 +50,7 @@ fn read_channels<'a>(
     reader: &mut Reader<'a>,
     animation: &Place<'a>,
     skeletal: &Skeletal,
-    shown: &Shown,
+    shown: &NodeMeshes,
 ) -> Result<Vec<Channel>, ReadError> {
     let mut channels = Vec::new();
     let mut seen = HashSet::new();
@@ -78,7 +78,7 @@ fn read_targets(
     reader: &mut Reader<'_>,
     channel: &Place<'_>,
     skeletal: &Skeletal,
-    shown: &Shown,
+    shown: &NodeMeshes,
 ) -> Result<Vec<Target>, ReadError> {
     let target = channel.require("target")?;
     let nodes = skeletal.joint_of_node.len();
@@ -108,7 +108,7 @@ fn read_targets(
 }
 
 /// The shown meshes that a mesh of the document gives their weights.
-fn mesh_targets(reader: &Reader<'_>, mesh: usize, shown: &Shown) -> Vec<Target> {
+fn mesh_targets(reader: &Reader<'_>, mesh: usize, shown: &NodeMeshes) -> Vec<Target> {
     let takes_weights = |n: usize| {
         let node = reader.root.entry("nodes", n)?;
         let own = node.get("mesh")?.whole().ok()? == mesh as u64;
@@ -131,7 +131,7 @@ fn read_target(
     target: &Place<'_>,
     (node, path): (usize, &str),
     skeletal: &Skeletal,
-    shown: &Shown,
+    shown: &NodeMeshes,
 ) -> Result<Option<Target>, ReadError> {
     let expression = skeletal.expression_of_node.get(&node);
     if let (Some(&target), "translation") = (expression, path) {
@@ -164,7 +164,7 @@ fn weights_target(
     reader: &mut Reader<'_>,
     target: &Place<'_>,
     node: usize,
-    shown: &Shown,
+    shown: &NodeMeshes,
 ) -> Option<Target> {
     // Meshes stand in the order of their nodes.
     let mesh = shown.node_of_mesh.binary_search(&node).ok();

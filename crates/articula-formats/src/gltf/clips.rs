@@ -7,7 +7,7 @@ use super::khr_character::named;
 use super::vrm::expression_nodes;
 use super::vrm::facing::{faces_back, parents, turned_back};
 use crate::written::WriteError;
-use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use serde_json::{Value, json};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -31,7 +31,7 @@ impl Document {
     /// another number of values than its keys need; the document is unchanged then.
     pub fn replace_clips(
         &mut self,
-        clips: &[Clip],
+        clips: &[RawClip],
         node_of_joint: &[usize],
         node_of_mesh: &[usize],
     ) -> Result<(), WriteError> {
@@ -67,7 +67,7 @@ impl Document {
     }
 
     /// An animation whose channels name nodes, as the document has them.
-    pub(super) fn animation_of_nodes(&mut self, clip: &Clip) -> Value {
+    pub(super) fn animation_of_nodes(&mut self, clip: &RawClip) -> Value {
         let every: Vec<usize> = (0..self.count("nodes")).collect();
         let nodes = Nodes {
             of_joint: &every,
@@ -90,7 +90,7 @@ impl Document {
 
     fn animation(
         &mut self,
-        clip: &Clip,
+        clip: &RawClip,
         channels: &[Cow<'_, Channel>],
         nodes: &Nodes<'_>,
     ) -> Value {

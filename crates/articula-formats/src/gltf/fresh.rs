@@ -6,7 +6,7 @@ use super::geometry::add_primitive;
 use crate::uri::mime_type;
 use crate::written::WriteError;
 use articula_core::Transform;
-use articula_core::source::{Character, Image, Joint, Material, Mesh, Primitive, Skin};
+use articula_core::source::{Character, Image, Joint, Material, Primitive, RawMesh, Skin};
 use glam::{Affine3A, Mat4, Vec4};
 use serde_json::{Value, json};
 
@@ -109,7 +109,7 @@ impl Document {
     /// Coarser levels, on nodes outside of the scene that the node of the mesh names.
     fn add_levels<'a>(
         &mut self,
-        mesh: &'a Mesh,
+        mesh: &'a RawMesh,
         (node, own): (usize, Option<(usize, Transform)>),
         skins: &mut Vec<(&'a Skin, usize)>,
     ) {
@@ -152,7 +152,7 @@ impl Document {
     }
 
     /// Index of a new mesh of these parts of one; `None` if they have no triangle at all.
-    fn add_mesh(&mut self, mesh: &Mesh, parts: &[Primitive], is_skinned: bool) -> Option<usize> {
+    fn add_mesh(&mut self, mesh: &RawMesh, parts: &[Primitive], is_skinned: bool) -> Option<usize> {
         let drawn = parts.iter().filter(|p| !p.triangles.is_empty());
         let has_morphs = parts.iter().any(|p| !p.morphs.is_empty());
         let primitives: Vec<Value> = drawn

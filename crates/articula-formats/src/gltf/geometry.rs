@@ -8,7 +8,7 @@ use glam::Vec3;
 use serde_json::{Value, json};
 
 /// Largest index of 16 bits; 65535 itself would restart a strip.
-const MOST_SHORT: usize = 65535;
+const MAX_SHORT: usize = 65535;
 
 /// Stores a primitive's arrays and gives its JSON.
 pub(super) fn add_primitive(
@@ -127,7 +127,7 @@ fn add_vertices(
 
 fn add_indices(document: &mut Document, triangles: &[[u32; 3]], vertices: usize) -> usize {
     let corners = triangles.iter().flatten();
-    let (component, bytes): (u32, Vec<u8>) = if vertices <= MOST_SHORT {
+    let (component, bytes): (u32, Vec<u8>) = if vertices <= MAX_SHORT {
         (
             5123,
             corners.flat_map(|&c| (c as u16).to_le_bytes()).collect(),
@@ -192,7 +192,7 @@ fn add_offsets(document: &mut Document, offsets: &[Vec3]) -> usize {
         .filter(|(_, o)| **o != Vec3::ZERO)
         .map(|(i, _)| i)
         .collect();
-    let is_short = offsets.len() <= MOST_SHORT;
+    let is_short = offsets.len() <= MAX_SHORT;
     let index_bytes = if is_short { 2 } else { 4 };
     if moved.len() * (12 + index_bytes) >= offsets.len() * 12 {
         let bytes = float_bytes(offsets.iter().flat_map(AsRef::<[f32; 3]>::as_ref));

@@ -7,9 +7,9 @@
 //! mesh by mesh, and left out if they have another number of meshes than the finest.
 
 use super::node::{self, Tree};
+use super::node_meshes::{Given, NodeMeshes, joint_skin, read_parts, skin_of};
 use super::place::Place;
 use super::reader::Reader;
-use super::shown::{Given, Shown, joint_skin, read_parts, skin_of};
 use super::skeleton::{Skeletal, node_place};
 use crate::error::ReadError;
 use articula_core::source::{MeshLevel, Primitive, Skin};
@@ -162,7 +162,7 @@ pub(super) fn attach(
     reader: &mut Reader<'_>,
     given: &Given<'_>,
     lods: &Lods,
-    shown: &mut Shown,
+    shown: &mut NodeMeshes,
 ) -> Result<(), ReadError> {
     for chain in &lods.chains {
         let mesh_of_node = |n: &usize| shown.node_of_mesh.binary_search(n).ok();
@@ -213,7 +213,7 @@ fn read_level(
     reader: &mut Reader<'_>,
     given: &Given<'_>,
     lods: &Lods,
-    (instead, m, shown): (&Instead<'_>, usize, &Shown),
+    (instead, m, shown): (&Instead<'_>, usize, &NodeMeshes),
 ) -> Result<Option<MeshLevel>, ReadError> {
     let node = node_place(reader, instead.n)?;
     let (_, mut primitives) = read_parts(reader, &node, given)?;

@@ -13,7 +13,7 @@ use glam::Vec4;
 
 /// Materials, pictures, and which texture coordinates each material wants.
 #[derive(Debug)]
-pub(super) struct Look {
+pub(super) struct GltfMaterials {
     pub(super) materials: Vec<Material>,
     pub(super) images: Vec<Image>,
     /// Texture coordinates of each material's base colour picture.
@@ -21,7 +21,7 @@ pub(super) struct Look {
 }
 
 /// Reads all materials and pictures in order.
-pub(super) fn read_all(reader: &mut Reader<'_>) -> Result<Look, ReadError> {
+pub(super) fn read_all(reader: &mut Reader<'_>) -> Result<GltfMaterials, ReadError> {
     let images = read_images(reader)?;
     let mut materials = Vec::new();
     let mut texcoords = Vec::new();
@@ -30,7 +30,7 @@ pub(super) fn read_all(reader: &mut Reader<'_>) -> Result<Look, ReadError> {
         materials.push(material);
         texcoords.push(wanted);
     }
-    Ok(Look {
+    Ok(GltfMaterials {
         materials,
         images,
         texcoords,

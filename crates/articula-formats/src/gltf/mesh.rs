@@ -4,12 +4,12 @@
 
 use super::clustered;
 use super::lod::{self, Lods};
+use super::node_meshes::{Given, NodeMeshes, joint_skin, read_parts, skin_of};
 use super::place::Place;
 use super::reader::Reader;
-use super::shown::{Given, Shown, joint_skin, read_parts, skin_of};
 use super::skeleton::node_place;
 use crate::error::ReadError;
-use articula_core::source::Mesh;
+use articula_core::source::RawMesh;
 
 /// Reads a mesh for each node that shows one, in the order of the nodes; those of coarser
 /// levels are shown by what they stand in for.
@@ -17,8 +17,8 @@ pub(super) fn read_all(
     reader: &mut Reader<'_>,
     given: &Given<'_>,
     lods: &Lods,
-) -> Result<Shown, ReadError> {
-    let mut shown = Shown::default();
+) -> Result<NodeMeshes, ReadError> {
+    let mut shown = NodeMeshes::default();
     for n in 0..given.skeletal.joint_of_node.len() {
         let node = node_place(reader, n)?;
         if node.get("mesh").is_none() || lods.is_coarser[n] {
@@ -33,12 +33,12 @@ pub(super) fn read_all(
             reader.warn(&node, "its mesh has no triangles; left out");
             continue;
         }
-        let mut mesh = Mesh {
+        let mut mesh = RawMesh {
             name: mesh_name(&node, &place),
             skin: joint_skin(reader, n, skin_of(&node, given)?, given.skeletal)?,
             clustered: clustered::read_parts(reader, &place, &primitives),
             primitives,
-            ..Mesh::default()
+            ..RawMesh::default()
         };
         describe_morphs(reader, &node, &place, &mut mesh)?;
         shown.meshes.push(mesh);
@@ -62,7 +62,7 @@ fn describe_morphs(
     reader: &mut Reader<'_>,
     node: &Place<'_>,
     place: &Place<'_>,
-    mesh: &mut Mesh,
+    mesh: &mut RawMesh,
 ) -> Result<(), ReadError> {
     let count = mesh.primitives.first().map_or(0, |p| p.morphs.len());
     let of_primitive = place.entry("primitives", 0);

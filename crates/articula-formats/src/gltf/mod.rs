@@ -43,6 +43,7 @@ mod lod;
 mod material;
 mod mesh;
 mod node;
+mod node_meshes;
 mod open;
 mod origin;
 mod place;
@@ -50,7 +51,6 @@ mod pointer;
 mod primitive;
 mod prune;
 mod reader;
-mod shown;
 mod skeleton;
 mod skin;
 mod texcoord;
@@ -63,7 +63,7 @@ pub use document::Document;
 pub use khr_character::{ExpressionSet, ExpressionShare, KhrCharacter, ReferencePose, RigMapping};
 pub use vrm::PassThrough;
 
-use crate::error::{Read, ReadError};
+use crate::error::{Parsed, ReadError};
 use crate::{Limits, Resolver};
 use articula_core::source::Character;
 use place::Place;
@@ -127,7 +127,7 @@ pub fn read(
     bytes: &[u8],
     limits: &Limits,
     resolver: &mut Resolver<'_>,
-) -> Result<Read<GltfFile>, ReadError> {
+) -> Result<Parsed<GltfFile>, ReadError> {
     let mut notes = Notes::default();
     let document = Document::open(bytes, limits, resolver, &mut notes)?;
     read_noted(document, limits, notes)
@@ -138,7 +138,7 @@ pub fn read(
 ///
 /// # Errors
 /// Those of [`read`], but for a missing buffer.
-pub fn read_document(document: Document, limits: &Limits) -> Result<Read<GltfFile>, ReadError> {
+pub fn read_document(document: Document, limits: &Limits) -> Result<Parsed<GltfFile>, ReadError> {
     read_noted(document, limits, Notes::default())
 }
 
@@ -146,7 +146,7 @@ fn read_noted(
     document: Document,
     limits: &Limits,
     notes: Notes,
-) -> Result<Read<GltfFile>, ReadError> {
+) -> Result<Parsed<GltfFile>, ReadError> {
     let mut reader = Reader::new(&document, limits, notes);
     let tree = node::read_tree(&reader)?;
     let skins = skin::read_all(&mut reader, tree.len())?;
@@ -154,7 +154,7 @@ fn read_noted(
     let skeletal = skeleton::read(&mut reader, &tree, &skins, &human)?;
     let look = material::read_all(&mut reader)?;
     let lods = lod::read(&mut reader, &tree);
-    let given = shown::Given {
+    let given = node_meshes::Given {
         skeletal: &skeletal,
         skins: &skins,
         texcoords: &look.texcoords,
@@ -205,7 +205,7 @@ fn read_noted(
         khr_character,
         kept,
     };
-    Ok(Read { value, warnings })
+    Ok(Parsed { value, warnings })
 }
 
 /// The character's own name if a VRM extension gives one, else that of the scene.

@@ -11,7 +11,7 @@ const GROUP: usize = 16;
 const BLOCK_BYTES: usize = 8192;
 const BLOCK_ELEMENTS: usize = 256;
 /// Widest element.
-const MOST_BYTES: usize = 256;
+const MAX_BYTES: usize = 256;
 
 const HEADER_V0: u8 = 0xa0;
 const HEADER_V1: u8 = 0xa1;
@@ -52,7 +52,7 @@ pub(super) fn decode(bytes: &[u8], count: usize, stride: usize) -> Result<Vec<u8
     }
     let tail = &tail[tail.len() - used(header)..];
     let channels = channels(tail, stride, bytes.len())?;
-    let mut previous = [0; MOST_BYTES];
+    let mut previous = [0; MAX_BYTES];
     previous[..stride].copy_from_slice(&tail[..stride]);
     let most = (BLOCK_BYTES / stride / GROUP * GROUP).min(BLOCK_ELEMENTS);
     let mut lanes = vec![0; most * stride];

@@ -4,10 +4,10 @@
 //! parameters have a meaning; 110 more are extensions that only their maker knows.
 
 use super::parameter_text::{self, Frame, Layout, Reader};
-use crate::{Limits, Read, ReadError, Warning};
+use crate::{Limits, Parsed, ReadError, Warning};
 
 pub use super::bap_body::{character, figure};
-pub use super::bap_sample::{BapResidual, BapError, SampledBap, sample};
+pub use super::bap_sample::{BapError, BapResidual, SampledBap, sample};
 pub(super) use super::bap_table::{BAPS, Motion, TABLE};
 pub use super::fap::Absent;
 
@@ -61,7 +61,7 @@ impl BapClip {
 ///
 /// # Errors
 /// [`ReadError`] with the line, if the text is not of this form or exceeds the limits.
-pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Read<BapClip>, ReadError> {
+pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<BapClip>, ReadError> {
     let (mut reader, header) = Reader::new(bytes, &LAYOUT, limits)?;
     parameter_text::check_version(&header, &VERSIONS, &mut reader.warnings);
     let mut clip = BapClip {
@@ -97,7 +97,7 @@ pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Read<BapCli
         );
         warnings.push(Warning::new("values", what));
     }
-    Ok(Read {
+    Ok(Parsed {
         value: clip,
         warnings,
     })

@@ -4,7 +4,9 @@ use super::bap::{BapClip, Motion, TABLE};
 use super::bap_table;
 use articula_core::Transform;
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS};
-use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
+use articula_core::source::{
+    Channel, Character, Interpolation, Joint, Property, RawClip, Skeleton,
+};
 use glam::{DQuat, DVec3, Vec3};
 
 /// Radians of one unit of a turn.
@@ -81,7 +83,7 @@ pub fn character(clip: &BapClip) -> Character {
     } else {
         &clip.name
     };
-    character.clips.push(Clip {
+    character.clips.push(RawClip {
         name: name.to_owned(),
         duration_secs,
         channels,

@@ -302,11 +302,14 @@ impl Default for State {
 
 impl State {
     fn residuals(&self, frames: usize) -> Vec<BapResidual> {
-        let all = JOINTS.iter().zip(&self.off).map(|(joint, off)| BapResidual {
-            joint: joint.name,
-            max_radians: off.max,
-            mean_radians: (off.sum / frames.max(1) as f64) as f32,
-        });
+        let all = JOINTS
+            .iter()
+            .zip(&self.off)
+            .map(|(joint, off)| BapResidual {
+                joint: joint.name,
+                max_radians: off.max,
+                mean_radians: (off.sum / frames.max(1) as f64) as f32,
+            });
         let mut list: Vec<BapResidual> = all.filter(|r| r.max_radians > ROUNDING_RADIANS).collect();
         list.sort_by(|a, b| b.max_radians.total_cmp(&a.max_radians));
         list

@@ -6,7 +6,7 @@
 //! in any source we know, so body masks stay a list of numbers.
 
 use crate::words::shortened;
-use crate::{Limits, Read, ReadError, Warning};
+use crate::{Limits, Parsed, ReadError, Warning};
 use articula_core::fap_table::GROUPS;
 
 /// What the words of face and body coding are called, face first.
@@ -18,7 +18,7 @@ const QUANTISER_HIGHEST: i32 = 31;
 /// Letters of the longest word that is no mistake.
 const LONGEST_WORD: usize = 4;
 /// A file with more unknown words is none of this form.
-const MOST_UNKNOWN: u64 = 16;
+const MAX_UNKNOWN: u64 = 16;
 
 /// How one group of parameters is coded.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -73,7 +73,7 @@ pub struct EpfFrame {
 ///
 /// # Errors
 /// [`ReadError`] with the line, if the text is not of this form or exceeds the limits.
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Read<Vec<EpfFrame>>, ReadError> {
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<Parsed<Vec<EpfFrame>>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
     let mut file = File {
         limits,
@@ -99,7 +99,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Read<Vec<EpfFrame>>, ReadEr
         let what = "no frame found; each begins with FBM";
         return Err(ReadError::malformed("line 1", what));
     }
-    Ok(Read {
+    Ok(Parsed {
         value: file.frames,
         warnings: file.warnings,
     })
@@ -128,7 +128,7 @@ impl File<'_> {
         };
         if !frame.apply(statement)? && !self.unknown.contains(word) {
             let count = self.unknown.len() as u64 + 1;
-            Limits::check(&at, "unknown words", count, MOST_UNKNOWN)?;
+            Limits::check(&at, "unknown words", count, MAX_UNKNOWN)?;
             let what = format!("the word {word} is not known; its numbers are left out");
             self.warnings.push(Warning::new(at, what));
             self.unknown.push(word.clone());
@@ -283,7 +283,7 @@ fn groups(statement: &Statement) -> Result<Vec<GroupMask>, ReadError> {
 mod tests {
     use super::*;
 
-    fn parse(text: &str) -> Result<Read<Vec<EpfFrame>>, ReadError> {
+    fn parse(text: &str) -> Result<Parsed<Vec<EpfFrame>>, ReadError> {
         read(text.as_bytes(), &Limits::default())
     }
 

@@ -4,7 +4,7 @@
 //! meaning of each parameter is the table of [`articula_core::fap_table`].
 
 use super::parameter_text::{self, Frame, Layout, Reader};
-use crate::{Limits, Read, ReadError, Warning};
+use crate::{Limits, Parsed, ReadError, Warning};
 use articula_core::fap_table::{FAPS, TABLE};
 
 /// High-level parameters, which stand before the others.
@@ -132,7 +132,7 @@ pub enum Absent {
 ///
 /// # Errors
 /// [`ReadError`] with the line, if the text is not of this form or exceeds the limits.
-pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Read<FapClip>, ReadError> {
+pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Parsed<FapClip>, ReadError> {
     let (mut reader, header) = Reader::new(bytes, &LAYOUT, limits)?;
     parameter_text::check_version(&header, &VERSIONS, &mut reader.warnings);
     let mut clip = FapClip {
@@ -155,7 +155,7 @@ pub fn read(bytes: &[u8], absent: Absent, limits: &Limits) -> Result<Read<FapCli
     }
     let mut warnings = reader.warnings;
     warnings.extend(one_way(&clip));
-    Ok(Read {
+    Ok(Parsed {
         value: clip,
         warnings,
     })

@@ -5,7 +5,7 @@
 //! mesh that lies elsewhere. Numbers are in the mesh's own unit.
 
 use crate::words::shortened;
-use crate::{Limits, Read, ReadError, Warning};
+use crate::{Limits, Parsed, ReadError, Warning};
 use articula_core::fap_table::FAPS;
 use glam::{Quat, Vec3};
 use quick_xml::XmlVersion;
@@ -17,7 +17,7 @@ use std::str::FromStr;
 /// The form that is known.
 const VERSION: &str = "0.2";
 /// More attributes than any element has, several times over.
-const MOST_ATTRIBUTES: usize = 64;
+const MAX_ATTRIBUTES: usize = 64;
 /// No face has a number beyond it.
 const LARGEST: f32 = 1e9;
 
@@ -108,7 +108,7 @@ impl FdpFile {
 /// # Errors
 /// [`ReadError`] with the line, if it is no such document, has a document type or entities of
 /// its own, or exceeds the limits.
-pub fn read(bytes: &[u8], limits: &Limits) -> Result<Read<FdpFile>, ReadError> {
+pub fn read(bytes: &[u8], limits: &Limits) -> Result<Parsed<FdpFile>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
     let text = std::str::from_utf8(bytes).map_err(|e| {
         let line = Place::new(bytes).line(e.valid_up_to());
@@ -120,7 +120,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Read<FdpFile>, ReadError> {
         open: Vec::new(),
         values: 0,
         found: FdpFile::default(),
-        seen: Seen::default(),
+        seen: SeenElements::default(),
         warnings: Vec::new(),
     };
     let mut reader = Reader::from_str(text);
@@ -157,7 +157,7 @@ pub fn read(bytes: &[u8], limits: &Limits) -> Result<Read<FdpFile>, ReadError> {
 
 /// What must be there once.
 #[derive(Debug, Default)]
-struct Seen {
+struct SeenElements {
     root: bool,
     fapu: bool,
 }
@@ -168,7 +168,7 @@ struct Parser<'a> {
     open: Vec<String>,
     values: u64,
     found: FdpFile,
-    seen: Seen,
+    seen: SeenElements,
     warnings: Vec<Warning>,
 }
 
@@ -339,7 +339,7 @@ impl Parser<'_> {
             if list.iter().any(|(known, _)| known == key) {
                 return Err(broken(&"an attribute is given twice"));
             }
-            if list.len() == MOST_ATTRIBUTES {
+            if list.len() == MAX_ATTRIBUTES {
                 return Err(broken(&"an element has too many attributes"));
             }
             list.push((key.to_owned(), value.into_owned()));
@@ -365,7 +365,7 @@ impl Parser<'_> {
         }
     }
 
-    fn finish(mut self) -> Result<Read<FdpFile>, ReadError> {
+    fn finish(mut self) -> Result<Parsed<FdpFile>, ReadError> {
         if !self.seen.root || !self.open.is_empty() {
             let what = "the file ends before </xfdp>; it was cut off";
             return Err(ReadError::malformed(self.place.line(usize::MAX), what));
@@ -374,7 +374,7 @@ impl Parser<'_> {
             let what = "no <fapu> with the units of the face; they are left at 0";
             self.warnings.push(Warning::new("head", what));
         }
-        Ok(Read {
+        Ok(Parsed {
             value: self.found,
             warnings: self.warnings,
         })

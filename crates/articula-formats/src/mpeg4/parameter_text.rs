@@ -13,7 +13,7 @@ use std::slice::Split;
 /// Frame rates that are believed.
 const RATES_HZ: std::ops::RangeInclusive<f32> = 0.01..=1e4;
 /// More words than any line may have; the rest of it is not looked at.
-const MOST_WORDS: usize = 512;
+const MAX_WORDS: usize = 512;
 
 /// What the first line says.
 #[derive(Debug, Clone, PartialEq)]
@@ -348,7 +348,7 @@ impl<'a> Lines<'a> {
         for (index, line) in &mut self.lines {
             // Bytes that are no UTF-8 (a path in an old encoding) split words like blanks do.
             let chunks = line.utf8_chunks().map(|chunk| chunk.valid());
-            let words = chunks.flat_map(str::split_whitespace).take(MOST_WORDS);
+            let words = chunks.flat_map(str::split_whitespace).take(MAX_WORDS);
             let words: Vec<&str> = words.collect();
             if words.first().is_some_and(|word| !word.starts_with('#')) {
                 return Some((index + 1, words));

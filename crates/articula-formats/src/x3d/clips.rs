@@ -11,10 +11,10 @@ use super::draft::{Draft, Stage, WeightTrack};
 use super::fields::Reader;
 use super::figure::Figure;
 use super::frames::Frames;
-use super::meshes::Shown;
+use super::meshes::X3dMeshes;
 use super::{motion, pose, routes};
 use crate::error::ReadError;
-use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{Transform, angle_between};
 use std::collections::{BTreeMap, HashSet};
 
@@ -26,8 +26,8 @@ pub(super) fn read_all(
     reader: &mut Reader<'_>,
     figure: &Figure,
     frames: &Frames,
-    shown: &Shown,
-) -> Result<Vec<Clip>, ReadError> {
+    shown: &X3dMeshes,
+) -> Result<Vec<RawClip>, ReadError> {
     let stage = Stage::new(figure, frames, shown);
     let mut drafts = motion::read_all(reader, &stage)?;
     drafts.extend(routes::read_all(reader, &stage)?);
@@ -69,7 +69,7 @@ impl Stage<'_> {
         reader: &mut Reader<'_>,
         draft: Draft,
         index: usize,
-    ) -> Result<Clip, ReadError> {
+    ) -> Result<RawClip, ReadError> {
         let mut keyed = HashSet::new();
         let mut channels = draft.channels;
         channels.retain(|c| keyed.insert((c.target, c.property)));
@@ -94,7 +94,7 @@ impl Stage<'_> {
             name if name.is_empty() => format!("clip_{index}"),
             name => name,
         };
-        let mut clip = Clip {
+        let mut clip = RawClip {
             name,
             duration_secs: draft.duration_secs,
             channels,
@@ -155,7 +155,7 @@ fn differing(a: &Transform, b: &Transform) -> [bool; 3] {
 }
 
 /// A clip ends with its last key, so some channel must have one at its end.
-fn hold_to_the_end(clip: &mut Clip) {
+fn hold_to_the_end(clip: &mut RawClip) {
     let end = clip.duration_secs;
     let last = |c: &Channel| c.times_secs.last().copied().unwrap_or(0.0);
     if clip.channels.iter().any(|c| last(c) >= end) {

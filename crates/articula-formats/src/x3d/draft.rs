@@ -3,7 +3,7 @@
 use super::fields::{Reader, folded};
 use super::figure::Figure;
 use super::frames::Frames;
-use super::meshes::Shown;
+use super::meshes::X3dMeshes;
 use super::scene::NodeId;
 use crate::error::ReadError;
 use crate::limits::Limits;
@@ -17,7 +17,7 @@ use std::collections::HashMap;
 pub(super) struct Stage<'s> {
     pub(super) figure: &'s Figure,
     pub(super) frames: &'s Frames,
-    pub(super) shown: &'s Shown,
+    pub(super) shown: &'s X3dMeshes,
     joint_of_node: HashMap<NodeId, usize>,
     joint_of_name: HashMap<String, usize>,
 }
@@ -41,7 +41,7 @@ pub(super) struct WeightTrack {
 }
 
 impl<'s> Stage<'s> {
-    pub(super) fn new(figure: &'s Figure, frames: &'s Frames, shown: &'s Shown) -> Self {
+    pub(super) fn new(figure: &'s Figure, frames: &'s Frames, shown: &'s X3dMeshes) -> Self {
         let joints = figure.joints.iter().enumerate();
         let mut joint_of_name = HashMap::new();
         for (index, joint) in joints.clone() {

@@ -3,7 +3,7 @@
 //! Source: ISO/IEC 19775-1, clause 5 (field types); ISO/IEC 19776-1, clause 5 and 19776-2,
 //! clause 5 (how they are written).
 
-use super::scene::{NodeId, Scene, shortened};
+use super::scene::{NodeId, X3dScene, shortened};
 use super::write::names::token;
 use crate::error::ReadError;
 use crate::limits::Limits;
@@ -20,7 +20,7 @@ const LONGEST_NAME: usize = 256;
 /// A scene being turned into a character.
 #[derive(Debug)]
 pub(super) struct Reader<'a> {
-    pub(super) scene: &'a Scene<'a>,
+    pub(super) scene: &'a X3dScene<'a>,
     pub(super) limits: &'a Limits,
     pub(super) notes: Notes,
     /// Elements decoded so far, all arrays together.
@@ -30,7 +30,7 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(scene: &'a Scene<'a>, limits: &'a Limits, notes: Notes) -> Self {
+    pub(super) fn new(scene: &'a X3dScene<'a>, limits: &'a Limits, notes: Notes) -> Self {
         Self {
             scene,
             limits,

@@ -47,7 +47,7 @@ impl TextureMove {
 
 /// How one shape looks.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Look {
+pub(super) struct ShapeAppearance {
     pub(super) material: usize,
     pub(super) textured: bool,
     pub(super) texture_move: Option<TextureMove>,
@@ -61,7 +61,7 @@ pub(super) struct Looks<'r, 'f> {
     resolver: &'r mut Resolver<'f>,
     pub(super) materials: Vec<Material>,
     pub(super) images: Vec<Image>,
-    made: HashMap<(Option<NodeId>, bool), Look>,
+    made: HashMap<(Option<NodeId>, bool), ShapeAppearance>,
     /// Appearances are often written out again for each shape.
     material_of_look: HashMap<LookKey, usize>,
     /// What became of each texture node.
@@ -92,7 +92,7 @@ impl<'r, 'f> Looks<'r, 'f> {
         reader: &mut Reader<'_>,
         shape: NodeId,
         solid: bool,
-    ) -> Result<Look, ReadError> {
+    ) -> Result<ShapeAppearance, ReadError> {
         let appearance = reader.node(shape, "appearance");
         if let Some(look) = self.made.get(&(appearance, solid)) {
             return Ok(*look);
@@ -127,7 +127,7 @@ impl<'r, 'f> Looks<'r, 'f> {
                 material.base_color = Vec4::ONE.with_w(opacity);
             }
         }
-        let look = Look {
+        let look = ShapeAppearance {
             textured: material.base_color_image.is_some(),
             texture_move,
             material: self.material(material),

@@ -19,14 +19,14 @@ use super::polygon::Cutter;
 use super::scene::NodeId;
 use super::surface::surface;
 use crate::error::ReadError;
-use articula_core::source::{Mesh, MorphTarget, Primitive, Skin};
+use articula_core::source::{MorphTarget, Primitive, RawMesh, Skin};
 use glam::{DAffine3, DVec3, Vec3};
 use std::collections::{BTreeMap, HashMap};
 
 /// Meshes, and which of their morph targets each displacer is.
 #[derive(Debug, Default)]
-pub(super) struct Shown {
-    pub(super) meshes: Vec<Mesh>,
+pub(super) struct X3dMeshes {
+    pub(super) meshes: Vec<RawMesh>,
     /// Mesh and morph target; points of several meshes may be moved by one.
     pub(super) targets_of_displacer: HashMap<NodeId, Vec<(usize, usize)>>,
 }
@@ -66,11 +66,11 @@ pub(super) fn read_all(
     figure: &Figure,
     frames: &Frames,
     looks: &mut Looks<'_, '_>,
-) -> Result<Shown, ReadError> {
+) -> Result<X3dMeshes, ReadError> {
     let mut maker = Maker {
         looks,
         cutter: Cutter::default(),
-        shown: Shown::default(),
+        shown: X3dMeshes::default(),
         unread: BTreeMap::new(),
     };
     for part in &figure.parts {
@@ -87,7 +87,7 @@ pub(super) fn read_all(
 struct Maker<'m, 'r, 'f> {
     looks: &'m mut Looks<'r, 'f>,
     cutter: Cutter,
-    shown: Shown,
+    shown: X3dMeshes,
     /// Kinds of geometry that are not read, with their counts.
     unread: BTreeMap<String, usize>,
 }
@@ -120,13 +120,13 @@ impl Maker<'_, '_, '_> {
             name if name.is_empty() => figure.joints[part.joint].name.clone(),
             name => name,
         };
-        let mut mesh = Mesh {
+        let mut mesh = RawMesh {
             name,
             skin: Skin {
                 joints: vec![part.joint + frames.first],
                 inverse_bind: vec![frames.rigid[part.joint]],
             },
-            ..Mesh::default()
+            ..RawMesh::default()
         };
         for solid in &solids {
             let moved = (solid.faces.coord == coord).then_some(&targets[..]);
@@ -201,7 +201,7 @@ impl Maker<'_, '_, '_> {
         let moves = bodies.moves.iter();
         let moves = moves.filter(|m| m.offsets.iter().any(|(point, _)| is_used(point)));
         let targets = targets(moves);
-        let mut mesh = Mesh {
+        let mut mesh = RawMesh {
             name: match group.name.as_str() {
                 "" => "skin".to_owned(),
                 name => name.to_owned(),
@@ -210,7 +210,7 @@ impl Maker<'_, '_, '_> {
                 joints: (0..figure.joints.len()).map(|j| j + frames.first).collect(),
                 inverse_bind: frames.bind.clone(),
             },
-            ..Mesh::default()
+            ..RawMesh::default()
         };
         for (solid, skinned) in solids.iter().zip(skinned) {
             let moved = skinned.then_some(&targets[..]);
@@ -246,7 +246,7 @@ impl Maker<'_, '_, '_> {
         copied
     }
 
-    fn push(&mut self, mut mesh: Mesh, targets: Vec<Target>) {
+    fn push(&mut self, mut mesh: RawMesh, targets: Vec<Target>) {
         if mesh.primitives.is_empty() {
             return;
         }

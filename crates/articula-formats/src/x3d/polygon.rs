@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 
 /// Tests of a corner against a triangle that all polygons of one file may need together; with
 /// more, polygons become fans.
-const MOST_TESTS: u64 = 1 << 30;
+const MAX_TESTS: u64 = 1 << 30;
 
 /// Cuts polygons, and knows how much work that took.
 #[derive(Debug, Default)]
@@ -22,7 +22,7 @@ impl Cutter {
     /// Triangles of a polygon, as indices of its corners.
     pub(super) fn triangles(&mut self, points: &[DVec3], convex: bool) -> Vec<[usize; 3]> {
         let worst = (points.len() as u64).saturating_pow(2);
-        if convex || points.len() < 4 || self.tests.saturating_add(worst) > MOST_TESTS {
+        if convex || points.len() < 4 || self.tests.saturating_add(worst) > MAX_TESTS {
             return fan((0..points.len()).collect());
         }
         let Some(flat) = flattened(points) else {
@@ -36,7 +36,7 @@ impl Cutter {
         let mut triangles = Vec::with_capacity(points.len() - 2);
         // Where to look next, and how many corners in a row were no ears.
         let (mut at, mut missed) = (0, 0);
-        while left.len() > 3 && missed < left.len() && self.tests < MOST_TESTS {
+        while left.len() > 3 && missed < left.len() && self.tests < MAX_TESTS {
             let count = left.len();
             let ear = [(at + count - 1) % count, at % count, (at + 1) % count].map(|i| left[i]);
             if self.is_ear(points, &left, ear) {

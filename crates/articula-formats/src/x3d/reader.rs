@@ -5,7 +5,7 @@ use super::look::Looks;
 use super::scene::Builder;
 use super::{classic, clips, credits, figure, frames, meshes, xml};
 use crate::Resolver;
-use crate::error::{Read, ReadError};
+use crate::error::{Parsed, ReadError};
 use crate::limits::Limits;
 use articula_core::source::Character;
 use glam::Vec3;
@@ -64,7 +64,7 @@ pub fn read(
     bytes: &[u8],
     limits: &Limits,
     resolver: &mut Resolver<'_>,
-) -> Result<Read<X3dFile>, ReadError> {
+) -> Result<Parsed<X3dFile>, ReadError> {
     Limits::check("file", "bytes", bytes.len() as u64, limits.bytes)?;
     refuse_other_encodings(bytes)?;
     let text = String::from_utf8_lossy(bytes);
@@ -102,7 +102,7 @@ pub fn read(
             ..Character::default()
         },
     };
-    Ok(Read {
+    Ok(Parsed {
         value,
         warnings: reader.notes.into_list(),
     })

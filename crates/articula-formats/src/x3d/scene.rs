@@ -17,7 +17,7 @@ use std::collections::HashMap;
 pub(super) type NodeId = usize;
 
 /// More statements of this kind than a person would read are left out.
-const MOST_METAS: usize = 256;
+const MAX_METAS: usize = 256;
 
 /// One node as the file has it.
 #[derive(Debug)]
@@ -59,7 +59,7 @@ pub(super) struct Route {
 
 /// A file as its encoding says it.
 #[derive(Debug)]
-pub(super) struct Scene<'a> {
+pub(super) struct X3dScene<'a> {
     text: &'a str,
     pub(super) nodes: Vec<Node<'a>>,
     /// Nodes that hang in no other.
@@ -76,7 +76,7 @@ pub(super) struct Scene<'a> {
     line_starts: OnceCell<Vec<usize>>,
 }
 
-impl Scene<'_> {
+impl X3dScene<'_> {
     /// A node's place as warnings and errors name it.
     pub(super) fn at(&self, id: NodeId) -> String {
         let node = &self.nodes[id];
@@ -106,7 +106,7 @@ pub(super) fn shortened(name: &str) -> &str {
 /// A scene while its encoding is parsed.
 #[derive(Debug)]
 pub(super) struct Builder<'a, 'l> {
-    pub(super) scene: Scene<'a>,
+    pub(super) scene: X3dScene<'a>,
     pub(super) notes: Notes,
     pub(super) limits: &'l Limits,
     names: HashMap<Cow<'a, str>, NodeId>,
@@ -115,7 +115,7 @@ pub(super) struct Builder<'a, 'l> {
 impl<'a, 'l> Builder<'a, 'l> {
     pub(super) fn new(text: &'a str, limits: &'l Limits) -> Self {
         Self {
-            scene: Scene {
+            scene: X3dScene {
                 text,
                 nodes: Vec::new(),
                 roots: Vec::new(),
@@ -237,7 +237,7 @@ impl<'a, 'l> Builder<'a, 'l> {
 
     /// Takes a `META` statement.
     pub(super) fn meta(&mut self, name: &str, content: &str) {
-        if self.scene.metas.len() < MOST_METAS {
+        if self.scene.metas.len() < MAX_METAS {
             let meta = (shortened(name).to_owned(), content.to_owned());
             self.scene.metas.push(meta);
         }

@@ -5,14 +5,14 @@
 
 use super::corners::{Corner, Faces, NONE};
 use super::fields::Reader;
-use super::look::{Look, linear};
+use super::look::{ShapeAppearance, linear};
 use super::scene::NodeId;
 use crate::error::ReadError;
 use glam::{DAffine3, DVec2, DVec3, Vec2, Vec3, Vec4};
 use std::collections::HashMap;
 
 /// With more faces at one point than this, the crease angle is not asked for: the point is smooth.
-const MOST_CREASED: usize = 64;
+const MAX_CREASED: usize = 64;
 
 /// Vertices and triangles of one shape.
 #[derive(Debug, Default)]
@@ -36,7 +36,7 @@ pub(super) fn surface(
     id: NodeId,
     faces: &Faces,
     place: &DAffine3,
-    look: &Look,
+    look: &ShapeAppearance,
 ) -> Result<Surface, ReadError> {
     reader.charge(id, 12 * faces.triangles.len())?;
     let texcoords = texcoords(faces, look);
@@ -99,7 +99,7 @@ fn color(faces: &Faces, corner: &Corner) -> Vec4 {
 
 /// Texture coordinates with the origin at the top; where the file has none, those of the
 /// standard: the longest side of the bounding box runs from 0 to 1.
-fn texcoords(faces: &Faces, look: &Look) -> Option<Vec<DVec2>> {
+fn texcoords(faces: &Faces, look: &ShapeAppearance) -> Option<Vec<DVec2>> {
     let down = |t: DVec2| {
         let moved = look.texture_move.map_or(t, |m| m.apply(t));
         DVec2::new(moved.x, 1.0 - moved.y)
@@ -180,7 +180,7 @@ impl Normals {
         let turned = if faces.ccw { 1.0 } else { -1.0 };
         let (own, point) = (self.units[face as usize], corner.point as usize);
         let around = &self.around[self.starts[point] as usize..self.starts[point + 1] as usize];
-        let smooth = faces.crease >= std::f64::consts::PI - 1e-3 || around.len() > MOST_CREASED;
+        let smooth = faces.crease >= std::f64::consts::PI - 1e-3 || around.len() > MAX_CREASED;
         let sum = if faces.crease <= 0.0 {
             own
         } else if smooth {
@@ -211,7 +211,7 @@ mod tests {
         let mut reader = Reader::new(&scene, &limits, Notes::default());
         let root = scene.roots[0];
         let faces = faces::read(&mut reader, root, &mut Cutter::default()).unwrap();
-        let look = Look {
+        let look = ShapeAppearance {
             material: 0,
             textured: false,
             texture_move: None,

@@ -14,7 +14,7 @@ use quick_xml::reader::Reader;
 use std::borrow::Cow;
 
 /// More attributes than any node has fields, twice over.
-const MOST_ATTRIBUTES: usize = 128;
+const MAX_ATTRIBUTES: usize = 128;
 
 /// What an open element is.
 #[derive(Debug, Clone)]
@@ -117,7 +117,7 @@ impl<'a, 'l> Parser<'a, 'l> {
                 self.builder.version(&take("version").unwrap_or_default());
                 Ok(Element::Frame)
             }
-            "head" | "Scene" | "component" => Ok(Element::Frame),
+            "head" | "X3dScene" | "component" => Ok(Element::Frame),
             "meta" => {
                 let name = take("name").unwrap_or_default();
                 self.builder
@@ -226,8 +226,8 @@ impl<'a, 'l> Parser<'a, 'l> {
             if list.iter().any(|(known, _)| known == key) {
                 return Err(bad(&format!("{key} is given twice")));
             }
-            if list.len() == MOST_ATTRIBUTES {
-                return Err(bad(&format!("there are more than {MOST_ATTRIBUTES}")));
+            if list.len() == MAX_ATTRIBUTES {
+                return Err(bad(&format!("there are more than {MAX_ATTRIBUTES}")));
             }
             list.push((key.to_owned(), value.into_owned()));
         }

@@ -8,7 +8,7 @@ use crate::real;
 use crate::world::matrices as world;
 use articula_core::source::{Character, Property};
 use articula_formats::bva;
-use articula_formats::{Limits, Read, ReadError, bvh, profile};
+use articula_formats::{Limits, Parsed, ReadError, bvh, joint_map};
 use articula_formats::{MotionFile, ReadOptions, UpAxis};
 use glam::{Affine3A, DQuat, EulerRot, Quat, Vec3};
 use std::fmt::Write as _;
@@ -29,7 +29,7 @@ INCHES INCHES INCHES DEGREES DEGREES DEGREES RATIO RATIO RATIO
 20 50 0 0 0 90 1 2 1
 ";
 
-fn read(text: &str) -> Result<Read<MotionFile>, ReadError> {
+fn read(text: &str) -> Result<Parsed<MotionFile>, ReadError> {
     bva::read(text.as_bytes(), &ReadOptions::default(), &Limits::default())
 }
 
@@ -300,7 +300,7 @@ fn motions_of_bvh_files_come_through() {
         assert!(flat.warnings.is_empty(), "{:?}", flat.warnings);
         let flat = flat.value;
         let tree =
-            articula_build::joint_names::segments(&flat.character.skeleton, profile::builtin())
+            articula_build::joint_names::segments(&flat.character.skeleton, joint_map::builtin())
                 .and_then(|s| bva::tree(&flat, &s))
                 .unwrap();
         assert_eq!(tree.warnings.len(), 1, "{name}: {:?}", tree.warnings);
@@ -333,8 +333,9 @@ fn motions_of_bvh_files_come_through() {
         assert!(rigid >= rigid_wanted, "{name}: {rigid} of {rigid_wanted}");
 
         // The figure rests as the BVH file does, and means the same.
-        let meaning =
-            |c: &Character| articula_build::joint_names::map(&c.skeleton, profile::builtin(), None);
+        let meaning = |c: &Character| {
+            articula_build::joint_names::map(&c.skeleton, joint_map::builtin(), None)
+        };
         let (ours, theirs) = (meaning(&tree), meaning(&source.character));
         assert!(ours.humanoid);
         for (index, joint) in source.character.skeleton.joints.iter().enumerate() {
@@ -355,14 +356,14 @@ fn segments_of_unknown_names_stay_side_by_side() {
     assert_eq!(
         articula_build::joint_names::segments(
             &read(TWO).unwrap().value.character.skeleton,
-            profile::builtin()
+            joint_map::builtin()
         )
         .and_then(|s| bva::tree(&read(TWO).unwrap().value, &s)),
         None
     );
     let empty = MotionFile::default();
     assert_eq!(
-        articula_build::joint_names::segments(&empty.character.skeleton, profile::builtin())
+        articula_build::joint_names::segments(&empty.character.skeleton, joint_map::builtin())
             .and_then(|s| bva::tree(&empty, &s)),
         None
     );
@@ -394,9 +395,10 @@ fn what_does_not_stand_at_zero_rests_in_its_first_frame() {
     .map(|(name, place)| segment(name, place))
     .collect();
     let file = read(&text).unwrap().value;
-    let tree = articula_build::joint_names::segments(&file.character.skeleton, profile::builtin())
-        .and_then(|s| bva::tree(&file, &s))
-        .unwrap();
+    let tree =
+        articula_build::joint_names::segments(&file.character.skeleton, joint_map::builtin())
+            .and_then(|s| bva::tree(&file, &s))
+            .unwrap();
     assert!(
         tree.warnings[0].what.contains("10 of 11 segments")
             && tree.warnings[0].what.contains("biovision")

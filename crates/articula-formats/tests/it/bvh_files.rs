@@ -4,7 +4,7 @@ use crate::real::bytes;
 use crate::world::places as world;
 use articula_core::source::{Character, Property};
 use articula_formats::bvh::{self, ChannelOrder, WriteOptions};
-use articula_formats::profile;
+use articula_formats::joint_map;
 use articula_formats::{Limits, ReadError};
 use articula_formats::{MotionFile, ReadOptions, UpAxis};
 use glam::{Quat, Vec3};
@@ -15,7 +15,7 @@ fn read(bytes: &[u8]) -> MotionFile {
 }
 
 /// Reads text in which one unit is a metre and +Y is up.
-fn plain(text: &str) -> Result<articula_formats::Read<MotionFile>, ReadError> {
+fn plain(text: &str) -> Result<articula_formats::Parsed<MotionFile>, ReadError> {
     let options = ReadOptions {
         scale_to_metres: Some(1.0),
         up: UpAxis::Y,
@@ -265,7 +265,7 @@ fn real_files_are_upright_humans_in_metres() {
         let found = height(&character);
         assert!(heights.contains(&found), "{name}: {found} m");
         let mapping =
-            articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
+            articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
         assert!(mapping.humanoid, "{name}");
         let joint = |hanim: &str| {
             let joints = &mapping.articulation.joints;

@@ -6,7 +6,7 @@
 use articula_core::source::Character;
 use articula_formats::ReadOptions;
 use articula_formats::bvh;
-use articula_formats::{Limits, acclaim, bva, loa_profile, profile};
+use articula_formats::{Limits, acclaim, bva, joint_map, loa_profile};
 use articula_mutate::{Edit, Mutations};
 
 /// Mutations tried on each file.
@@ -104,7 +104,7 @@ fn sound(character: &Character) {
         assert!(channel.times_secs.windows(2).all(|w| w[0] < w[1]));
         assert!(channel.values.iter().all(|v| v.is_finite()));
     }
-    articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
+    articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn bva_files() {
         sound(&read.value.character);
         if let Some(tree) = articula_build::joint_names::segments(
             &read.value.character.skeleton,
-            profile::builtin(),
+            joint_map::builtin(),
         )
         .and_then(|s| bva::tree(&read.value, &s))
         {
@@ -144,7 +144,7 @@ fn bva_files() {
 #[test]
 fn profiles() {
     check(PROFILE, |bytes| {
-        profile::parse(bytes, &Limits::default()).is_ok()
+        joint_map::parse(bytes, &Limits::default()).is_ok()
     });
 }
 

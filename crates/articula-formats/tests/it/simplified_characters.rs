@@ -4,9 +4,9 @@ use crate::real;
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{DistanceOptions, surface_distances};
+use articula_build::{ErrorWeighting, Simplified, SimplifyOptions, simplify};
 use articula_build::{PoseOptions, poses, positions};
-use articula_build::{Simplified, SimplifyOptions, ErrorWeighting, simplify};
-use articula_formats::{Limits, gltf, profile};
+use articula_formats::{Limits, gltf, joint_map};
 use glam::Vec3;
 use std::collections::BTreeMap;
 
@@ -27,7 +27,7 @@ fn asset(name: &str) -> Option<Asset> {
     let figure = &file.character;
     let mapping = articula_build::joint_names::map(
         &figure.skeleton,
-        profile::builtin(),
+        joint_map::builtin(),
         file.humanoid.as_deref(),
     );
     let options = ClipOptions::default();

@@ -1,6 +1,6 @@
 //! Figures of others that are only repeated: measured elsewhere, on another machine, never run here.
 //!
-//! Source: `spec/runtime.md` part 1: one 2-core x86-64 machine, one thread, the same character and
+//! Source: `docs/methods/runtime.md` part 1: one 2-core x86-64 machine, one thread, the same character and
 //! clip. Compare them with the row of the floor there (168, 182 and 349 ns), not with ours here.
 
 /// A peer's nanoseconds for each character and frame.

@@ -1,13 +1,13 @@
 //! One file for each published table.
 
 pub(crate) mod crowd;
-pub(crate) mod doors;
 pub(crate) mod flat;
 pub(crate) mod merged_levels;
 pub(crate) mod mesh_levels;
 pub(crate) mod motion_lod;
 mod pose_keys;
 pub(crate) mod retargets;
+pub(crate) mod round_trips;
 pub(crate) mod thesis_grid;
 
 use anyhow::{Context, Result};

@@ -1,6 +1,6 @@
 //! Joint-update gain of every method at one pixel of error, over distance.
 //!
-//! Source: `spec/motion-lod.md` part 11; protocol 11.1.
+//! Source: `docs/methods/motion-lod.md` part 11; protocol 11.1.
 
 use super::{CLIPS, DISTANCES_M, Run, pose_keys};
 use crate::data;
@@ -8,7 +8,9 @@ use anyhow::{Context, Result};
 use articula::evaluate::{self, ParameterChoice};
 use articula_build::Asset;
 use articula_build::evaluate::BoneDirection;
-use articula_build::evaluate::{Method, MethodOptions, DistanceRow, EvaluationSetup, SkinPxVariant, ClipEvaluator};
+use articula_build::evaluate::{
+    ClipEvaluator, DistanceRow, EvaluationSetup, Method, MethodOptions, SkinPxVariant,
+};
 use articula_core::Complexity;
 use articula_core::loa::complexity;
 use std::fmt::Write as _;
@@ -95,7 +97,7 @@ fn ours() -> Vec<Entry> {
     use SkinPxVariant::{ClosedLoop, Hold, KeyPose, Linear, View};
     let row = |title, variant, published| entry(title, Method::SkinPx(variant), published);
     let mut careful = row("drift, hold last, contact care", Hold, None);
-    careful.options.contact_care = true;
+    careful.options.protect_contacts = true;
     vec![
         row(
             "drift, hold last",
@@ -264,16 +266,16 @@ mod tests {
 
     /// Part 4.6: a quarter of the tolerance on the way to a standing foot keeps it in place.
     #[test]
-    fn contact_care_keeps_feet_in_place() {
+    fn protect_contacts_keeps_feet_in_place() {
         let Some(data) = data::folder(None).unwrap() else {
             println!("skipped: no data");
             return;
         };
         let asset = data::asset(&data, "glb/pab_arnaud.glb").unwrap();
         let clip = asset.clips.iter().find(|c| c.name == "walk").unwrap();
-        let slide = |contact_care| {
+        let slide = |protect_contacts| {
             let options = MethodOptions {
-                contact_care,
+                protect_contacts,
                 ..MethodOptions::default()
             };
             let stage = ClipEvaluator::new(&asset, clip, EvaluationSetup::default(), options);

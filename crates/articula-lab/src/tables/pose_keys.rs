@@ -1,13 +1,15 @@
 //! Evaluations saved by whole-pose keys between which palettes are blended.
 //!
-//! Source: `spec/motion-lod.md` part 11, last paragraph; protocol 11.1. Differs: all vertices are
+//! Source: `docs/methods/motion-lod.md` part 11, last paragraph; protocol 11.1. Differs: all vertices are
 //! watched, not 700 of them: these clips are short, and a draw moves a count by a span, which is
 //! up to five points.
 
 use super::{CLIPS, Run};
 use anyhow::{Context, Result};
 use articula_build::Asset;
-use articula_build::evaluate::{MethodOptions, EvaluationSetup, ClipEvaluator, pose_key_frames, uniform_key_frames};
+use articula_build::evaluate::{
+    ClipEvaluator, EvaluationSetup, MethodOptions, pose_key_frames, uniform_key_frames,
+};
 use std::fmt::Write as _;
 
 const DISTANCES_M: [f32; 3] = [9.05, 16.0, 25.6];
@@ -78,7 +80,7 @@ fn measure(asset: &Asset, clip: usize, setup: &EvaluationSetup) -> Result<Vec<Sa
 fn whole_skin(asset: &Asset) -> EvaluationSetup {
     EvaluationSetup {
         points: asset.mesh.len(),
-        ..Setup::default()
+        ..EvaluationSetup::default()
     }
 }
 
@@ -157,7 +159,7 @@ mod tests {
                 .map(|seed| {
                     let setup = EvaluationSetup {
                         seed,
-                        ..Setup::default()
+                        ..EvaluationSetup::default()
                     };
                     measure(&asset, clip, &setup).unwrap()
                 })

@@ -9,7 +9,9 @@ use anyhow::{Context, Result};
 use articula::evaluate::{self, ParameterChoice};
 use articula_build::Asset;
 use articula_build::evaluate::ThesisMetricOptions;
-use articula_build::evaluate::{Method, MethodOptions, DistanceRow, EvaluationSetup, ClipEvaluator};
+use articula_build::evaluate::{
+    ClipEvaluator, DistanceRow, EvaluationSetup, Method, MethodOptions,
+};
 use articula_build::evaluate::{Threshold, ThresholdCurve};
 use std::fmt::Write as _;
 
@@ -74,7 +76,12 @@ pub(crate) fn write(run: &Run) -> Result<()> {
     run.save("thesis-grid", &page, &csv)
 }
 
-fn play_clip(asset: &Asset, name: &str, threshold: Threshold, beta: f32) -> Result<Vec<DistanceRow>> {
+fn play_clip(
+    asset: &Asset,
+    name: &str,
+    threshold: Threshold,
+    beta: f32,
+) -> Result<Vec<DistanceRow>> {
     let clip = asset
         .clips
         .iter()
@@ -83,14 +90,19 @@ fn play_clip(asset: &Asset, name: &str, threshold: Threshold, beta: f32) -> Resu
     let options = MethodOptions {
         thesis: ThesisMetricOptions {
             beta,
-            ..ThesisOptions::default()
+            ..ThesisMetricOptions::default()
         },
         threshold,
         ..MethodOptions::default()
     };
     let stage = ClipEvaluator::new(asset, clip, EvaluationSetup::default(), options);
     let method = Method::Thesis;
-    Ok(evaluate::rows(&stage, &method, &DISTANCES_M, ParameterChoice::Usual))
+    Ok(evaluate::rows(
+        &stage,
+        &method,
+        &DISTANCES_M,
+        ParameterChoice::Usual,
+    ))
 }
 
 const HEAD: &str = "# The thesis' metric over distance, threshold and beta

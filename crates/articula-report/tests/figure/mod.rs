@@ -55,7 +55,7 @@ pub(crate) fn bent(radians: f32) -> Figure {
         ],
     };
     let rig = Rig::new(&skeleton, articulation).unwrap();
-    let limbs: Vec<source::Mesh> = (1..JOINTS.len()).map(limb).collect();
+    let limbs: Vec<source::RawMesh> = (1..JOINTS.len()).map(limb).collect();
     let mesh = Mesh::new(&limbs, rig.len()).unwrap();
     let mut local = rig.rest_pose().clone();
     local.rotations[5] = Quat::from_rotation_x(-radians);
@@ -88,7 +88,7 @@ fn skeleton() -> Skeleton {
 }
 
 /// A capsule from a joint's parent to the joint, carried by the parent.
-fn limb(joint: usize) -> source::Mesh {
+fn limb(joint: usize) -> source::RawMesh {
     let (name, parent, _, radius) = JOINTS[joint];
     let parent = parent.unwrap();
     let (from, to) = (place(parent), place(joint));
@@ -123,13 +123,13 @@ fn limb(joint: usize) -> source::Mesh {
     let count = primitive.positions.len();
     primitive.joints = vec![0; count];
     primitive.weights = vec![1.0; count];
-    source::Mesh {
+    source::RawMesh {
         name: name.to_owned(),
         skin: source::Skin {
             joints: vec![parent],
             inverse_bind: vec![Affine3A::from_translation(-from)],
         },
         primitives: vec![primitive],
-        ..source::Mesh::default()
+        ..source::RawMesh::default()
     }
 }

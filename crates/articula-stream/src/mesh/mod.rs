@@ -1,6 +1,6 @@
 //! Mesh levels of a character as one stream that refines: a head, then chunks, level after level.
 //!
-//! Source: `spec/clustered-mesh.md` 7 (TRANSPORT form) and 8.1; the pages are
+//! Source: `docs/methods/clustered-mesh.md` 7 (TRANSPORT form) and 8.1; the pages are
 //! `docs/formats/clustered-stream.md` and `docs/formats/mesh-stream.md`. A chunk holds what one
 //! level adds to one object (a part of a mesh, or a region of it); no vertex is ever sent twice.
 //! Any prefix of whole levels shows the character.
@@ -80,4 +80,4 @@ pub use codec::{
 };
 pub use head::{MeshStream, StreamObject};
 pub use receiver::Receiver;
-pub use write::{ObjectLevels, EncodedMeshStream, write};
+pub use write::{EncodedMeshStream, ObjectLevels, write};

@@ -1,13 +1,13 @@
 //! BAP files: any humanoid's motion as body animation parameters.
 
-use super::left_out::{LossyPart, EncodedFile, meshes};
+use super::left_out::{EncodedFile, LossyPart, meshes};
 use crate::error::Result;
 use crate::open::CharacterFile;
 use articula_build::retarget::{RetargetFigure, RetargetOptions, Retargeter};
 use articula_build::source_rate_hz;
 use articula_core::source::Character;
+use articula_formats::joint_map;
 use articula_formats::mpeg4::bap::{self, BapResidual};
-use articula_formats::profile;
 
 /// A BAP file of the first clip; parameters that were read are written as they were.
 pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
@@ -22,7 +22,7 @@ pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
         return parameters_of(&opened.character, opened);
     }
     let mut figure = bap::figure();
-    let standard = articula_build::joint_names::map(&figure.skeleton, profile::builtin(), None);
+    let standard = articula_build::joint_names::map(&figure.skeleton, joint_map::builtin(), None);
     let clip = &opened.character.clips[0];
     let source = RetargetFigure {
         skeleton: &opened.character.skeleton,
@@ -39,7 +39,7 @@ pub(super) fn written(opened: &CharacterFile) -> Result<EncodedFile> {
 
 /// What the standard humanoid does as a BAP file; `source` has what no BAP file holds.
 fn parameters_of(figure: &Character, source: &CharacterFile) -> Result<EncodedFile> {
-    let standard = articula_build::joint_names::map(&figure.skeleton, profile::builtin(), None);
+    let standard = articula_build::joint_names::map(&figure.skeleton, joint_map::builtin(), None);
     let rate_hz = source.character.clips.first().map_or(30.0, source_rate_hz);
     let sampled = bap::sample(figure, &standard.articulation, 0, rate_hz)?;
     let unsaid = unsaid(&sampled.residuals);

@@ -4,13 +4,13 @@
 //! joints) keys. The bound of the keys is against what they stood for just before.
 
 use crate::error::{Context, Error, Result};
-use crate::open::{Format, CharacterFile};
+use crate::open::{CharacterFile, Format};
 use crate::work::Executor;
 use articula_build::clip_edit::{self, EditSubject};
 use articula_build::clip_edit::{CloseOptions, LoopCycle};
 use articula_build::clip_edit::{ReduceOptions, ReducedClip};
 use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey};
-use articula_core::source::Clip;
+use articula_core::source::RawClip;
 use serde::{Serialize, Serializer};
 
 /// What is done with every clip of a character; the default is nothing.
@@ -212,13 +212,17 @@ impl ClipEdits {
     }
 
     /// Does all but the keys; gives one entry for each clip, or none if nothing is asked for.
-    pub(super) fn apply(&self, opened: &mut CharacterFile, work: &Executor<'_>) -> Result<Vec<ClipEdited>> {
+    pub(super) fn apply(
+        &self,
+        opened: &mut CharacterFile,
+        work: &Executor<'_>,
+    ) -> Result<Vec<ClipEdited>> {
         if !self.asks() {
             return Ok(Vec::new());
         }
         let place = opened.name.clone();
         let subject = subject(opened).with_context(|| &place)?;
-        let edit = |clip: &Clip| {
+        let edit = |clip: &RawClip| {
             let mut clip = clip.clone();
             let edited = self.edit(&subject, &mut clip);
             Ok((clip, edited.with_context(|| &place)?))
@@ -232,7 +236,7 @@ impl ClipEdits {
         Ok(edits)
     }
 
-    fn edit(&self, subject: &EditSubject<'_>, clip: &mut Clip) -> Result<ClipEdited> {
+    fn edit(&self, subject: &EditSubject<'_>, clip: &mut RawClip) -> Result<ClipEdited> {
         Ok(ClipEdited {
             clip: clip.name.clone(),
             trim: self.trim.map(|part| part.trim(clip)).transpose()?,
@@ -261,7 +265,7 @@ impl ClipEdits {
         };
         let place = opened.name.clone();
         let subject = subject(opened).with_context(|| &place)?;
-        let one = |(clip, edited): (&Clip, &mut ClipEdited)| {
+        let one = |(clip, edited): (&RawClip, &mut ClipEdited)| {
             let out = clip_edit::reduce_keys(&subject, clip, &options);
             let out = out.with_context(|| &place)?;
             edited.reduce_keys = Some(KeysReduced::new(options.bound_metres, &out));
@@ -279,7 +283,11 @@ impl CharacterFile {
     ///
     /// # Errors
     /// An [`Error`] that names the file, and the clip or joint that does not fit.
-    pub fn edit_clips(&mut self, edits: &ClipEdits, work: &Executor<'_>) -> Result<Vec<ClipEdited>> {
+    pub fn edit_clips(
+        &mut self,
+        edits: &ClipEdits,
+        work: &Executor<'_>,
+    ) -> Result<Vec<ClipEdited>> {
         let mut edited = edits.apply(self, work)?;
         edits.reduce_keys(self, &mut edited, work)?;
         Ok(edited)
@@ -296,7 +304,7 @@ fn subject(opened: &CharacterFile) -> Result<EditSubject<'_>> {
 }
 
 /// Cuts a clip to its loop and closes it, if it has one.
-fn looped(subject: &EditSubject<'_>, clip: &mut Clip, options: &CloseOptions) -> Result<Looped> {
+fn looped(subject: &EditSubject<'_>, clip: &mut RawClip, options: &CloseOptions) -> Result<Looped> {
     let part = clip_edit::find(subject, clip)?;
     let is_loop = part.is_some_and(|p| p.is_loop);
     let mut closed = None;
@@ -325,14 +333,14 @@ fn looped(subject: &EditSubject<'_>, clip: &mut Clip, options: &CloseOptions) ->
         is_loop,
         is_whole: part.is_some_and(|p| p.is_whole),
         part: part.map(told),
-        score_least: clip_edit::LEAST_SCORE,
+        score_least: clip_edit::MIN_SCORE,
         closed,
     })
 }
 
 fn root_motion(
     subject: &EditSubject<'_>,
-    clip: &mut Clip,
+    clip: &mut RawClip,
     options: &RootMotionOptions,
 ) -> Result<RootMotionEdited> {
     let out = clip_edit::split(subject, clip, options)?;
@@ -359,11 +367,11 @@ fn root_motion(
     })
 }
 
-fn keys(clip: &Clip) -> usize {
+fn keys(clip: &RawClip) -> usize {
     clip.channels.iter().map(|c| c.times_secs.len()).sum()
 }
 
-fn resample(clip: &mut Clip, rate_hz: f32) -> Result<Resampled> {
+fn resample(clip: &mut RawClip, rate_hz: f32) -> Result<Resampled> {
     let keys_before = keys(clip);
     *clip = clip_edit::resample(clip, rate_hz)?;
     Ok(Resampled {
@@ -374,7 +382,7 @@ fn resample(clip: &mut Clip, rate_hz: f32) -> Result<Resampled> {
 }
 
 impl ClipPart {
-    fn trim(self, clip: &mut Clip) -> Result<Trimmed> {
+    fn trim(self, clip: &mut RawClip) -> Result<Trimmed> {
         let from_secs = self.from_secs.unwrap_or(0.0);
         let to_secs = self.to_secs.unwrap_or(clip.duration_secs);
         *clip = clip_edit::trim(clip, from_secs..=to_secs).context("trim")?;

@@ -10,7 +10,7 @@ use crate::open::{CharacterFile, choose};
 use crate::work::Executor;
 use articula_build::bake;
 use articula_build::retarget::{RetargetFigure, RetargetOptions, RetargetReport, Retargeter};
-use articula_core::source::Clip;
+use articula_core::source::RawClip;
 use std::borrow::Cow;
 use std::collections::HashSet;
 use std::path::Path;
@@ -50,7 +50,7 @@ impl Default for AddClipsOptions {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FittedClip {
     /// The clip: its channels drive joints and meshes of the character.
-    pub clip: Clip,
+    pub clip: RawClip,
     /// Where it comes from.
     pub fit: ClipFit,
 }
@@ -144,7 +144,7 @@ impl CharacterFile {
         if self.is_human() {
             return Ok(());
         }
-        let what = "joints: hips, legs and arms are not told by their names; say what they are with a joint-name profile";
+        let what = "joints: hips, legs and arms are not told by their names; say what they are with a joint map";
         Err(Error::Unmapped(what.into())).context(&self.name)
     }
 
@@ -168,7 +168,7 @@ pub fn fit_clips(
     let same = || Twins::of(from, &clips, onto);
     let articulations = (file.articulation(), character.articulation());
     let way = if let Some(twins) = options.by_names.then(same).flatten() {
-        Way::Names(twins)
+        Fitting::Names(twins)
     } else {
         check_mapped(file, character, options.by_names)?;
         let from = RetargetFigure {
@@ -180,7 +180,7 @@ pub fn fit_clips(
             articulation: &articulations.1,
         };
         let retargeter = Retargeter::new(from, onto).with_context(|| &file.name)?;
-        Way::Map(Box::new(retargeter))
+        Fitting::Map(Box::new(retargeter))
     };
     let fitted = clips.into_iter().map(|clip| {
         let place = || format!("{}: clip \"{}\"", file.name, clip.name);
@@ -212,22 +212,22 @@ pub fn fit_clips(
 }
 
 /// How joints of a file drive those of the character.
-enum Way<'a> {
+enum Fitting<'a> {
     Names(Twins),
     Map(Box<Retargeter<'a>>),
 }
 
-impl Way<'_> {
+impl Fitting<'_> {
     /// The motion of the joints; without name.
     fn joints(
         &self,
-        clip: &Clip,
+        clip: &RawClip,
         options: &AddClipsOptions,
-    ) -> Result<(Clip, Option<RetargetReport>)> {
+    ) -> Result<(RawClip, Option<RetargetReport>)> {
         match self {
             Self::Names(twins) => {
                 let channels = clip.channels.iter().filter_map(|c| twins.channel(c));
-                let moved = Clip {
+                let moved = RawClip {
                     name: String::new(),
                     duration_secs: clip.duration_secs,
                     channels: channels.collect(),
@@ -252,14 +252,14 @@ fn check_mapped(file: &CharacterFile, character: &CharacterFile, by_names: bool)
         return Ok(());
     };
     let what = format!(
-        "joints: they are not the joints of {} by name and rest pose, and hips, legs and arms of {} are not told by their names; say what they are with a joint-name profile",
+        "joints: they are not the joints of {} by name and rest pose, and hips, legs and arms of {} are not told by their names; say what they are with a joint map",
         character.name, unknown.name
     );
     Err(Error::Unmapped(what)).context(&file.name)
 }
 
 /// The clips of a file that are wanted.
-fn chosen<'a>(file: &'a CharacterFile, options: &AddClipsOptions) -> Result<Vec<&'a Clip>> {
+fn chosen<'a>(file: &'a CharacterFile, options: &AddClipsOptions) -> Result<Vec<&'a RawClip>> {
     let clips = &file.character.clips;
     if clips.is_empty() {
         let what = "clips: there is none to put onto the character";
@@ -274,7 +274,7 @@ fn chosen<'a>(file: &'a CharacterFile, options: &AddClipsOptions) -> Result<Vec<
 
 /// The file's name for its only clip; the clip's own where a file has several, with the file's
 /// before it where that is wanted.
-fn name(file: &CharacterFile, clip: &Clip, options: &AddClipsOptions) -> String {
+fn name(file: &CharacterFile, clip: &RawClip, options: &AddClipsOptions) -> String {
     let stem = Path::new(&file.name).file_stem().unwrap_or_default();
     let stem = stem.to_string_lossy();
     let prefix = &options.prefix;

@@ -4,7 +4,7 @@
 
 use super::fit_clips::FittedClip;
 use crate::open::CharacterFile;
-use articula_build::retarget::{self, RotationOrigin, RetargetReport};
+use articula_build::retarget::{self, RetargetReport, RotationOrigin};
 use articula_core::source::Skeleton;
 use serde::Serialize;
 
@@ -146,7 +146,11 @@ pub struct JointShare {
 
 impl FitReport {
     /// How the clips of a file came out on a character; `None` if none of them was retargeted.
-    pub fn new(file: &CharacterFile, character: &CharacterFile, fitted: &[FittedClip]) -> Option<Self> {
+    pub fn new(
+        file: &CharacterFile,
+        character: &CharacterFile,
+        fitted: &[FittedClip],
+    ) -> Option<Self> {
         let (skeleton, from) = (&character.character.skeleton, &file.character.skeleton);
         let report = fitted
             .iter()

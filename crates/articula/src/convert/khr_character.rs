@@ -4,7 +4,7 @@ use super::pose_kind::pose_kind;
 use crate::error::Result;
 use crate::open::CharacterFile;
 use articula_formats::gltf::Document;
-use articula_formats::profile::vrm_bones;
+use articula_formats::joint_map::vrm_bones;
 
 /// Writes them into the document that becomes the file. `node_of_joint` is the way from the
 /// joints to its nodes.

@@ -1,6 +1,6 @@
 //! A written file, and what its format cannot hold.
 
-use crate::open::{Format, CharacterFile};
+use crate::open::{CharacterFile, Format};
 
 /// The bytes of a file, and what they do not hold.
 #[derive(Debug, Clone, PartialEq)]

@@ -31,15 +31,17 @@ pub use clip_edits::{
     RootMotionEdited, TrajectoryPlace, Trimmed,
 };
 pub use fit_clips::{AddClipsOptions, ClipFit, FittedClip, fit_clips};
-pub use fit_report::{EndEffectorSummary, FitClip, FitJoint, FitQuality, FitReport, JointShare, FootSlideSummary};
-pub use left_out::{LossyPart, EncodedFile};
+pub use fit_report::{
+    EndEffectorSummary, FitClip, FitJoint, FitQuality, FitReport, FootSlideSummary, JointShare,
+};
+pub use left_out::{EncodedFile, LossyPart};
 pub use reduction::{
     AnimationSize, JointReduction, JointsHeld, JointsReduced, MovingJoints, hold_joints,
 };
 pub use written::{write, write_data};
 
 use crate::error::{Context, Error, Result};
-use crate::open::{Format, CharacterFile, WriteSupport, choose, conversions};
+use crate::open::{CharacterFile, Format, WriteSupport, choose, conversions};
 use crate::work::Executor;
 
 /// What is done with a character before it is written; the default is nothing.

@@ -1,9 +1,9 @@
 //! Morph weights and expressions of one character's clip, on those of the same names of another.
 
-use articula_core::source::{Channel, Character, Clip, Interpolation, Mesh, Property};
+use articula_core::source::{Channel, Character, Interpolation, Property, RawClip, RawMesh};
 
 /// Channels of the other character; joints are not looked at.
-pub(super) fn channels(from: &Character, clip: &Clip, onto: &Character) -> Vec<Channel> {
+pub(super) fn channels(from: &Character, clip: &RawClip, onto: &Character) -> Vec<Channel> {
     let mut made = Vec::new();
     for (target, mesh) in onto.meshes.iter().enumerate() {
         let weights = clip
@@ -39,7 +39,7 @@ pub(super) fn channels(from: &Character, clip: &Clip, onto: &Character) -> Vec<C
 }
 
 /// For each morph target of `onto` the one of `from` with its name.
-fn twins<'a>(from: &'a Mesh, onto: &'a Mesh) -> impl Iterator<Item = Option<usize>> + 'a {
+fn twins<'a>(from: &'a RawMesh, onto: &'a RawMesh) -> impl Iterator<Item = Option<usize>> + 'a {
     let named = |name: &String| {
         let same = |n: &String| !name.is_empty() && n == name;
         from.morph_names.iter().position(same)
@@ -47,7 +47,7 @@ fn twins<'a>(from: &'a Mesh, onto: &'a Mesh) -> impl Iterator<Item = Option<usiz
     onto.morph_names.iter().map(named)
 }
 
-fn weights_of(channel: &Channel, from: &Mesh, onto: &Mesh, target: usize) -> Channel {
+fn weights_of(channel: &Channel, from: &RawMesh, onto: &RawMesh, target: usize) -> Channel {
     let twins: Vec<Option<usize>> = twins(from, onto).collect();
     let width = from.morph_weights.len();
     let cubic = channel.interpolation == Interpolation::CubicSpline;
@@ -78,17 +78,17 @@ mod tests {
 
     fn with_morphs(names: &[&str], rest: f32) -> Character {
         Character {
-            meshes: vec![Mesh {
+            meshes: vec![RawMesh {
                 morph_names: names.iter().map(|n| (*n).to_owned()).collect(),
                 morph_weights: vec![rest; names.len()],
-                ..Mesh::default()
+                ..RawMesh::default()
             }],
             ..Character::default()
         }
     }
 
-    fn driven(property: Property, values: Vec<f32>) -> Clip {
-        Clip {
+    fn driven(property: Property, values: Vec<f32>) -> RawClip {
+        RawClip {
             channels: vec![Channel {
                 target: 0,
                 property,
@@ -96,7 +96,7 @@ mod tests {
                 times_secs: vec![0.0, 1.0],
                 values,
             }],
-            ..Clip::default()
+            ..RawClip::default()
         }
     }
 

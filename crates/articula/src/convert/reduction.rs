@@ -5,7 +5,7 @@ use crate::open::CharacterFile;
 use articula_build::{MotionSize, motion_size, reduce};
 use articula_core::joint_state::PassivePolicy;
 use articula_core::loa::{LoaExpression, Selection, with_ancestors};
-use articula_core::source::Clip;
+use articula_core::source::RawClip;
 use articula_core::{JointSet, Rig};
 use serde::Serialize;
 use std::ops::AddAssign;
@@ -16,7 +16,7 @@ pub struct JointReduction {
     /// The joints that move.
     pub moving: MovingJoints,
     /// Whether every joint above one that moves, moves too.
-    pub close_up: bool,
+    pub with_ancestors: bool,
     /// What held joints show.
     pub passive: PassivePolicy,
 }
@@ -62,7 +62,7 @@ pub struct JointsReduced {
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointsHeld {
     /// The clips, in their order.
-    pub clips: Vec<Clip>,
+    pub clips: Vec<RawClip>,
     /// Size of the clips that were given.
     pub before: AnimationSize,
     /// Size of `clips`.
@@ -81,7 +81,7 @@ impl AddAssign<MotionSize> for AnimationSize {
 /// clip.
 pub fn hold_joints(
     rig: &Rig,
-    clips: &[Clip],
+    clips: &[RawClip],
     active: &JointSet,
     policy: PassivePolicy,
 ) -> JointsHeld {
@@ -94,7 +94,7 @@ pub fn hold_joints(
         after += motion_size(&out);
         out
     });
-    let reduced: Vec<Clip> = reduced.collect();
+    let reduced: Vec<RawClip> = reduced.collect();
     before.joints_animated = animated(clips);
     after.joints_animated = animated(&reduced);
     JointsHeld {
@@ -112,7 +112,7 @@ impl JointsHeld {
     }
 }
 
-fn animated(clips: &[Clip]) -> usize {
+fn animated(clips: &[RawClip]) -> usize {
     let channels = clips.iter().flat_map(|c| &c.channels);
     let moving = channels.filter(|c| c.property.is_of_joint() && c.times_secs.len() > 1);
     moving.map(|c| c.target).collect::<JointSet>().len()
@@ -128,7 +128,7 @@ impl JointReduction {
         }
         let rig = Rig::new(&opened.character.skeleton, opened.articulation()).context(place)?;
         let mut active = self.moving.joints(&rig).context("selection")?;
-        if self.close_up {
+        if self.with_ancestors {
             active = with_ancestors(&rig, &active);
         }
         let held = hold_joints(&rig, &opened.character.clips, &active, self.passive);

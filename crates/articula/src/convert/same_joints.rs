@@ -3,7 +3,7 @@
 //! Only then a clip of one is a clip of the other as it is: channels hold lengths and turns
 //! against the rest of their own skeleton.
 
-use articula_core::source::{Channel, Clip, Skeleton};
+use articula_core::source::{Channel, RawClip, Skeleton};
 use articula_core::{Transform, angle_between};
 use glam::{Affine3A, Vec3};
 use std::collections::{BTreeSet, HashMap};
@@ -25,7 +25,7 @@ pub(super) struct Twins(Vec<Option<usize>>);
 impl Twins {
     /// Finds them, if the joints that the clips move are the same in both skeletons. Clips that
     /// move no joint fit every skeleton.
-    pub(super) fn of(from: &Skeleton, clips: &[&Clip], onto: &Skeleton) -> Option<Self> {
+    pub(super) fn of(from: &Skeleton, clips: &[&RawClip], onto: &Skeleton) -> Option<Self> {
         let channels = clips.iter().flat_map(|c| &c.channels);
         let of_joints = channels.filter(|c| c.property.is_of_joint());
         let moved: BTreeSet<usize> = of_joints.map(|c| c.target).collect();
@@ -156,7 +156,7 @@ mod tests {
         }
     }
 
-    fn turning(joints: &[usize]) -> Clip {
+    fn turning(joints: &[usize]) -> RawClip {
         let channel = |joint: &usize| Channel {
             target: *joint,
             property: Property::Rotation,
@@ -164,9 +164,9 @@ mod tests {
             times_secs: vec![0.0],
             values: vec![0.0, 0.0, 0.0, 1.0],
         };
-        Clip {
+        RawClip {
             channels: joints.iter().map(channel).collect(),
-            ..Clip::default()
+            ..RawClip::default()
         }
     }
 

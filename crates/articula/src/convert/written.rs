@@ -2,10 +2,10 @@
 //!
 //! **A new format is one arm of [`written`] and one function below it.**
 
-use super::left_out::{LossyPart, EncodedFile, counted, meshes};
+use super::left_out::{EncodedFile, LossyPart, counted, meshes};
 use super::{body, khr_character};
 use crate::error::{Error, Result};
-use crate::open::{Data, DataFormat, Format, CharacterFile};
+use crate::open::{CharacterFile, Data, DataFormat, Format};
 use articula_build::source_rate_hz;
 use articula_core::fap_table::FAPS;
 use articula_formats::gltf::Document;
@@ -49,7 +49,11 @@ pub fn write_data(data: &Data) -> Result<EncodedFile> {
 }
 
 /// The same for a format that is known to be written and a character that has the clip for it.
-pub(super) fn written(opened: &CharacterFile, format: Format, khr_character: bool) -> Result<EncodedFile> {
+pub(super) fn written(
+    opened: &CharacterFile,
+    format: Format,
+    khr_character: bool,
+) -> Result<EncodedFile> {
     match format {
         Format::Bvh => motion(opened),
         Format::Bap => body::written(opened),

@@ -13,7 +13,7 @@ use articula_build::motion_bounds;
 use articula_build::{Asset, character};
 use articula_build::{CacheOptions, cached_poses};
 use articula_build::{
-    LevelOptions, LevelSkins, MergedLevels, joint_lods, level_errors, level_skins, mean_pose,
+    LevelOptions, LevelSkins, MergedLevels, joint_lods, level_skins, lod_errors, mean_pose,
     named_joint_lods, skin_of,
 };
 use articula_core::crowd::{CrowdModel, CrowdParts, RootTrajectory};
@@ -22,7 +22,7 @@ use articula_core::{Clip, ClipSet, JointLods, Mesh, MotionBounds, PaletteMap, Tr
 use std::sync::Arc;
 
 /// How a clip carried its character, from its start on.
-type Way = Vec<TrajectoryKey>;
+type RootTrack = Vec<TrajectoryKey>;
 
 const PREPARING: &str = "preparing levels";
 
@@ -94,7 +94,7 @@ impl CrowdAsset {
     /// `ways` has one entry for each clip, or none: how it carried its character, if it did.
     fn prepared(
         mut asset: Asset,
-        (ways, mut warnings): (&[Option<Way>], Vec<String>),
+        (ways, mut warnings): (&[Option<RootTrack>], Vec<String>),
         options: &CrowdOptions,
         work: &Executor<'_>,
     ) -> Result<Self> {
@@ -121,7 +121,7 @@ impl CrowdAsset {
             let (lods, levels, meshes) = MeshLods::new(&asset, &levels, most, &opts)?;
             (Some(lods), levels, meshes)
         } else {
-            let all = 0..levels.ladder.levels();
+            let all = 0..levels.joint_lods.levels();
             let meshes = all.map(|l| levels.skins.mesh(l, &asset.mesh)).collect();
             (None, levels, meshes)
         };
@@ -179,7 +179,7 @@ impl CrowdAsset {
 
     /// Number of levels; 0 is full detail.
     pub fn levels(&self) -> usize {
-        self.0.model.parts().clips.ladder().levels()
+        self.0.model.parts().clips.joint_lods().levels()
     }
 
     /// The mesh of a level; its bindings are the first matrices of a palette of the skin.
@@ -203,7 +203,7 @@ impl CrowdAsset {
             None => (mesh.len(), mesh.triangles.len()),
         };
         CrowdLevel {
-            joints: self.ladder().kept(level),
+            joints: self.joint_lods().kept(level),
             matrices: shared.model.parts().palette.len(level),
             vertices,
             triangles,
@@ -232,8 +232,8 @@ impl CrowdAsset {
     }
 
     /// Joint order and levels.
-    pub(super) fn ladder(&self) -> &JointLods {
-        self.0.model.parts().clips.ladder()
+    pub(super) fn joint_lods(&self) -> &JointLods {
+        self.0.model.parts().clips.joint_lods()
     }
 
     /// Which joints and triangles go together, if there are coarser meshes.
@@ -246,7 +246,7 @@ impl CrowdAsset {
 fn on_the_spot(
     figure: &Figure,
     root_motion: RootMotion,
-) -> Result<(Asset, Vec<Option<Way>>, Vec<String>)> {
+) -> Result<(Asset, Vec<Option<RootTrack>>, Vec<String>)> {
     if root_motion == RootMotion::AsAuthored {
         let ways = vec![None; figure.asset.clips.len()];
         return Ok((figure.asset.clone(), ways, Vec::new()));
@@ -307,21 +307,21 @@ fn lods_with_skins(
     opts: &LevelOptions,
     work: &Executor<'_>,
 ) -> Result<MergedLevels> {
-    let ladder = match wanted {
+    let joint_lods = match wanted {
         JointLodMethod::Whole => JointLods::whole(&asset.rig),
         JointLodMethod::Merged => joint_lods(asset, &mean_pose(asset), opts),
         JointLodMethod::Named(expression) => {
             named_joint_lods(asset, &mean_pose(asset), std::slice::from_ref(expression))
         }
     };
-    let ladder = ladder.context("levels")?;
+    let joint_lods = joint_lods.context("levels")?;
     work.step(PREPARING, 2, 5)?;
-    let skins = level_skins(asset, &ladder, opts).context("skins")?;
+    let skins = level_skins(asset, &joint_lods, opts).context("skins")?;
     work.step(PREPARING, 3, 5)?;
-    let errors = level_errors(asset, &ladder, &skins, opts).context("errors")?;
+    let errors = lod_errors(asset, &joint_lods, &skins, opts).context("errors")?;
     work.step(PREPARING, 4, 5)?;
     Ok(MergedLevels {
-        ladder,
+        joint_lods,
         skins,
         far: None,
         errors,
@@ -336,11 +336,11 @@ fn model(
     options: &CrowdOptions,
 ) -> Result<CrowdModel> {
     let palette = match options.matrices {
-        PaletteMatrices::Joints => PaletteMap::joints(&levels.ladder),
+        PaletteMatrices::Joints => PaletteMap::joints(&levels.joint_lods),
         PaletteMatrices::Skin => levels.skins.palette.clone(),
     };
-    let ladder = levels.ladder.clone();
-    let clips = ClipSet::new(&asset.rig, ladder, &asset.clips, options.storage)?;
+    let joint_lods = levels.joint_lods.clone();
+    let clips = ClipSet::new(&asset.rig, joint_lods, &asset.clips, options.storage)?;
     let cache = if options.pose_cache {
         let opts = CacheOptions {
             form: options.form,

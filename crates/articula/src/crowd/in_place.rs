@@ -6,7 +6,7 @@
 
 use articula_build::clip_edit::EditSubject;
 use articula_build::clip_edit::{RootMotionMode, RootMotionOptions, TrajectoryKey, split};
-use articula_core::crowd::{RootTrajectory, RootDelta};
+use articula_core::crowd::{RootDelta, RootTrajectory};
 use articula_core::source::Character;
 use articula_core::{Articulation, Clip, Mismatch};
 use glam::Vec3;

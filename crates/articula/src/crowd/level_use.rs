@@ -105,7 +105,7 @@ impl Sums {
     fn see(&mut self, player: &CrowdPlayer, level: usize, character: usize) {
         let state = player.crowd().player(character);
         self.blended += usize::from(state.fade() > 0.0);
-        let from = state.voice().clip();
+        let from = state.clip_state().clip();
         let to = state.next().map_or(from, |v| v.clip());
         let error = player.asset().model().error_metres(from, to, level);
         let density = player.crowd().seen(character).pixels_per_metre;

@@ -11,7 +11,7 @@ use super::mesh_lods::Watch;
 use super::player::CrowdPlayer;
 use articula_core::crowd::ClipState;
 use articula_core::percentile;
-use articula_core::visibility::{Bodies, LEAST_DEPTH_METRES, CullResult, View, Visibility, see};
+use articula_core::visibility::{Bodies, CullResult, MIN_DEPTH_METRES, View, Visibility, cull};
 use articula_core::{Camera, LocalPose, PosedMesh, Sphere, Wrap, blend, sample, skin_points};
 use glam::{Affine3A, Vec3};
 use serde::Serialize;
@@ -23,7 +23,7 @@ pub const NEAR_METRES: f32 = 20.0;
 const DRAWN: usize = 64;
 
 /// Most vertices of a character that are compared.
-const MOST_VERTICES: usize = 4000;
+const MAX_VERTICES: usize = 4000;
 
 /// The error of one character at one moment.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,7 +104,7 @@ impl ErrorMeter {
     /// Chooses the vertices that are compared.
     pub fn new(asset: &CrowdAsset, seed: u64) -> Self {
         let rig = &asset.full().rig;
-        let vertices = every(asset.full().mesh.len(), MOST_VERTICES, seed);
+        let vertices = every(asset.full().mesh.len(), MAX_VERTICES, seed);
         let vertices: Vec<u32> = vertices.into_iter().map(|v| v as u32).collect();
         let watch = |level| match asset.mesh_lods() {
             Some(lods) => lods.watch(level, asset.mesh(level), &vertices),
@@ -173,7 +173,7 @@ impl ErrorMeter {
     /// The true skin of a character.
     fn pose_truth(&mut self, player: &CrowdPlayer, character: usize) {
         let player = player.crowd().player(character);
-        self.sample(player.voice(), Which::Pose);
+        self.sample(player.clip_state(), Which::Pose);
         if let Some(next) = player.next() {
             self.sample(next, Which::Other);
             let all = self.asset.full().rig.all();
@@ -186,16 +186,16 @@ impl ErrorMeter {
             .points(&self.vertices, &mut self.truth);
     }
 
-    fn sample(&mut self, voice: &ClipState, which: Which) {
+    fn sample(&mut self, clip_state: &ClipState, which: Which) {
         let asset = self.asset.full();
         let pose = match which {
             Which::Pose => &mut self.pose,
             Which::Other => &mut self.other,
         };
         pose.clone_from(asset.rig.rest_pose());
-        let clip = &asset.clips[voice.clip()];
+        let clip = &asset.clips[clip_state.clip()];
         // The clock has wrapped already; its last moment is the last frame, not the first.
-        let secs = f64::from(voice.secs());
+        let secs = f64::from(clip_state.secs());
         sample(clip, secs, Wrap::Clamp, &asset.rig.all(), pose);
     }
 
@@ -205,7 +205,7 @@ impl ErrorMeter {
         let pixels = pairs.filter_map(|(truth, shown)| {
             let (truth, depth) = camera.project(world.transform_point3(*truth));
             let (shown, other) = camera.project(world.transform_point3(*shown));
-            let ahead = depth.min(other) >= LEAST_DEPTH_METRES;
+            let ahead = depth.min(other) >= MIN_DEPTH_METRES;
             ahead.then(|| f64::from(truth.distance(shown)))
         });
         pixels.collect()
@@ -229,7 +229,7 @@ fn visible(player: &CrowdPlayer, camera: &Camera) -> Vec<(usize, usize)> {
     let spheres: Vec<Sphere> = places
         .map(|(character, (position, rotation))| {
             let player = crowd.player(character);
-            let from = player.voice().clip();
+            let from = player.clip_state().clip();
             let bound = match player.next() {
                 Some(next) => bounds.blended(from, next.clip()),
                 None => bounds.clips[from].whole().sphere,
@@ -237,10 +237,10 @@ fn visible(player: &CrowdPlayer, camera: &Camera) -> Vec<(usize, usize)> {
             bound.carried(*position, *rotation, 1.0)
         })
         .collect();
-    let wakes = vec![0.0; spheres.len()];
+    let margins = vec![0.0; spheres.len()];
     let mut seen = vec![CullResult::default(); spheres.len()];
-    if let Ok(bodies) = Bodies::new(&spheres, &wakes) {
-        see(&[View::of(camera)], bodies, &mut seen);
+    if let Ok(bodies) = Bodies::new(&spheres, &margins) {
+        cull(&[View::of(camera)], bodies, &mut seen);
     }
     let visible = seen.iter().enumerate();
     visible

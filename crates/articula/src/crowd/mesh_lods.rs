@@ -11,7 +11,7 @@ use articula_core::Mesh;
 use glam::Vec3;
 
 /// Most mesh levels that can be asked for.
-pub const MOST_MESH_LEVELS: usize = 5;
+pub const MAX_MESH_LEVELS: usize = 5;
 
 /// What joints and mesh together come to.
 #[derive(Debug)]

@@ -26,18 +26,18 @@ mod scene_file;
 mod scene_player;
 
 pub use asset::{CrowdAsset, CrowdLevel};
-pub use budget::{FrameBudget, BudgetController};
+pub use budget::{BudgetController, FrameBudget};
 pub use in_place::put_in_place;
 pub use level_use::{DrawCost, LevelTally, LevelUse, MeasuredError};
 pub use lod_error::{CharacterError, ErrorMeter, ErrorSample, ErrorSummary, NEAR_METRES};
-pub use mesh_lods::MOST_MESH_LEVELS;
+pub use mesh_lods::MAX_MESH_LEVELS;
 pub use options::{CrowdOptions, JointLodMethod, PaletteMatrices, RootMotion};
 pub use palette_hash::PaletteHash;
 pub use palettes::PaletteSlice;
 pub use player::{CrowdGroup, CrowdPlayer, FramePart, PoseSource};
-pub use scene_file::{MOST_MEMBERS, read_scene, write_scene};
+pub use scene_file::{MAX_MEMBERS, read_scene, write_scene};
 pub use scene_player::{DetailGoal, SceneOptions, ScenePlayer};
 
-pub use articula_core::crowd::{CacheUse, Crowd, CrowdReport, Detail, Draw, CrowdEvent, Culling};
+pub use articula_core::crowd::{CacheUse, Crowd, CrowdEvent, CrowdReport, Culling, Detail, Draw};
 pub use articula_core::visibility::View;
-pub use articula_core::{Backend, Camera, PaletteForm, ClipStorage, Viewport};
+pub use articula_core::{Backend, Camera, ClipStorage, PaletteForm, Viewport};

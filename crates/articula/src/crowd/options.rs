@@ -1,7 +1,7 @@
 //! How the character of a crowd is prepared.
 
 use articula_core::loa::LoaExpression;
-use articula_core::{Backend, PaletteForm, ClipStorage};
+use articula_core::{Backend, ClipStorage, PaletteForm};
 
 /// Which joint LODs a crowd has.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -36,7 +36,7 @@ pub enum RootMotion {
     #[default]
     OnTheSpot,
     /// They are played on the spot, and every frame tells the way of each character
-    /// ([`Crowd::root_step`](articula_core::crowd::Crowd::root_step)).
+    /// ([`Crowd::root_delta`](articula_core::crowd::Crowd::root_step)).
     Extracted,
 }
 
@@ -58,7 +58,7 @@ pub struct CrowdOptions {
     /// Joint LODs.
     pub joints: JointLodMethod,
     /// LODs of the mesh, chosen together with those of the joints, the original counted, at most
-    /// [`MOST_MESH_LEVELS`](super::MOST_MESH_LEVELS); with 1 everyone has the original.
+    /// [`MAX_MESH_LEVELS`](super::MAX_MESH_LEVELS); with 1 everyone has the original.
     pub mesh_levels: usize,
     /// Which matrices a palette holds.
     pub matrices: PaletteMatrices,

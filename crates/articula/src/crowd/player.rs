@@ -8,9 +8,9 @@ use super::options::PaletteMatrices;
 use super::palettes::{PaletteSlice, Palettes, split};
 use crate::error::{Error, Result};
 use articula_core::batch::Scratch;
-use articula_core::budget::{CostModel, BudgetPolicy};
+use articula_core::budget::{BudgetPolicy, CostModel};
 use articula_core::crowd::{
-    CacheUse, Crowd, CrowdModel, CrowdReport, Detail, Draw, Frame, CrowdEvent, Culling, ClipState,
+    CacheUse, ClipState, Crowd, CrowdEvent, CrowdModel, CrowdReport, Culling, Detail, Draw, Frame,
 };
 use articula_core::visibility::View;
 use articula_core::{BlendRecord, Camera, Mesh, PaletteRows, SkinnedMesh, skin};
@@ -18,7 +18,7 @@ use glam::{Affine3A, Quat, Vec3};
 use std::ops::Range;
 
 /// Most bytes of palettes: what a program may ask for at once.
-const MOST_BYTES: usize = 16 << 30;
+const MAX_BYTES: usize = 16 << 30;
 
 /// A crowd of one character that is played frame by frame. Allocates when it is made, and nothing
 /// in a frame.
@@ -186,7 +186,7 @@ impl CrowdPlayer {
     pub fn plan(
         &mut self,
         dt_secs: f32,
-        sight: Culling<'_>,
+        culling: Culling<'_>,
         tell: &mut dyn FnMut(CrowdEvent),
     ) -> CrowdReport {
         let frame = Frame {
@@ -194,9 +194,9 @@ impl CrowdPlayer {
             positions: &self.positions,
             rotations: &self.rotations,
             scales: &[],
-            wake_metres: &[],
+            cull_margin_metres: &[],
             importance: &[],
-            sight,
+            culling,
             detail: self.detail,
             share: self.share,
             cache: self.cache,
@@ -320,7 +320,7 @@ impl CrowdPlayer {
         out.extend(bindings.map(|(b, binding)| match self.asset.matrices() {
             PaletteMatrices::Skin => palettes.matrix(first + b),
             PaletteMatrices::Joints => {
-                let place = self.asset.ladder().place(usize::from(binding.joint));
+                let place = self.asset.joint_lods().place(usize::from(binding.joint));
                 palettes.matrix(first + place) * binding.inverse_bind
             }
         }));
@@ -406,11 +406,11 @@ impl<'a> Iterator for Parts<'a> {
 fn room(model: &CrowdModel, characters: usize) -> Result<usize> {
     let matrices = characters.saturating_mul(model.parts().palette.len(0));
     let bytes = matrices.saturating_mul(model.parts().form.bytes());
-    if bytes > MOST_BYTES {
+    if bytes > MAX_BYTES {
         return Err(Error::unsuited(format!(
             "{characters} characters: {:.1} GB of palettes, the limit is {:.1}; lower the count or choose a smaller form",
             bytes as f64 / 1e9,
-            MOST_BYTES as f64 / 1e9
+            MAX_BYTES as f64 / 1e9
         )));
     }
     Ok(matrices)

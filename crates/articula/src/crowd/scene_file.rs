@@ -6,19 +6,19 @@
 use crate::camera_path::{Key, checked, ensure, malformed};
 use crate::error::{Context, Error, Result};
 use crate::open::choose;
-use articula_build::{CrossFade, SceneCharacter, ClipPlayback, Scene};
+use articula_build::{ClipPlayback, CrossFade, Scene, SceneCharacter};
 use articula_core::{Clip, Viewport};
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 /// Most characters of a scene.
-pub const MOST_MEMBERS: usize = 1_000_000;
+pub const MAX_MEMBERS: usize = 1_000_000;
 
 /// Farthest from the origin that someone may stand: beyond it single precision shows.
 const FARTHEST_METRES: f32 = 1e5;
 
 /// Fastest that a clip is played, either way.
-const MOST_SPEED: f32 = 100.0;
+const MAX_SPEED: f32 = 100.0;
 
 /// A scene as files have it.
 #[derive(Debug, Serialize, Deserialize)]
@@ -94,8 +94,8 @@ pub fn read_scene(bytes: &[u8], clips: &[Clip], display_hz: f64) -> Result<Scene
         format!("camera[0].t: {starts}; a path begins at 0 s")
     })?;
     let count = file.members.len();
-    ensure((1..=MOST_MEMBERS).contains(&count), || {
-        format!("members: {count} characters; give 1 to {MOST_MEMBERS}")
+    ensure((1..=MAX_MEMBERS).contains(&count), || {
+        format!("members: {count} characters; give 1 to {MAX_MEMBERS}")
     })?;
     let members = file.members.iter().enumerate();
     let members = members.map(|(i, m)| member(m, clips).with_context(|| format!("members[{i}]")));
@@ -145,8 +145,8 @@ fn play((clip, phase, speed): (&str, f32, f32), clips: &[Clip]) -> Result<ClipPl
     ensure((0.0..=1.0).contains(&phase), || {
         "phase: give 0 to 1".to_owned()
     })?;
-    ensure(speed.abs() <= MOST_SPEED, || {
-        format!("speed: give at most {MOST_SPEED}, negative to play backwards")
+    ensure(speed.abs() <= MAX_SPEED, || {
+        format!("speed: give at most {MAX_SPEED}, negative to play backwards")
     })?;
     let names = clips.iter().map(|c| c.name.as_str());
     // A wrong name in a file is no wrong argument.

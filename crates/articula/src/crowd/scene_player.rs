@@ -7,8 +7,8 @@ use super::asset::CrowdAsset;
 use super::budget::FrameBudget;
 use super::player::CrowdPlayer;
 use crate::error::{Error, Result};
-use articula_build::{CrossFade, ClipPlayback, Scene};
-use articula_core::crowd::{CacheUse, CrowdReport, Detail, CharacterState, Culling, ClipState};
+use articula_build::{ClipPlayback, CrossFade, Scene};
+use articula_core::crowd::{CacheUse, CharacterState, ClipState, CrowdReport, Culling, Detail};
 use articula_core::visibility::View;
 use articula_core::{Camera, ClipSet};
 
@@ -76,7 +76,7 @@ impl<'a> ScenePlayer<'a> {
         let mut fades = Vec::new();
         for (character, member) in scene.members.iter().enumerate() {
             player.place(character, member.position, member.yaw_radians);
-            let own = voice(clips, &member.play, 0.0);
+            let own = clip_state(clips, &member.play, 0.0);
             let Some(fade) = member.cross_fade else {
                 player.crowd_mut().play(character, own.into());
                 continue;
@@ -147,11 +147,11 @@ impl<'a> ScenePlayer<'a> {
             self.player.allow(allowance);
         }
         self.turn_fades();
-        let sight = match self.detail {
-            DetailGoal::Full => Culling::Everyone,
+        let culling = match self.detail {
+            DetailGoal::Full => Culling::Off,
             _ => Culling::Views(&views),
         };
-        Ok(self.player.plan(dt_secs as f32, sight, &mut |_| ()))
+        Ok(self.player.plan(dt_secs as f32, culling, &mut |_| ()))
     }
 
     /// How far the camera goes and turns in the time ahead, metres and radians.
@@ -189,8 +189,8 @@ impl<'a> ScenePlayer<'a> {
 impl Turning {
     /// What it plays at time 0.
     fn start(&self, clips: &ClipSet) -> CharacterState {
-        let own = voice(clips, &self.own, 0.0);
-        let other = voice(clips, &self.fade.other, 0.0);
+        let own = clip_state(clips, &self.own, 0.0);
+        let other = clip_state(clips, &self.fade.other, 0.0);
         let share = self.fade.share(0.0);
         if self.fade.fade_secs > 0.0 && self.goes {
             CharacterState::fading(own, other, share, self.fade.fade_secs)
@@ -208,12 +208,12 @@ impl Turning {
         } else {
             &self.own
         };
-        voice(clips, play, secs)
+        clip_state(clips, play, secs)
     }
 }
 
 /// A clip at a time of the scene.
-fn voice(clips: &ClipSet, play: &ClipPlayback, secs: f64) -> ClipState {
+fn clip_state(clips: &ClipSet, play: &ClipPlayback, secs: f64) -> ClipState {
     let duration = clips.duration_secs(play.clip);
     let secs = play.clip_secs(secs, duration) as f32;
     ClipState::new(clips, play.clip)

@@ -4,14 +4,14 @@
 //! whose model matrix changes. Time is that of sampling the set and computing all model
 //! matrices on this machine with the plain code: a report, not a benchmark.
 
-use articula_build::evaluate::{Method, ClipEvaluator, play};
+use articula_build::evaluate::{ClipEvaluator, Method, play};
 use articula_core::loa;
 use articula_core::{Complexity, JointSet, ModelPose, Region, Wrap, Zone, local_to_model, sample};
 use serde::Serialize;
 
 /// Passes over the clip of which the fastest counts, and most frames of a pass.
 const PASSES: usize = 7;
-const MOST_FRAMES: usize = 300;
+const MAX_FRAMES: usize = 300;
 
 /// The cost of one set of joints.
 #[derive(Debug, Clone, Serialize)]
@@ -69,7 +69,12 @@ impl Costs {
     }
 }
 
-fn cost(stage: &ClipEvaluator<'_>, name: String, set: &JointSet, nanoseconds: Nanoseconds<'_>) -> Cost {
+fn cost(
+    stage: &ClipEvaluator<'_>,
+    name: String,
+    set: &JointSet,
+    nanoseconds: Nanoseconds<'_>,
+) -> Cost {
     let trial = play(stage, &Method::Loa(vec![*set]), 0.0).0;
     Cost {
         name,
@@ -84,7 +89,7 @@ fn measured(stage: &ClipEvaluator<'_>, set: &JointSet, nanoseconds: Nanoseconds<
     let (rig, clip) = (&stage.asset.rig, &stage.clip);
     let mut local = rig.rest_pose().clone();
     let mut model = ModelPose::new(rig.len());
-    let frames = clip.frames().min(MOST_FRAMES);
+    let frames = clip.frames().min(MAX_FRAMES);
     let mut pass = || {
         for frame in 0..frames {
             let secs = frame as f64 / f64::from(clip.rate_hz());

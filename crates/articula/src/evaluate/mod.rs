@@ -21,7 +21,7 @@ pub use path::{CameraPath, PathSummary, PlayedPath};
 pub use rows::{ErrorPx, MethodRow, MethodTable, ParameterChoice, rows};
 
 use crate::figure::Figure;
-use articula_build::evaluate::{MethodOptions, EvaluationSetup, ClipEvaluator};
+use articula_build::evaluate::{ClipEvaluator, EvaluationSetup, MethodOptions};
 
 /// What is played: a clip of a character, before these viewers.
 #[derive(Debug, Clone)]

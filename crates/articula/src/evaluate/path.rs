@@ -1,10 +1,10 @@
 //! A clip before a moving camera, under the controller that runs in a frame.
 //!
-//! Source: `spec/motion-lod.md` 4.5. The camera is a true one.
+//! Source: `docs/methods/motion-lod.md` 4.5. The camera is a true one.
 
 use super::rows::MethodRow;
 use crate::error::{Error, Result};
-use articula_build::evaluate::{CameraKey, PathFrame, PathRun, ClipEvaluator, play_camera_path};
+use articula_build::evaluate::{CameraKey, ClipEvaluator, PathFrame, PathRun, play_camera_path};
 use articula_core::{DriftOptions, JointSet, Rig};
 use serde::Serialize;
 

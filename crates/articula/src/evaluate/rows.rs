@@ -3,7 +3,9 @@
 use super::{EvaluatedClip, NamedMethod};
 use crate::error::Result;
 use crate::work::Executor;
-use articula_build::evaluate::{self, Method, DistanceRow, ClipEvaluator, MethodRun, calibrate, play, sweep};
+use articula_build::evaluate::{
+    self, ClipEvaluator, DistanceRow, Method, MethodRun, calibrate, play, sweep,
+};
 use serde::Serialize;
 
 /// How the one parameter of a method is found.
@@ -81,7 +83,12 @@ pub struct MethodTable {
 
 /// Plays a method at every distance; a method without any parameter to calibrate is played as
 /// it usually is.
-pub fn rows(stage: &ClipEvaluator<'_>, method: &Method, distances_m: &[f32], tuning: ParameterChoice) -> Vec<DistanceRow> {
+pub fn rows(
+    stage: &ClipEvaluator<'_>,
+    method: &Method,
+    distances_m: &[f32],
+    tuning: ParameterChoice,
+) -> Vec<DistanceRow> {
     let swept = match tuning {
         ParameterChoice::Calibrated(_) => sweep(stage, method),
         _ => Vec::new(),

@@ -16,8 +16,8 @@ use crate::error::{Context, Result};
 use crate::work::Executor;
 use articula_core::Progress;
 use articula_flat::flatten::{
-    Flattened, PrepareClipOptions, PreparedClip, Settings, ReferenceFrames, flatten as write, flatten_live,
-    sampled_frames,
+    Flattened, PrepareClipOptions, PreparedClip, ReferenceFrames, Settings, flatten as write,
+    flatten_live, sampled_frames,
 };
 use articula_flat::planar::OrderOptions;
 use articula_flat::vector::player::LiveSource;
@@ -59,7 +59,8 @@ pub fn flatten_driven(
     let frames = sampled_frames(source.weights.len().max(1));
     let fps = f64::from(source.shapes.fps);
     let moments: Vec<f64> = frames.iter().map(|f| f / fps).collect();
-    let truth = ReferenceFrames::new(&framed.at(&moments)?, &frames).with_context(|| framed.name())?;
+    let truth =
+        ReferenceFrames::new(&framed.at(&moments)?, &frames).with_context(|| framed.name())?;
     // Whatever is driven is painted in one order.
     let options = PrepareClipOptions {
         order: OrderOptions {

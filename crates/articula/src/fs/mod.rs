@@ -9,7 +9,7 @@
 mod skeleton;
 
 use crate::error::{Context, Error, Result};
-use crate::open::{self, Format, OpenOptions, CharacterFile};
+use crate::open::{self, CharacterFile, Format, OpenOptions};
 use articula_formats::{Assumption, Warning};
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};

@@ -1,7 +1,7 @@
 //! What is in files of MPEG-4 without a character: what moves, in which range, in which units.
 
 use super::{Face, Warning};
-use crate::open::{Data, DataFormat, DataFile};
+use crate::open::{Data, DataFile, DataFormat};
 use articula_core::fap_table::{FAPS, GROUPS, TABLE};
 use articula_formats::mpeg4::epf::EpfFrame;
 use articula_formats::mpeg4::fap::FapClip;

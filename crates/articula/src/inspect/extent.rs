@@ -9,7 +9,7 @@ use glam::Vec3;
 use serde::Serialize;
 
 /// Most frames of a clip that are looked at.
-const MOST_FRAMES: usize = 64;
+const MAX_FRAMES: usize = 64;
 
 /// A box in model space.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -57,7 +57,7 @@ impl<'a> Measure<'a> {
     /// The box around a clip, over at most 64 of its frames.
     pub(super) fn clip(&mut self, clip: usize) -> Option<Extent> {
         let clip = &self.asset.clips[clip];
-        let frames = clip.frames().min(MOST_FRAMES);
+        let frames = clip.frames().min(MAX_FRAMES);
         let mut corners: Option<(Vec3, Vec3)> = None;
         for i in 0..frames {
             let share = i as f64 / (frames - 1).max(1) as f64;

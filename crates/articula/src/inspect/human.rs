@@ -15,9 +15,9 @@ pub struct Human {
     /// Origin and licence.
     pub credits: Option<Credits>,
     /// Named expressions.
-    pub expressions: Vec<Expression>,
+    pub expressions: Vec<ExpressionInspection>,
     /// What is written again but changes nothing here.
-    pub kept: Vec<Kept>,
+    pub kept: Vec<PassThroughItem>,
     /// What the draft glTF extensions for characters say.
     pub khr_character: Option<KhrCharacter>,
 }
@@ -58,7 +58,7 @@ pub struct Term {
 
 /// A named expression of the face or body.
 #[derive(Debug, Serialize)]
-pub struct Expression {
+pub struct ExpressionInspection {
     /// Its name.
     pub name: String,
     /// Morph targets that it drives.
@@ -86,7 +86,7 @@ pub struct Morph {
 
 /// Something that passes through.
 #[derive(Debug, Serialize)]
-pub struct Kept {
+pub struct PassThroughItem {
     /// What it is.
     pub what: &'static str,
     /// How many.
@@ -137,7 +137,7 @@ pub(super) fn of(opened: &CharacterFile) -> Human {
         expressions: expressions.map(|e| expression(character, e)).collect(),
         kept: kept
             .iter()
-            .map(|k| Kept {
+            .map(|k| PassThroughItem {
                 what: k.what,
                 count: k.count,
             })
@@ -165,7 +165,7 @@ fn credits(found: &source::Credits) -> Credits {
     }
 }
 
-fn expression(character: &source::Character, found: &source::Expression) -> Expression {
+fn expression(character: &source::Character, found: &source::Expression) -> ExpressionInspection {
     let morph = |m: &source::MorphBinding| {
         // Meshes may have been left out since the file was read.
         let mesh = character.meshes.get(m.mesh);
@@ -181,7 +181,7 @@ fn expression(character: &source::Character, found: &source::Expression) -> Expr
     };
     let joint = |b: &source::JointBinding| character.skeleton.joints[b.joint].name.clone();
     let mask = |m: &source::Mask| character.expressions[m.target].name.clone();
-    Expression {
+    ExpressionInspection {
         name: found.name.clone(),
         morphs: found.morphs.iter().map(morph).collect(),
         joints: found.joints.iter().map(joint).collect(),

@@ -47,7 +47,7 @@ pub struct Level {
 }
 
 /// The coarser forms of a mesh, the finest first.
-pub(super) fn of_mesh(mesh: &source::Mesh) -> Vec<MeshLevel> {
+pub(super) fn of_mesh(mesh: &source::RawMesh) -> Vec<MeshLevel> {
     let vertices = |parts: &[source::Primitive]| parts.iter().map(|p| p.positions.len()).sum();
     let triangles = |parts: &[source::Primitive]| parts.iter().map(|p| p.triangles.len()).sum();
     let nodes: Vec<MeshLevel> = mesh
@@ -83,7 +83,7 @@ fn clustered(parts: &[ClusteredTriangles], level: usize) -> MeshLevel {
 }
 
 /// The levels of all meshes, if the file says what they lose.
-pub(super) fn of(table: &LevelTable, meshes: &[source::Mesh]) -> Levels {
+pub(super) fn of(table: &LevelTable, meshes: &[source::RawMesh]) -> Levels {
     let finite = |metres: f32| metres.is_finite().then_some(metres);
     let parts = || meshes.iter().flat_map(|m| &m.clustered);
     let rows = table.levels.iter().enumerate();
@@ -127,9 +127,9 @@ mod tests {
             .unwrap(),
             triangles: vec![[0, 1, 2]; 6],
         };
-        let mesh = source::Mesh {
+        let mesh = source::RawMesh {
             clustered: vec![part.clone(), part],
-            ..source::Mesh::default()
+            ..source::RawMesh::default()
         };
         let levels = of_mesh(&mesh);
         assert_eq!(levels.len(), 1);

@@ -14,7 +14,9 @@ pub use data::{
     inspect_data,
 };
 pub use extent::Extent;
-pub use human::{Credits, Expression, Human, Kept, KhrCharacter, Morph, Pose, Rig, Term};
+pub use human::{
+    Credits, ExpressionInspection, Human, KhrCharacter, Morph, PassThroughItem, Pose, Rig, Term,
+};
 pub use mesh_levels::{Level, Levels, MeshLevel};
 pub use stream::{StreamInspection, StreamLevel, inspect_stream};
 
@@ -44,11 +46,11 @@ pub struct Inspection {
     /// Length of the file.
     pub bytes: usize,
     /// Groups of joints that belong together.
-    pub skeletons: Vec<Skeleton>,
+    pub skeletons: Vec<SkeletonInspection>,
     /// Motions.
-    pub clips: Vec<Clip>,
+    pub clips: Vec<ClipInspection>,
     /// Meshes.
-    pub meshes: Vec<Mesh>,
+    pub meshes: Vec<MeshInspection>,
     /// Levels of all meshes together; null if the file stores none.
     pub mesh_levels: Option<Levels>,
     /// Number of materials.
@@ -69,14 +71,14 @@ pub struct Inspection {
     #[serde(flatten)]
     pub human: Human,
     /// Every joint or node.
-    pub map: Vec<Joint>,
+    pub map: Vec<JointInspection>,
     /// What is odd.
     pub warnings: Vec<Warning>,
 }
 
 /// One group of joints that belong together.
 #[derive(Debug, Serialize)]
-pub struct Skeleton {
+pub struct SkeletonInspection {
     /// Name of its first joint.
     pub root: String,
     /// Distinct joints of its skins.
@@ -106,7 +108,7 @@ pub struct Unmapped {
 
 /// One joint or node.
 #[derive(Debug, Serialize)]
-pub struct Joint {
+pub struct JointInspection {
     /// Its name.
     pub name: String,
     /// Index of the joint above.
@@ -123,7 +125,7 @@ pub struct Joint {
 
 /// One motion.
 #[derive(Debug, Serialize)]
-pub struct Clip {
+pub struct ClipInspection {
     /// Its name.
     pub name: String,
     /// Length, seconds.
@@ -150,7 +152,7 @@ pub struct Clip {
 
 /// One mesh.
 #[derive(Debug, Serialize)]
-pub struct Mesh {
+pub struct MeshInspection {
     /// Its name.
     pub name: String,
     /// Vertices.
@@ -230,11 +232,11 @@ pub fn inspect(figure: &Figure, clips: &[usize], work: &Executor<'_>) -> Result<
     Ok(findings)
 }
 
-fn skeletons_of(figure: &Figure) -> Vec<Skeleton> {
+fn skeletons_of(figure: &Figure) -> Vec<SkeletonInspection> {
     let (rig, mapping) = (&figure.asset.rig, &figure.opened.mapping);
     let articulation = rig.articulation();
     let groups = skeletons::of(&figure.opened.character, rig);
-    let skeleton = |joints: &JointSet| Skeleton {
+    let skeleton = |joints: &JointSet| SkeletonInspection {
         root: joints.iter().next().map_or("", |j| rig.name(j)).to_owned(),
         joints: joints.len(),
         mapped: count(articulation, joints, |j| j.hanim.is_some()),
@@ -286,10 +288,10 @@ fn why(reason: GapReason) -> &'static str {
     }
 }
 
-fn joints_of(rig: &articula_core::Rig) -> Vec<Joint> {
+fn joints_of(rig: &articula_core::Rig) -> Vec<JointInspection> {
     let articulation = &rig.articulation().joints;
     (0..rig.len())
-        .map(|j| Joint {
+        .map(|j| JointInspection {
             name: rig.name(j).to_owned(),
             parent: rig.parent(j),
             in_skin: rig.skin_joints().contains(j),
@@ -300,7 +302,12 @@ fn joints_of(rig: &articula_core::Rig) -> Vec<Joint> {
         .collect()
 }
 
-fn clip_of(source: &source::Clip, figure: &Figure, index: usize, bounds: Option<Extent>) -> Clip {
+fn clip_of(
+    source: &source::RawClip,
+    figure: &Figure,
+    index: usize,
+    bounds: Option<Extent>,
+) -> ClipInspection {
     let built = &figure.asset.clips[index];
     let mut moving = BTreeSet::new();
     moving.extend(moving_targets(&built.tracks().rotations));
@@ -312,7 +319,7 @@ fn clip_of(source: &source::Clip, figure: &Figure, index: usize, bounds: Option<
     };
     let keyed: BTreeSet<usize> = joint_channels().map(|c| c.target).collect();
     let fps = source_rate_hz(source);
-    Clip {
+    ClipInspection {
         name: source.name.clone(),
         duration_secs: source.duration_secs,
         fps,
@@ -338,7 +345,7 @@ fn moving_targets<T>(tracks: &[articula_core::Track<T>]) -> impl Iterator<Item =
         .map(|t| t.target)
 }
 
-fn mesh_of(mesh: &source::Mesh) -> Mesh {
+fn mesh_of(mesh: &source::RawMesh) -> MeshInspection {
     let most = |p: &source::Primitive| {
         let vertices = p.weights.chunks(p.influences.max(1));
         vertices
@@ -347,7 +354,7 @@ fn mesh_of(mesh: &source::Mesh) -> Mesh {
     };
     let vertices = |parts: &[source::Primitive]| parts.iter().map(|p| p.positions.len()).sum();
     let triangles = |parts: &[source::Primitive]| parts.iter().map(|p| p.triangles.len()).sum();
-    Mesh {
+    MeshInspection {
         name: mesh.name.clone(),
         vertices: vertices(&mesh.primitives),
         triangles: triangles(&mesh.primitives),
@@ -407,7 +414,7 @@ fn oddities(found: &Inspection) -> Vec<Warning> {
     for skeleton in &found.skeletons {
         if skeleton.mapped == 0 && skeleton.joints > 1 {
             let what = format!(
-                "none of the {} joint names below \"{}\" is known; levels follow tree depth (a joint-name profile of your own maps them)",
+                "none of the {} joint names below \"{}\" is known; levels follow tree depth (a joint map of your own maps them)",
                 skeleton.joints, skeleton.root
             );
             say("skeletons", what);

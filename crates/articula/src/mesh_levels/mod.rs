@@ -66,8 +66,8 @@ pub(crate) fn add(
     work.step(WHAT, 3, 3)?;
     let meshes = &figure.opened.character.meshes;
     let replaced =
-        |m: &&articula_core::source::Mesh| !m.levels.is_empty() && m.clustered.is_empty();
-    let warning = |m: &articula_core::source::Mesh| {
+        |m: &&articula_core::source::RawMesh| !m.levels.is_empty() && m.clustered.is_empty();
+    let warning = |m: &articula_core::source::RawMesh| {
         format!(
             "mesh \"{}\": the coarser levels of the file are replaced",
             m.name
@@ -131,7 +131,7 @@ fn store(
 fn parts_of_meshes(figure: &Figure) -> Vec<std::ops::Range<usize>> {
     let mut first = 0;
     let meshes = figure.opened.character.meshes.iter();
-    let range = |mesh: &articula_core::source::Mesh| {
+    let range = |mesh: &articula_core::source::RawMesh| {
         let range = first..first + mesh.primitives.len();
         first = range.end;
         range

@@ -2,7 +2,7 @@
 
 use crate::error::{Context, Error, Result};
 use articula_build::MeshLevelOptions as BuildOptions;
-use articula_build::{SimplifyOptions, ErrorWeighting, region_weights};
+use articula_build::{ErrorWeighting, SimplifyOptions, region_weights};
 use articula_core::{Mesh, Part, Rig, Zone};
 use std::collections::BTreeMap;
 

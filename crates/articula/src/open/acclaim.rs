@@ -1,6 +1,6 @@
 //! Acclaim files: a skeleton (`.asf`), or a motion (`.amc`) with the skeleton it was made for.
 
-use super::{Input, CharacterFile};
+use super::{CharacterFile, Input};
 use crate::error::{Error, Result};
 use articula_formats::{ReadOptions, acclaim};
 

@@ -1,6 +1,6 @@
 //! BAP files: the standard humanoid in motion.
 
-use super::{Input, CharacterFile};
+use super::{CharacterFile, Input};
 use crate::error::Result;
 use articula_formats::mpeg4::bap;
 

@@ -1,6 +1,6 @@
 //! BVA files: segments without a hierarchy, put together if their names are known.
 
-use super::{Input, CharacterFile};
+use super::{CharacterFile, Input};
 use crate::error::Result;
 use articula_formats::{ReadOptions, Warning, bva};
 
@@ -15,14 +15,14 @@ pub(super) fn open(input: &mut Input<'_, '_>) -> Result<CharacterFile> {
     let mut warnings = read.warnings;
     let mut character = read.value.character.clone();
     if let Some(tree) =
-        articula_build::joint_names::segments(&read.value.character.skeleton, input.profiles)
+        articula_build::joint_names::segments(&read.value.character.skeleton, input.joint_maps)
             .and_then(|s| bva::tree(&read.value, &s))
     {
         character = tree.value;
         warnings.extend(tree.warnings);
     } else {
         let what = "the format has no hierarchy, and the segments are not called like those of a human \
-                    (a joint-name profile of your own maps them); they move side by side";
+                    (a joint map of your own maps them); they move side by side";
         warnings.push(Warning {
             at: "file".to_owned(),
             what: what.to_owned(),

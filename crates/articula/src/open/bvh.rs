@@ -1,6 +1,6 @@
 //! BVH files.
 
-use super::{Input, CharacterFile};
+use super::{CharacterFile, Input};
 use crate::error::Result;
 use articula_formats::{ReadOptions, bvh};
 

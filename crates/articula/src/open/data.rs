@@ -6,7 +6,7 @@ use articula_formats::mpeg4::epf::EpfFrame;
 use articula_formats::mpeg4::fap::FapClip;
 use articula_formats::mpeg4::fdp::FdpFile;
 use articula_formats::mpeg4::{epf, fap, fdp};
-use articula_formats::{Read, Warning};
+use articula_formats::{Parsed, Warning};
 
 /// A format without a character in it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -101,7 +101,7 @@ pub fn open_data(
     })
 }
 
-fn parts<T>(read: Read<T>, kind: fn(T) -> Data) -> (Data, Vec<Warning>) {
+fn parts<T>(read: Parsed<T>, kind: fn(T) -> Data) -> (Data, Vec<Warning>) {
     (kind(read.value), read.warnings)
 }
 

@@ -1,9 +1,9 @@
 //! GLB, glTF, VRM and VRM animation files: the whole document stays behind the character.
 
-use super::{Input, CharacterFile};
+use super::{CharacterFile, Input};
 use crate::error::Result;
 use articula_core::source::Character;
-use articula_formats::gltf::{self, Document, GltfFile, PassThrough, KhrCharacter};
+use articula_formats::gltf::{self, Document, GltfFile, KhrCharacter, PassThrough};
 
 /// The document of a glTF file, which of its nodes the character came from, and what it says of a
 /// human beyond the character.

@@ -1,6 +1,6 @@
 //! The reference human as a file that was opened.
 
-use super::{OpenOptions, CharacterFile, open};
+use super::{CharacterFile, OpenOptions, open};
 use crate::error::{Error, Result};
 use articula_formats::Resolver;
 use articula_formats::gltf::Document;

@@ -11,7 +11,7 @@ mod human;
 mod options;
 mod x3d;
 
-pub use data::{Data, DataFormat, DataFile, open_data};
+pub use data::{Data, DataFile, DataFormat, open_data};
 pub use document::GltfSource;
 pub use format::{Format, WriteSupport, conversions, readable};
 pub use human::reference_human;
@@ -22,8 +22,8 @@ use articula_build::joint_names::Mapping;
 use articula_core::Articulation;
 use articula_core::joint_names::JointMap;
 use articula_core::source::{Character, Property};
+use articula_formats::joint_map;
 use articula_formats::mpeg4::bap::BapClip;
-use articula_formats::profile;
 use articula_formats::{Resolver, Warning};
 
 /// A file that was opened: its character, and what is needed to write it back.
@@ -78,13 +78,13 @@ pub fn open(
         );
         return Err(Error::unsuited(what)).context(name);
     };
-    let profiles: Vec<JointMap> = options.all_profiles();
+    let joint_maps: Vec<JointMap> = options.all_profiles();
     let mut input = Input {
         name,
         format,
         bytes,
         options,
-        profiles: &profiles,
+        joint_maps: &joint_maps,
         beside,
     };
     format.opener()(&mut input).context(name)
@@ -96,7 +96,7 @@ struct Input<'a, 'r> {
     format: Format,
     bytes: &'a [u8],
     options: &'a OpenOptions,
-    profiles: &'a [JointMap],
+    joint_maps: &'a [JointMap],
     beside: &'a mut Resolver<'r>,
 }
 
@@ -115,7 +115,7 @@ impl Input<'_, '_> {
             name: self.name.to_owned(),
             format: self.format,
             bytes: self.bytes.len(),
-            mapping: articula_build::joint_names::map(&character.skeleton, self.profiles, given),
+            mapping: articula_build::joint_names::map(&character.skeleton, self.joint_maps, given),
             character,
             clips_changed: false,
             gltf: None,
@@ -135,7 +135,7 @@ impl CharacterFile {
             bytes: 0,
             mapping: articula_build::joint_names::map(
                 &character.skeleton,
-                profile::builtin(),
+                joint_map::builtin(),
                 None,
             ),
             character,
@@ -242,7 +242,9 @@ fn keep_meshes(character: &mut Character, only: &[String], hide: &[String]) -> R
 #[cfg(test)]
 mod tests {
     use super::*;
-    use articula_core::source::{Channel, Clip, Expression, Interpolation, Mesh, MorphBinding};
+    use articula_core::source::{
+        Channel, Expression, Interpolation, MorphBinding, RawClip, RawMesh,
+    };
 
     #[test]
     fn a_wrong_name_is_answered_with_the_right_ones() {
@@ -266,15 +268,15 @@ mod tests {
             target: 0,
             weight: 1.0,
         };
-        let mesh = |name: &str| Mesh {
+        let mesh = |name: &str| RawMesh {
             name: name.into(),
-            ..Mesh::default()
+            ..RawMesh::default()
         };
         Character {
             meshes: vec![mesh("body"), mesh("sword"), mesh("hat")],
-            clips: vec![Clip {
+            clips: vec![RawClip {
                 channels: vec![channel(0), channel(1), channel(2)],
-                ..Clip::default()
+                ..RawClip::default()
             }],
             expressions: vec![Expression {
                 morphs: vec![morph(1), morph(2)],

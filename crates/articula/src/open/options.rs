@@ -1,8 +1,8 @@
 //! How a file is understood where it does not say it.
 
 use articula_core::joint_names::JointMap;
+use articula_formats::joint_map;
 use articula_formats::mpeg4::fap::Absent;
-use articula_formats::profile;
 use articula_formats::{Limits, UpAxis};
 
 /// How a file is understood: its joint names and, where it does not say, its unit, up axis and
@@ -10,7 +10,7 @@ use articula_formats::{Limits, UpAxis};
 #[derive(Debug, Clone, Default)]
 pub struct OpenOptions {
     /// Joint-name profiles that are asked before the built-in ones.
-    pub profiles: Vec<JointMap>,
+    pub joint_maps: Vec<JointMap>,
     /// BVH, ASF, BVA: metres of one unit; told from the figure's height without it.
     pub unit_metres: Option<f32>,
     /// BVH, ASF, BVA: the axis that points up; told from where the head is without it.
@@ -28,7 +28,7 @@ pub struct OpenOptions {
 impl OpenOptions {
     /// The caller's profiles, then the built-in ones.
     pub(super) fn all_profiles(&self) -> Vec<JointMap> {
-        let built_in = profile::builtin().iter();
-        self.profiles.iter().chain(built_in).cloned().collect()
+        let built_in = joint_map::builtin().iter();
+        self.joint_maps.iter().chain(built_in).cloned().collect()
     }
 }

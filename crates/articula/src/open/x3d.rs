@@ -1,6 +1,6 @@
 //! H-Anim figures in X3D and VRML97.
 
-use super::{Input, CharacterFile};
+use super::{CharacterFile, Input};
 use crate::error::Result;
 use articula_formats::x3d::{self, Site};
 use std::collections::{BTreeMap, BTreeSet};

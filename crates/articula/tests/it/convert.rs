@@ -4,8 +4,8 @@ use crate::real::real_data;
 use articula::convert::{ClipEdits, ClipFit, ClipPart, ReduceOptions, write};
 use articula::glam::Vec3;
 use articula::{
-    AddClipsOptions, ConvertOptions, Error, Figure, Format, OpenOptions, CharacterFile, PrepareOptions,
-    Executor, convert, fs, open, prepare,
+    AddClipsOptions, CharacterFile, ConvertOptions, Error, Executor, Figure, Format, OpenOptions,
+    PrepareOptions, convert, fs, open, prepare,
 };
 use articula_core::source::evaluate;
 use articula_core::{ModelPose, Rig, local_to_model};
@@ -127,7 +127,7 @@ fn what_fits_neither_by_name_nor_by_map_says_the_mend() {
         assert!(matches!(why.cause(), Error::Unmapped(_)), "{why}");
         let said = why.to_string();
         assert!(said.contains(file) && said.contains("Fox.glb"), "{said}");
-        assert!(said.contains("joint-name profile"), "{said}");
+        assert!(said.contains("joint map"), "{said}");
     }
     let why = refused(&data, WOMAN, "glb/mh_male_cmu31.glb").to_string();
     assert!(

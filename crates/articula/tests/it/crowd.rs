@@ -2,10 +2,10 @@
 
 use crate::real::real_data;
 use articula::crowd::{
-    Camera, CrowdAsset, CrowdOptions, CrowdPlayer, JointLodMethod, PaletteForm, PaletteHash,
-    PaletteMatrices, PaletteSlice, RootMotion, Culling, View, Viewport,
+    Camera, CrowdAsset, CrowdOptions, CrowdPlayer, Culling, JointLodMethod, PaletteForm,
+    PaletteHash, PaletteMatrices, PaletteSlice, RootMotion, View, Viewport,
 };
-use articula::{AddClipsOptions, Figure, OpenOptions, CharacterFile, Executor};
+use articula::{AddClipsOptions, CharacterFile, Executor, Figure, OpenOptions};
 use articula_core::loa::LoaExpression;
 use glam::Vec3;
 use std::sync::OnceLock;

@@ -13,9 +13,9 @@ use super::super::channel::{self, SAME_SECS};
 use super::super::grid::grid;
 use super::super::heading::yaw;
 use super::super::root_motion::similarity::Similarity;
-use super::super::subject::{Posed, EditSubject};
+use super::super::subject::{EditSubject, Posed};
 use crate::clip::{source_rate_hz, steps_at};
-use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{Mismatch, angle_between, same_hemisphere};
 use glam::{Quat, Vec3};
 
@@ -36,7 +36,7 @@ pub struct CloseOptions {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosedLoop {
     /// The clip.
-    pub clip: Clip,
+    pub clip: RawClip,
     /// Time at either end over which the seam was shared.
     pub window_secs: f32,
     /// Greatest distance that any joint was moved by this, at any time.
@@ -54,7 +54,11 @@ pub struct ClosedLoop {
 ///
 /// # Errors
 /// A [`Mismatch`] if the clip is not one of this character, or is longer than can be verified.
-pub fn close(subject: &EditSubject<'_>, clip: &Clip, opts: &CloseOptions) -> Result<ClosedLoop, Mismatch> {
+pub fn close(
+    subject: &EditSubject<'_>,
+    clip: &RawClip,
+    opts: &CloseOptions,
+) -> Result<ClosedLoop, Mismatch> {
     subject.check(clip)?;
     let end = clip.duration_secs;
     steps_at(clip, end, crate::clip_edit::grid::VERIFIED_HZ, 1)?;
@@ -106,7 +110,7 @@ struct Round {
 }
 
 impl Round {
-    fn of(subject: &EditSubject<'_>, clip: &Clip) -> Self {
+    fn of(subject: &EditSubject<'_>, clip: &RawClip) -> Self {
         let (mut first, mut last) = (subject.rest(), subject.rest());
         subject.pose(clip, 0.0, &mut first);
         subject.pose(clip, clip.duration_secs, &mut last);
@@ -167,7 +171,7 @@ impl Round {
 
 /// The joint from the hips upwards that comes farthest over the ground by itself; without any way
 /// the topmost that moves.
-fn traveller(subject: &EditSubject<'_>, clip: &Clip, first: &Posed, last: &Posed) -> usize {
+fn traveller(subject: &EditSubject<'_>, clip: &RawClip, first: &Posed, last: &Posed) -> usize {
     let hips = subject.hips();
     let up = std::iter::successors(Some(hips), |j| subject.rig.parent(*j));
     let moves = |j: &usize| {
@@ -184,7 +188,7 @@ fn traveller(subject: &EditSubject<'_>, clip: &Clip, first: &Posed, last: &Posed
     let mut best = (hips, 0.0);
     for joint in up.filter(moves) {
         // What hardly differs is decided for the upper one.
-        if way(joint) >= best.1 - LEAST_WAY {
+        if way(joint) >= best.1 - MIN_WAY {
             best = (joint, way(joint).max(best.1));
         }
     }
@@ -192,7 +196,7 @@ fn traveller(subject: &EditSubject<'_>, clip: &Clip, first: &Posed, last: &Posed
 }
 
 /// Ways over the ground that differ by less are one.
-const LEAST_WAY: f64 = 1e-3;
+const MIN_WAY: f64 = 1e-3;
 
 /// Model-from-parent of a joint.
 fn placed(subject: &EditSubject<'_>, joint: usize, posed: &Posed) -> Similarity {

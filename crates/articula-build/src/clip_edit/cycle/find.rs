@@ -8,12 +8,12 @@
 use super::super::root_motion::trajectory::Trajectory;
 use super::super::subject::EditSubject;
 use crate::clip::{source_rate_hz, steps_at};
-use articula_core::source::Clip;
+use articula_core::source::RawClip;
 use articula_core::{Mismatch, Region};
 use glam::{Quat, Vec3};
 
 /// Most frames that are compared with each other; longer clips are looked at more coarsely.
-const MOST_FRAMES: usize = 2048;
+const MAX_FRAMES: usize = 2048;
 
 /// Highest rate at which frames are compared.
 const COMPARED_HZ: f32 = 60.0;
@@ -25,7 +25,7 @@ const VELOCITY_SECS: f32 = 0.1;
 const AROUND_SECS: f32 = 1.0 / 60.0;
 
 /// A loop must leave its first pose by this much of what the clip does on the whole.
-const LEAST_REACH: f32 = 0.5;
+const MIN_REACH: f32 = 0.5;
 
 /// A clip whose ends are nowhere farther apart than this part of the figure's height is a loop as
 /// it is: 1 cm for a grown-up.
@@ -35,13 +35,13 @@ const WHOLE_SEAM: f32 = 0.006;
 const NEARLY: f32 = 1.5;
 
 /// Below this score a part is no loop: its ends differ by more than a fifth of what the clip does.
-pub const LEAST_SCORE: f32 = 0.8;
+pub const MIN_SCORE: f32 = 0.8;
 
 /// Parts of a frame that the ends of a loop are placed by.
 const PARTS: usize = 4;
 
 /// Shortest loop.
-const LEAST_SECS: f32 = 0.4;
+const MIN_SECS: f32 = 0.4;
 
 /// A part of a clip, and how its end goes over into its start. Root motion does not count:
 /// both are laid to where the hips are and face.
@@ -61,7 +61,7 @@ pub struct LoopCycle {
     /// of the clip that differ much. For a whole clip, at whose ends velocities are seen from one
     /// side only, it is of the poses alone.
     pub score: f32,
-    /// Whether it is good enough to be called a loop: its score is at least [`LEAST_SCORE`], or
+    /// Whether it is good enough to be called a loop: its score is at least [`MIN_SCORE`], or
     /// it is the whole clip and its ends meet.
     pub is_loop: bool,
     /// Whether it is the whole clip, whose ends meet within 0.6 % of the figure's height.
@@ -77,7 +77,7 @@ struct Frames {
 }
 
 impl Frames {
-    fn at(subject: &EditSubject<'_>, clip: &Clip, around_secs: f32, times: Vec<f32>) -> Self {
+    fn at(subject: &EditSubject<'_>, clip: &RawClip, around_secs: f32, times: Vec<f32>) -> Self {
         let joints = compared(subject);
         let trajectory = Trajectory::new(subject, clip, 0.0);
         let mut posed = subject.rest();
@@ -155,7 +155,7 @@ impl Frames {
             seam_rms_metres: mean(p, q),
             seam_metres_per_sec: mean(v, w) / VELOCITY_SECS,
             score,
-            is_loop: score >= LEAST_SCORE,
+            is_loop: score >= MIN_SCORE,
             is_whole: false,
         }
     }
@@ -193,7 +193,7 @@ fn by_length(frames: &Frames, least: usize, spread: f32) -> Vec<Option<(usize, f
             reach = reach.max(distance);
             let slot = &mut best[j - i];
             if j - i >= least
-                && reach >= LEAST_REACH * spread
+                && reach >= MIN_REACH * spread
                 && slot.is_none_or(|(_, d)| distance < d)
             {
                 *slot = Some((i, distance));
@@ -209,13 +209,13 @@ fn by_length(frames: &Frames, least: usize, spread: f32) -> Vec<Option<(usize, f
 ///
 /// # Errors
 /// A [`Mismatch`] if the clip is not one of this character, or is longer than can be looked at.
-pub fn find(subject: &EditSubject<'_>, clip: &Clip) -> Result<Option<LoopCycle>, Mismatch> {
+pub fn find(subject: &EditSubject<'_>, clip: &RawClip) -> Result<Option<LoopCycle>, Mismatch> {
     subject.check(clip)?;
     let source_hz = source_rate_hz(clip);
     let rate = source_hz.min(COMPARED_HZ);
     let steps = steps_at(clip, clip.duration_secs, rate, 1)?;
-    let rate = rate * (MOST_FRAMES as f32 / steps.max(1) as f32).min(1.0);
-    let least = (LEAST_SECS * rate).ceil() as usize;
+    let rate = rate * (MAX_FRAMES as f32 / steps.max(1) as f32).min(1.0);
+    let least = (MIN_SECS * rate).ceil() as usize;
     let count = (clip.duration_secs * rate) as usize + 1;
     if count < 3 || count <= least {
         return Ok(None);

@@ -7,7 +7,7 @@ mod close;
 mod find;
 
 pub use close::{CloseOptions, ClosedLoop, close};
-pub use find::{LoopCycle, LEAST_SCORE, find};
+pub use find::{LoopCycle, MIN_SCORE, find};
 
 #[cfg(test)]
 mod tests {
@@ -15,12 +15,12 @@ mod tests {
     use super::super::test_clips::bar;
     use super::*;
     use articula_core::angle_between;
-    use articula_core::source::{Channel, Character, Clip, Interpolation, Property, evaluate};
+    use articula_core::source::{Channel, Character, Interpolation, Property, RawClip, evaluate};
     use glam::{Quat, Vec3};
     use std::f32::consts::TAU;
 
     /// A bar that walks along x, bobs, and waves its end once a second.
-    fn walk(secs: f32, wave: impl Fn(f32) -> f32) -> Clip {
+    fn walk(secs: f32, wave: impl Fn(f32) -> f32) -> RawClip {
         let times: Vec<f32> = (0..=(30.0 * secs) as usize)
             .map(|i| i as f32 / 30.0)
             .collect();
@@ -33,7 +33,7 @@ mod tests {
         };
         let way = |t: &f32| [1.3 * t, 0.9 + 0.02 * (TAU * t).sin() + 0.01 * t, 0.0];
         let turn = |t: &f32| Quat::from_rotation_z(wave(*t)).to_array();
-        Clip {
+        RawClip {
             name: "walk".into(),
             duration_secs: times[times.len() - 1],
             channels: vec![

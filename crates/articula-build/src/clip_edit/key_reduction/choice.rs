@@ -7,13 +7,13 @@ use super::morphs::MorphErrors;
 use super::watch::Watch;
 use crate::motion_error::keys::central_rotation;
 use crate::motion_error::runs::long_runs;
-use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{angle_between, same_hemisphere};
 use glam::Quat;
 
 /// Turns beyond this are followed whatever they move: two keys of a slerp must not be so far
 /// apart that the short way is in doubt.
-const MOST_RADIANS: f32 = 0.5;
+const MAX_RADIANS: f32 = 0.5;
 
 /// The share of the bound with which every channel starts, more than the whole: it is cheaper to
 /// put keys back where errors add up than to find out where they do not. On captured and made
@@ -27,7 +27,7 @@ const SAME_EXPRESSION: f32 = 1e-4;
 
 /// What is kept of a channel.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Kept {
+pub(super) enum KeptKeys {
     /// Nothing: the rest pose shows what it shows.
     Rest,
     /// One value.
@@ -40,7 +40,7 @@ pub(super) enum Kept {
 #[derive(Debug, Clone)]
 pub(super) struct Choice<'a> {
     pub(super) source: &'a Channel,
-    pub(super) kept: Kept,
+    pub(super) kept: KeptKeys,
     /// Value at rest.
     rest: Vec<f32>,
 }
@@ -58,9 +58,9 @@ impl<'a> Choice<'a> {
             ..self.source.clone()
         };
         match &self.kept {
-            Kept::Rest => still(&self.rest),
-            Kept::Still(value) => still(value),
-            Kept::Keys(keys) => {
+            KeptKeys::Rest => still(&self.rest),
+            KeptKeys::Still(value) => still(value),
+            KeptKeys::Keys(keys) => {
                 let floats = self.source.values.len() / self.source.times_secs.len();
                 let values = keys
                     .iter()
@@ -83,7 +83,7 @@ impl<'a> Choice<'a> {
             let distance = |k: &usize| (times[*k] - secs).abs();
             (from..to).min_by(|a, b| distance(a).total_cmp(&distance(b)))
         };
-        let Kept::Keys(keys) = &self.kept else {
+        let KeptKeys::Keys(keys) = &self.kept else {
             return nearest(0, times.len());
         };
         let after = keys.partition_point(|k| times[*k] <= secs);
@@ -97,10 +97,10 @@ impl<'a> Choice<'a> {
     /// Keeps one more key; gives the times between which the channel has changed.
     pub(super) fn keep(&mut self, key: usize) -> (f32, f32) {
         let last = self.source.times_secs.len() - 1;
-        let Kept::Keys(keys) = &mut self.kept else {
+        let KeptKeys::Keys(keys) = &mut self.kept else {
             let mut keys = vec![0, key, last];
             keys.dedup();
-            self.kept = Kept::Keys(keys);
+            self.kept = KeptKeys::Keys(keys);
             return (f32::NEG_INFINITY, f32::INFINITY);
         };
         let at = keys.partition_point(|k| *k < key);
@@ -113,7 +113,7 @@ impl<'a> Choice<'a> {
 /// The first choice for every channel, at its share of the bound.
 pub(super) fn first<'a>(
     subject: &EditSubject<'_>,
-    clip: &'a Clip,
+    clip: &'a RawClip,
     opts: &ReduceOptions,
     watch: &Watch,
     morphs: &MorphErrors,
@@ -149,7 +149,7 @@ pub(super) fn give_back(choices: &mut [Choice<'_>]) -> bool {
     let mut groups: Vec<(&[f32], Vec<usize>, usize)> = Vec::new();
     for (c, choice) in choices.iter().enumerate() {
         let times = choice.source.times_secs.as_slice();
-        let Kept::Keys(keys) = &choice.kept else {
+        let KeptKeys::Keys(keys) = &choice.kept else {
             continue;
         };
         let width = choice.source.values.len() / times.len();
@@ -173,7 +173,7 @@ pub(super) fn give_back(choices: &mut [Choice<'_>]) -> bool {
         .collect();
     for c in &members {
         let keys = choices[*c].source.times_secs.len();
-        choices[*c].kept = Kept::Keys((0..keys).collect());
+        choices[*c].kept = KeptKeys::Keys((0..keys).collect());
     }
     !members.is_empty()
 }
@@ -184,27 +184,27 @@ fn kept(
     rest: &[f32],
     drop_rest: bool,
     near: impl Fn(&[f32], &[f32]) -> bool,
-) -> Kept {
+) -> KeptKeys {
     let keys = source.times_secs.len();
     let value = |k: usize| channel::key_value(source, k);
     let all_near = |to: &[f32]| (0..keys).all(|k| near(value(k), to));
     // A spline stands still only if nothing bends it, and loses no keys otherwise.
     let cubic = source.interpolation == Interpolation::CubicSpline;
     if cubic && keys > 1 && !is_flat(source) {
-        return Kept::Keys((0..keys).collect());
+        return KeptKeys::Keys((0..keys).collect());
     }
     if drop_rest && all_near(rest) {
-        return Kept::Rest;
+        return KeptKeys::Rest;
     }
     let middle = middle(source);
     if all_near(&middle) {
-        return Kept::Still(middle);
+        return KeptKeys::Still(middle);
     }
     let fits = |from: usize, to: usize| {
         (from + 1..to).all(|k| near(&between(source, from, to, k), value(k)))
     };
     let ends = long_runs(keys - 1, fits);
-    Kept::Keys(std::iter::once(0).chain(ends).collect())
+    KeptKeys::Keys(std::iter::once(0).chain(ends).collect())
 }
 
 /// Whether a spline has one value and no slope.
@@ -268,7 +268,7 @@ pub(super) fn distance(property: Property, a: &[f32], b: &[f32]) -> f32 {
 fn tolerance(subject: &EditSubject<'_>, source: &Channel, levers: &[f32], metres: f32) -> f32 {
     let joint = source.target;
     match source.property {
-        Property::Rotation => (metres / levers[joint]).min(MOST_RADIANS),
+        Property::Rotation => (metres / levers[joint]).min(MAX_RADIANS),
         Property::Translation => {
             let parent = subject.rig.parent(joint);
             metres / parent.map_or(1.0, |p| subject.scale_at_rest(p))

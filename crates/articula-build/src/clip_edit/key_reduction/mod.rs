@@ -1,7 +1,7 @@
 //! Fewer keys, with a bound on what that moves, in metres of the character.
 //!
 //! Source: ours. Each channel first keeps the ends of the longest runs that it can do without at
-//! its own share of the bound, over its lever (as in `spec/motion-lod.md` 4.5). Then the whole
+//! its own share of the bound, over its lever (as in `docs/methods/motion-lod.md` 4.5). Then the whole
 //! body is played beside its source on a dense grid of times: where any joint or any skin is
 //! farther off than the bound, the channel above it that errs most gets a key back, until the
 //! bound holds everywhere. Differs from the optimisers of engines, which bound every channel by
@@ -21,8 +21,8 @@ use super::subject::EditSubject;
 use crate::clip::steps_at;
 use crate::reduce::{MotionSize, size_of};
 use articula_core::Mismatch;
-use articula_core::source::Clip;
-use choice::{Choice, Kept};
+use articula_core::source::RawClip;
+use choice::{Choice, KeptKeys};
 use morphs::MorphErrors;
 use proof::Proof;
 use watch::Watch;
@@ -41,7 +41,7 @@ pub struct ReduceOptions {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReducedClip {
     /// The clip.
-    pub clip: Clip,
+    pub clip: RawClip,
     /// Greatest distance of any joint, skin or end point from where the source has it, at any
     /// time of the grid. For skin this is a bound: the farthest corner of the box, in its joint's
     /// space, of all vertices that the joint moves.
@@ -64,7 +64,7 @@ pub struct ReducedClip {
 /// is longer than can be verified.
 pub fn reduce_keys(
     subject: &EditSubject<'_>,
-    clip: &Clip,
+    clip: &RawClip,
     opts: &ReduceOptions,
 ) -> Result<ReducedClip, Mismatch> {
     subject.check(clip)?;
@@ -82,8 +82,8 @@ pub fn reduce_keys(
     if choice::give_back(&mut choices) {
         worst_metres = proof.tighten(&mut choices);
     }
-    let left = choices.iter().filter(|c| c.kept != Kept::Rest);
-    let mut out = Clip {
+    let left = choices.iter().filter(|c| c.kept != KeptKeys::Rest);
+    let mut out = RawClip {
         channels: left.map(Choice::shown).collect(),
         ..clip.clone()
     };
@@ -125,15 +125,20 @@ mod tests {
         }
     }
 
-    fn clip(channels: Vec<Channel>) -> Clip {
-        Clip {
+    fn clip(channels: Vec<Channel>) -> RawClip {
+        RawClip {
             name: "bar".into(),
             duration_secs: 1.0,
             channels,
         }
     }
 
-    fn keys(bar: &EditSubject<'_>, clip: &Clip, bound_metres: f32, drop_rest: bool) -> Vec<usize> {
+    fn keys(
+        bar: &EditSubject<'_>,
+        clip: &RawClip,
+        bound_metres: f32,
+        drop_rest: bool,
+    ) -> Vec<usize> {
         let opts = ReduceOptions {
             bound_metres,
             drop_rest,

@@ -7,7 +7,7 @@
 use super::super::channel;
 use super::super::subject::EditSubject;
 use articula_core::JointSet;
-use articula_core::source::{Channel, Clip, Property};
+use articula_core::source::{Channel, Property, RawClip};
 
 /// Vertices that one target moves most.
 #[derive(Debug, Clone)]
@@ -26,7 +26,7 @@ pub(super) struct MorphErrors {
 }
 
 impl MorphErrors {
-    pub(super) fn new(subject: &EditSubject<'_>, clip: &Clip) -> Self {
+    pub(super) fn new(subject: &EditSubject<'_>, clip: &RawClip) -> Self {
         let driven = clip.channels.iter().enumerate();
         let driven = driven.filter(|(_, c)| c.property == Property::Weights);
         Self {
@@ -45,7 +45,7 @@ impl MorphErrors {
     }
 
     /// The error of the skin of each joint at a time; `out` has one number a joint.
-    pub(super) fn errors(&self, source: &Clip, shown: &[Channel], secs: f32, out: &mut [f32]) {
+    pub(super) fn errors(&self, source: &RawClip, shown: &[Channel], secs: f32, out: &mut [f32]) {
         out.fill(0.0);
         for (c, gatherings) in &self.meshes {
             let a = channel::value(&source.channels[*c], secs);

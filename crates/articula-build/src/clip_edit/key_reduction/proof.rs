@@ -1,17 +1,17 @@
 //! A choice of keys played beside its source, and keys put back until the bound holds.
 
-use super::super::subject::{Posed, EditSubject};
+use super::super::subject::{EditSubject, Posed};
 use super::choice::{Choice, distance};
 use super::morphs::MorphErrors;
 use super::watch::Watch;
 use articula_core::Rig;
-use articula_core::source::{Channel, Clip, Property};
+use articula_core::source::{Channel, Property, RawClip};
 use glam::Vec3A;
 
 /// What a choice is held to.
 pub(super) struct Proof<'a> {
     subject: &'a EditSubject<'a>,
-    clip: &'a Clip,
+    clip: &'a RawClip,
     times: &'a [f32],
     watch: &'a Watch,
     morphs: &'a MorphErrors,
@@ -75,7 +75,7 @@ impl Mended {
 impl<'a> Proof<'a> {
     pub(super) fn new(
         subject: &'a EditSubject<'a>,
-        clip: &'a Clip,
+        clip: &'a RawClip,
         times: &'a [f32],
         watch: &'a Watch,
         morphs: &'a MorphErrors,
@@ -100,7 +100,7 @@ impl<'a> Proof<'a> {
     /// Puts keys back until no point is farther off than the bound; gives the greatest error
     /// that is left.
     pub(super) fn tighten(&mut self, choices: &mut [Choice<'_>]) -> f32 {
-        let mut shown = Clip {
+        let mut shown = RawClip {
             channels: choices.iter().map(Choice::shown).collect(),
             ..self.clip.clone()
         };
@@ -138,7 +138,7 @@ impl<'a> Proof<'a> {
     }
 
     /// Looks at every open time; gives the worst point of each limb that is beyond the bound.
-    fn breaches(&mut self, shown: &Clip) -> Vec<Breach> {
+    fn breaches(&mut self, shown: &RawClip) -> Vec<Breach> {
         let mut found = Vec::new();
         let mut worst: Vec<Option<Breach>> = vec![None; self.subject.rig.len()];
         for i in 0..self.times.len() {
@@ -170,7 +170,7 @@ impl<'a> Proof<'a> {
         found
     }
 
-    fn play(&mut self, shown: &Clip, time: f32) {
+    fn play(&mut self, shown: &RawClip, time: f32) {
         self.subject.pose(self.clip, time, &mut self.wanted);
         self.subject.pose(shown, time, &mut self.played);
     }
@@ -179,7 +179,7 @@ impl<'a> Proof<'a> {
     fn blamed(
         &mut self,
         breach: &Breach,
-        shown: &Clip,
+        shown: &RawClip,
         choices: &[Choice<'_>],
     ) -> Option<(usize, usize)> {
         self.play(shown, breach.time);

@@ -4,9 +4,9 @@
 //! the joint matrices put the vertex in their own spaces. All vertices of a joint lie in a box
 //! of its space, and a box is moved most at a corner: nine points a joint bound the whole skin.
 
-use super::super::subject::{Posed, EditSubject};
+use super::super::subject::{EditSubject, Posed};
 use crate::motion_error::joint_lever::JointLever;
-use articula_core::source::{Clip, Property};
+use articula_core::source::{Property, RawClip};
 use glam::{Affine3A, Vec3, Vec3A};
 
 /// A box in the space of its joint.
@@ -49,7 +49,7 @@ pub(super) struct Watch {
 impl Watch {
     /// The skin of each joint with the morph targets that the clip may show. Last joints without
     /// skin stand for a little lever, so that their turns count.
-    pub(super) fn new(subject: &EditSubject<'_>, clip: &Clip) -> Self {
+    pub(super) fn new(subject: &EditSubject<'_>, clip: &RawClip) -> Self {
         let rig = &subject.rig;
         let mut hulls: Vec<Option<Hull>> = vec![None; rig.len()];
         let morphed = morphed(subject, clip);
@@ -164,7 +164,7 @@ fn least_lever(subject: &EditSubject<'_>, rest: &Posed, joint: usize) -> f32 {
 }
 
 /// How far morph targets may take each vertex along each axis, down and up.
-fn morphed(subject: &EditSubject<'_>, clip: &Clip) -> Vec<(Vec3, Vec3)> {
+fn morphed(subject: &EditSubject<'_>, clip: &RawClip) -> Vec<(Vec3, Vec3)> {
     let mesh = &subject.mesh;
     let mut greatest = mesh.morph_weights.clone();
     let mut least = mesh.morph_weights.clone();

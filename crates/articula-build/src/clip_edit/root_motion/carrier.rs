@@ -1,9 +1,9 @@
 //! The joint above the hips that can carry root motion.
 
-use super::super::subject::{Posed, EditSubject};
+use super::super::subject::{EditSubject, Posed};
 use super::similarity::Similarity;
 use articula_core::JointSet;
-use articula_core::source::Clip;
+use articula_core::source::RawClip;
 
 /// A joint that carries a trajectory, or the world itself.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub(super) struct Carrier {
 impl Carrier {
     /// The topmost joint of the skin above the hips, or else the nearest node above them, that
     /// all of the skin hangs from and that neither it nor what it hangs from stretches or mirrors.
-    pub(super) fn find(subject: &EditSubject<'_>, clip: &Clip) -> Option<Self> {
+    pub(super) fn find(subject: &EditSubject<'_>, clip: &RawClip) -> Option<Self> {
         let above: Vec<usize> = above(subject, subject.hips());
         let skin = subject.rig.skin_joints();
         let (of_skin, nodes): (Vec<usize>, Vec<usize>) =
@@ -41,7 +41,11 @@ impl Carrier {
     }
 
     /// Model-from-parent and model-from-carrier in a pose.
-    pub(super) fn placed(&self, subject: &EditSubject<'_>, posed: &Posed) -> (Similarity, Similarity) {
+    pub(super) fn placed(
+        &self,
+        subject: &EditSubject<'_>,
+        posed: &Posed,
+    ) -> (Similarity, Similarity) {
         let Some(joint) = self.joint else {
             return (Similarity::IDENTITY, Similarity::IDENTITY);
         };
@@ -53,7 +57,7 @@ impl Carrier {
     }
 
     /// The children below which something moves.
-    pub(super) fn moving_children(&self, subject: &EditSubject<'_>, clip: &Clip) -> Vec<usize> {
+    pub(super) fn moving_children(&self, subject: &EditSubject<'_>, clip: &RawClip) -> Vec<usize> {
         let keyed = clip.channels.iter().filter(|c| c.property.is_of_joint());
         let keyed: JointSet = keyed.map(|c| c.target).collect();
         let moves = |child: &usize| keyed.iter().any(|j| subject.rig.is_at_or_below(j, *child));
@@ -77,7 +81,7 @@ fn carries_all(subject: &EditSubject<'_>, joint: usize) -> bool {
 }
 
 /// Whether the joint and all above it are similarities, at rest and at every key of theirs.
-fn is_even(subject: &EditSubject<'_>, clip: &Clip, joint: usize) -> bool {
+fn is_even(subject: &EditSubject<'_>, clip: &RawClip, joint: usize) -> bool {
     let chain: Vec<usize> = std::iter::once(joint)
         .chain(above(subject, joint))
         .collect();

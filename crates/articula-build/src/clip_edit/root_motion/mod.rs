@@ -17,9 +17,9 @@ pub use trajectory::TrajectoryKey;
 
 use super::channel::{self, SAME_SECS};
 use super::grid::{grid, rising};
-use super::subject::{Posed, EditSubject};
+use super::subject::{EditSubject, Posed};
 use crate::clip::steps_at;
-use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{Mismatch, Transform, angle_between, same_hemisphere};
 use carrier::Carrier;
 use similarity::Similarity;
@@ -51,7 +51,7 @@ pub struct RootMotionOptions {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RootMotion {
     /// The clip: unchanged if the trajectory is kept, or if no joint can carry it.
-    pub clip: Clip,
+    pub clip: RawClip,
     /// The joint whose way it is.
     pub hips: usize,
     /// The joint above the hips that can carry it, and does if it is extracted.
@@ -68,7 +68,7 @@ const SAME_METRES: f32 = 5e-5;
 const SAME_RADIANS: f32 = 1e-4;
 
 /// Halvings of one interval between two keys of the source at most.
-const MOST_HALVINGS: usize = 5;
+const MAX_HALVINGS: usize = 5;
 
 /// A jump of a step channel becomes a move that is as short as this; nothing is said of the time
 /// in between.
@@ -83,7 +83,7 @@ const JUMP_SECS: f32 = 1e-4;
 /// A [`Mismatch`] if the clip is not one of this character, or is longer than can be verified.
 pub fn split(
     subject: &EditSubject<'_>,
-    clip: &Clip,
+    clip: &RawClip,
     opts: &RootMotionOptions,
 ) -> Result<RootMotion, Mismatch> {
     subject.check(clip)?;
@@ -112,7 +112,7 @@ pub fn split(
 /// What is needed to move joints against the trajectory.
 struct Split<'a> {
     subject: &'a EditSubject<'a>,
-    clip: &'a Clip,
+    clip: &'a RawClip,
     trajectory: &'a Trajectory<'a>,
     carrier: Carrier,
     /// The children of the carrier that move against it.
@@ -140,7 +140,7 @@ struct Frame {
 impl<'a> Split<'a> {
     fn new(
         subject: &'a EditSubject<'a>,
-        clip: &'a Clip,
+        clip: &'a RawClip,
         trajectory: &'a Trajectory<'a>,
         found: Option<&Carrier>,
         in_place: bool,
@@ -211,7 +211,7 @@ impl<'a> Split<'a> {
         let mut before = self.frame(times[0]);
         for t in &times[1..] {
             let after = self.frame(*t);
-            self.refine(&before, &after, MOST_HALVINGS, &mut all);
+            self.refine(&before, &after, MAX_HALVINGS, &mut all);
             all.push(*t);
             before = after;
         }
@@ -237,7 +237,7 @@ impl<'a> Split<'a> {
     }
 
     /// The clip with new channels for the carrier and what moves against it.
-    fn clip(&mut self, times: &[f32]) -> Clip {
+    fn clip(&mut self, times: &[f32]) -> RawClip {
         let frames: Vec<Frame> = times.iter().map(|t| self.frame(*t)).collect();
         let one_way = |locals: &mut Vec<Transform>| {
             for i in 1..locals.len() {
@@ -305,7 +305,7 @@ impl<'a> Split<'a> {
     }
 
     /// Greatest distance of any joint from where the source has it, the trajectory put back.
-    fn worst(&mut self, out: &Clip) -> f32 {
+    fn worst(&mut self, out: &RawClip) -> f32 {
         let rig = &self.subject.rig;
         let moves = |joint: usize| self.children.iter().any(|c| rig.is_at_or_below(joint, *c));
         let joints: Vec<usize> = (0..rig.len()).filter(|j| moves(*j)).collect();
@@ -374,13 +374,13 @@ mod tests {
         (character, articulation)
     }
 
-    fn walk() -> Clip {
+    fn walk() -> RawClip {
         let mut clip = line(&[0.0, 1.0], &[1.0, 3.0]);
         clip.channels[0].target = 1;
         clip
     }
 
-    fn done(character: &Character, clip: &Clip, mode: RootMotionMode) -> RootMotion {
+    fn done(character: &Character, clip: &RawClip, mode: RootMotionMode) -> RootMotion {
         let (_, articulation) = figure(Vec3::ONE);
         let subject = EditSubject::new(character, articulation, &[]).unwrap();
         let opts = RootMotionOptions {
@@ -390,7 +390,7 @@ mod tests {
         split(&subject, clip, &opts).unwrap()
     }
 
-    fn keyed(clip: &Clip) -> Vec<(usize, Property, usize)> {
+    fn keyed(clip: &RawClip) -> Vec<(usize, Property, usize)> {
         let channels = clip.channels.iter();
         channels
             .map(|c| (c.target, c.property, c.times_secs.len()))

@@ -2,9 +2,9 @@
 
 use super::super::grid::VERIFIED_HZ;
 use super::super::heading::{wrapped, yaw};
-use super::super::subject::{Posed, EditSubject};
+use super::super::subject::{EditSubject, Posed};
 use super::similarity::Similarity;
-use articula_core::source::Clip;
+use articula_core::source::RawClip;
 use glam::{DVec2, DVec3, Quat};
 
 /// Where the root is at a time, against the first frame.
@@ -31,7 +31,7 @@ const UNSURE: f64 = 0.15;
 /// The trajectory of one clip.
 pub(in super::super) struct Trajectory<'a> {
     subject: &'a EditSubject<'a>,
-    clip: &'a Clip,
+    clip: &'a RawClip,
     hips: usize,
     /// Hips in the first frame.
     start: Place,
@@ -56,7 +56,7 @@ impl<'a> Trajectory<'a> {
     /// less near the ends, so that these stay).
     pub(in super::super) fn new(
         subject: &'a EditSubject<'a>,
-        clip: &'a Clip,
+        clip: &'a RawClip,
         smooth_secs: f32,
     ) -> Self {
         let mut posed = subject.rest();

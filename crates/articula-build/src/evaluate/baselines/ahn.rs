@@ -1,6 +1,6 @@
 //! The metric of Ahn et al., per joint: a baseline that knows no view.
 //!
-//! Source: thesis 5.2 (its account of Ahn and Wohn), `spec/motion-lod.md` 3.3. The error of
+//! Source: thesis 5.2 (its account of Ahn and Wohn), `docs/methods/motion-lod.md` 3.3. The error of
 //! showing a key posture is `2 alpha ||log|| + r angle`, and since twice the norm of the
 //! quaternion logarithm is the angle, `(alpha + r) angle`.
 

@@ -1,7 +1,7 @@
 //! The first step of the thesis' metric: the matrix of errors. A baseline.
 //!
 //! Source: thesis 5.2; reconstruction of the damaged formula and the decisions taken in
-//! `spec/motion-lod.md` 3.1.
+//! `docs/methods/motion-lod.md` 3.1.
 
 use super::thesis_metric::ErrorMatrix;
 use crate::character::Asset;

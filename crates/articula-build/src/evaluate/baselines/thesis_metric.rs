@@ -1,6 +1,6 @@
 //! The two-step metric of the thesis: error matrix and distance threshold. A baseline.
 //!
-//! Source: thesis 5.2; reconstruction and faults in `spec/motion-lod.md` part 3. The matrix is
+//! Source: thesis 5.2; reconstruction and faults in `docs/methods/motion-lod.md` part 3. The matrix is
 //! made by [`thesis`](super::thesis); here is the step that runs while the clip plays.
 
 use articula_core::joint_state::{JointState, JointStates};

@@ -6,7 +6,7 @@
 )]
 
 use articula_core::source::{
-    Channel, Character, Clip, Interpolation, Joint, Mesh, Primitive, Property, Skeleton, Skin,
+    Channel, Character, Interpolation, Joint, Primitive, Property, RawClip, RawMesh, Skeleton, Skin,
 };
 use articula_core::{
     Articulation, JointArticulation, ModelPose, Region, Transform, local_to_model,
@@ -43,7 +43,7 @@ fn parents(rows: &[Row]) -> Vec<Option<usize>> {
 }
 
 /// A mesh whose vertices each hang on one, two or three neighbouring joints.
-fn skinned(rows: &[Row], skeleton: &Skeleton) -> Mesh {
+fn skinned(rows: &[Row], skeleton: &Skeleton) -> RawMesh {
     let count = rows.len();
     let articulation = flat(count);
     let rig = articula_core::Rig::new(skeleton, articulation).unwrap();
@@ -71,14 +71,14 @@ fn skinned(rows: &[Row], skeleton: &Skeleton) -> Mesh {
             .extend([w, (1.0 - w) * 0.75, (1.0 - w) * 0.25]);
     }
     primitive.triangles = (0..10).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-    Mesh {
+    RawMesh {
         name: "skin".into(),
         skin: Skin {
             joints: (0..count).collect(),
             inverse_bind: model.matrices.iter().map(|m| m.inverse()).collect(),
         },
         primitives: vec![primitive],
-        ..Mesh::default()
+        ..RawMesh::default()
     }
 }
 
@@ -125,7 +125,7 @@ pub(crate) fn character_of(rows: &[Row]) -> Character {
             })
             .collect(),
     });
-    let clip = Clip {
+    let clip = RawClip {
         name: "random".into(),
         duration_secs: times[FRAMES - 1],
         channels: channels.collect(),

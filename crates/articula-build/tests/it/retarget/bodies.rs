@@ -2,9 +2,9 @@
 
 use super::figure::retarget;
 use super::figure::{Human, arms_up, as_it_is, reference, rotation};
-use articula_build::retarget::{RotationOrigin, ContactPinning, RetargetOptions, Retargeted};
+use articula_build::retarget::{ContactPinning, RetargetOptions, Retargeted, RotationOrigin};
 use articula_core::angle_between;
-use articula_core::source::Clip;
+use articula_core::source::RawClip;
 use glam::{Quat, Vec3};
 
 const AS_IT_IS: RetargetOptions = RetargetOptions {
@@ -24,7 +24,7 @@ fn carried(source: &Human, target: &Human, clip: &str) -> Retargeted {
 }
 
 /// Unit direction from one joint of the standard to another.
-fn way(human: &Human, clip: &Clip, time: f32, names: (&str, &str)) -> Vec3 {
+fn way(human: &Human, clip: &RawClip, time: f32, names: (&str, &str)) -> Vec3 {
     let at = human.positions(clip, time);
     (at[human.find(names.1)] - at[human.find(names.0)]).normalize()
 }
@@ -97,12 +97,12 @@ fn missing_joints_leave_the_ends_as_they_were() {
     let made = carried(&human, &few, "wave");
     assert!(limbs_off(&human, &few, "wave") < 1e-3);
     let rest = |h: &Human, name: &str| {
-        let still = Clip::default();
+        let still = RawClip::default();
         rotation(&h.matrices(&still, 0.0)[h.find(name)])
     };
     for name in ["skullbase", "r_wrist", "l_wrist", "l_ankle"] {
         for t in [0.1, 0.9, 1.7] {
-            let now = |h: &Human, clip: &Clip| {
+            let now = |h: &Human, clip: &RawClip| {
                 let now = rotation(&h.matrices(clip, t)[h.find(name)]);
                 now * rest(h, name).inverse()
             };
@@ -127,7 +127,7 @@ fn more_joints_than_the_source_share_its_bend() {
     let made = carried(&few, &human, "bend");
     let turn = |name: &str| {
         let now = human.matrices(&made.clip, 1.0);
-        let still = human.matrices(&Clip::default(), 1.0);
+        let still = human.matrices(&RawClip::default(), 1.0);
         let j = human.find(name);
         (rotation(&now[j]) * rotation(&still[j]).inverse())
             .to_axis_angle()
@@ -149,7 +149,7 @@ fn more_joints_than_the_source_share_its_bend() {
 }
 
 /// A clip of one second that turns joints about the axis from right to left.
-fn bend(human: &Human, joints: &[(&str, f32)]) -> Clip {
+fn bend(human: &Human, joints: &[(&str, f32)]) -> RawClip {
     use articula_core::source::{Channel, Interpolation, Property};
     let channels = joints.iter().map(|(name, radians)| Channel {
         target: human.find(name),
@@ -161,7 +161,7 @@ fn bend(human: &Human, joints: &[(&str, f32)]) -> Clip {
             .flat_map(|t| Quat::from_rotation_x(t * radians).to_array())
             .collect(),
     });
-    Clip {
+    RawClip {
         name: "bend".to_owned(),
         duration_secs: 1.0,
         channels: channels.collect(),
@@ -180,7 +180,7 @@ fn twist_joints_take_their_share_and_move_nothing() {
     turning.clips = vec![bend(&human, &[("l_wrist", 0.0)])];
     let values = [0.0, 0.7, 1.4].map(|a| Quat::from_axis_angle(axis, a).to_array());
     turning.clips[0].channels[0].values = values.concat();
-    let target_rest = |h: &Human| h.positions(&Clip::default(), 0.0);
+    let target_rest = |h: &Human| h.positions(&RawClip::default(), 0.0);
     for in_line in [true, false] {
         let target = human.with_joint("forearm_twist", "l_elbow", "l_wrist", in_line);
         let made = carried(&turning, &target, "bend");
@@ -242,7 +242,7 @@ fn legs_that_hang_beside_the_hips_follow_them() {
     beside.skeleton.joints.insert(0, base);
     beside.articulation.joints.insert(0, unmapped);
     beside.skeleton.joints[1].parent = Some(0);
-    let at = human.positions(&Clip::default(), 0.0);
+    let at = human.positions(&RawClip::default(), 0.0);
     for hip in ["l_hip", "r_hip"] {
         let place = at[human.find(hip)];
         let j = beside.find(hip);

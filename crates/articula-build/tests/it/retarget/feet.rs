@@ -3,7 +3,7 @@
 use super::figure::retarget;
 use super::figure::{Human, reference};
 use articula_build::retarget::{ContactPinning, RetargetOptions};
-use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
 
@@ -14,7 +14,7 @@ fn walking() -> Human {
     let walk = human.clip("walk").clone();
     let ankles = [human.find("l_ankle"), human.find("r_ankle")];
     let times = walk.channels[0].times_secs.clone();
-    let mut clip = Clip {
+    let mut clip = RawClip {
         name: "forward".to_owned(),
         duration_secs: 3.0 * walk.duration_secs,
         channels: Vec::new(),
@@ -81,7 +81,7 @@ fn resting_feet_stay_where_they_are() {
     assert!(quality.below_floor_metres < 1e-3, "{quality:?}");
     assert_eq!(quality.hinge_wrong_share, 0.0);
     // The figure gets ahead by what its legs allow.
-    let went = |h: &Human, clip: &Clip| h.positions(clip, clip.duration_secs)[0].z;
+    let went = |h: &Human, clip: &RawClip| h.positions(clip, clip.duration_secs)[0].z;
     let ratio = went(&other, &made.clip) / went(&human, clip);
     assert!((ratio / made.report.scale - 1.0).abs() < 0.02, "{ratio}");
 }
@@ -114,7 +114,7 @@ fn resting_hands_stay_too_if_wanted() {
         let sway = 0.01 * (0.8 * t).sin();
         (rest + Vec3::X * sway).to_array()
     });
-    swaying.clips = vec![Clip {
+    swaying.clips = vec![RawClip {
         name: "sway".to_owned(),
         duration_secs: 2.0,
         channels: vec![Channel {
@@ -167,7 +167,7 @@ proptest! {
                 .flat_map(|v| Quat::from_rotation_x(sign * v).to_array())
                 .collect(),
         };
-        bent.clips = vec![Clip {
+        bent.clips = vec![RawClip {
             name: "bends".to_owned(),
             duration_secs: 0.875,
             channels: vec![

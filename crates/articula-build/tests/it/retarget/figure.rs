@@ -3,7 +3,7 @@
 
 use crate::reference_human::of_2000;
 use articula_build::retarget::{RetargetFigure, RetargetOptions, Retargeted, Retargeter};
-use articula_core::source::{Channel, Clip, Interpolation, Joint, Property, Skeleton, evaluate};
+use articula_core::source::{Channel, Interpolation, Joint, Property, RawClip, Skeleton, evaluate};
 use articula_core::{
     Articulation, JointArticulation, LocalPose, Mismatch, Region, Transform, same_hemisphere,
 };
@@ -14,14 +14,14 @@ use glam::{Affine3A, Mat4, Quat, Vec3};
 pub(crate) struct Human {
     pub(crate) skeleton: Skeleton,
     pub(crate) articulation: Articulation,
-    pub(crate) clips: Vec<Clip>,
+    pub(crate) clips: Vec<RawClip>,
 }
 
 /// One clip put onto another figure.
 pub(crate) fn retarget(
     source: RetargetFigure<'_>,
     target: RetargetFigure<'_>,
-    clip: &Clip,
+    clip: &RawClip,
     options: &RetargetOptions,
 ) -> Result<Retargeted, Mismatch> {
     Retargeter::new(source, target)?.retarget(clip, options)
@@ -45,7 +45,7 @@ impl Human {
         }
     }
 
-    pub(crate) fn clip(&self, name: &str) -> &Clip {
+    pub(crate) fn clip(&self, name: &str) -> &RawClip {
         self.clips.iter().find(|c| c.name == name).unwrap()
     }
 
@@ -56,13 +56,13 @@ impl Human {
     }
 
     /// Model-from-joint matrices of a clip at a time.
-    pub(crate) fn matrices(&self, clip: &Clip, time: f32) -> Vec<Affine3A> {
+    pub(crate) fn matrices(&self, clip: &RawClip, time: f32) -> Vec<Affine3A> {
         let mut pose = rest_pose(&self.skeleton);
         evaluate::pose(clip, &self.skeleton, time, &mut pose);
         matrices(&self.skeleton, |j| pose.get(j))
     }
 
-    pub(crate) fn positions(&self, clip: &Clip, time: f32) -> Vec<Vec3> {
+    pub(crate) fn positions(&self, clip: &RawClip, time: f32) -> Vec<Vec3> {
         let matrices = self.matrices(clip, time);
         matrices.iter().map(|m| m.translation.into()).collect()
     }

@@ -3,7 +3,7 @@
 use super::figure::retarget;
 use super::figure::{Human, reference};
 use articula_build::retarget::{ContactPinning, RetargetOptions, Retargeter};
-use articula_core::source::{Clip, Property};
+use articula_core::source::{Property, RawClip};
 use articula_core::{Articulation, Transform};
 use glam::{Quat, Vec3};
 use proptest::prelude::*;
@@ -14,7 +14,7 @@ const EVERYTHING: RetargetOptions = RetargetOptions {
     floor_metres: None,
 };
 
-fn finite(source: &Human, target: &Human, clip: &Clip) {
+fn finite(source: &Human, target: &Human, clip: &RawClip) {
     let made = retarget(source.figure(), target.figure(), clip, &EVERYTHING).unwrap();
     for channel in &made.clip.channels {
         assert!(channel.values.iter().all(|v| v.is_finite()), "{channel:?}");
@@ -47,7 +47,7 @@ fn figures_of_one_point_or_without_limbs_give_finite_poses() {
     });
     for odd in [point, flat, limbless, upside, hips_only] {
         finite(&human, &odd, clip);
-        let still = Clip::default();
+        let still = RawClip::default();
         let own = odd.clips.iter().find(|c| c.name == "walk");
         finite(&odd, &human, own.unwrap_or(&still));
         finite(&odd, &odd, own.unwrap_or(&still));
@@ -99,7 +99,7 @@ fn a_clip_without_channels_is_one_rest_pose() {
     let made = retarget(
         human.figure(),
         human.figure(),
-        &Clip::default(),
+        &RawClip::default(),
         &EVERYTHING,
     )
     .unwrap();

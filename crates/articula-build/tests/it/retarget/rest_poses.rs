@@ -3,7 +3,7 @@
 use super::figure::retarget;
 use super::figure::{Human, arms_up, as_it_is, farthest, reference};
 use articula_build::retarget::{ContactPinning, RetargetOptions};
-use articula_core::source::{Clip, Interpolation, Property};
+use articula_core::source::{Interpolation, Property, RawClip};
 use glam::{Affine3A, Mat3, Quat, Vec3};
 use proptest::prelude::*;
 
@@ -65,7 +65,7 @@ fn legs_and_elbows_may_be_bent_at_rest() {
     );
     // With its legs apart it stands lower on the same floor.
     let height = |human: &Human| {
-        let still = human.positions(&Clip::default(), 0.0);
+        let still = human.positions(&RawClip::default(), 0.0);
         still[human.find("l_ankle")].y
     };
     bent.skeleton.joints[0].rest.translation.y += height(&straight) - height(&bent);

@@ -5,7 +5,7 @@ mod hostile;
 mod seams;
 mod shapes;
 
-use articula_build::{LevelTriangles, SimplifyOptions, ErrorWeighting, simplify};
+use articula_build::{ErrorWeighting, LevelTriangles, SimplifyOptions, simplify};
 use checks::{check, is_closed, of};
 use glam::Vec3;
 use shapes::{ball, sheet};

@@ -14,7 +14,7 @@ use crate::{fault, files};
 const JOINT_STRENGTH: f32 = 4.0;
 
 /// Most levels, as `--levels` has it.
-const MOST_LEVELS: usize = 16;
+const MAX_LEVELS: usize = 16;
 /// Most bytes of a list of locked vertices.
 const LOCK_BYTES: u64 = 1 << 26;
 
@@ -90,8 +90,8 @@ impl MeshLevelArgs {
                     let what = format!("--levels {levels} with {} --targets", given.len());
                     return Err(fault::usage(what));
                 }
-                if given.len() > MOST_LEVELS {
-                    let what = format!("--targets: {} levels, at most {MOST_LEVELS}", given.len());
+                if given.len() > MAX_LEVELS {
+                    let what = format!("--targets: {} levels, at most {MAX_LEVELS}", given.len());
                     return Err(fault::usage(what));
                 }
                 let falls = given.windows(2).all(|w| w[0] > w[1]);

@@ -13,7 +13,9 @@ use crate::{fault, files};
 use anyhow::Context;
 use arguments::MeshLevelArgs;
 use articula::convert::ClipFit;
-use articula::{AddClipsOptions, ClipTables, Format, CharacterFile, PrepareOptions, PreparedAsset, prepare};
+use articula::{
+    AddClipsOptions, CharacterFile, ClipTables, Format, PrepareOptions, PreparedAsset, prepare,
+};
 use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
@@ -37,7 +39,7 @@ pub(crate) struct BuildArgs {
 }
 
 #[derive(Debug, Serialize)]
-struct Report {
+struct BuildReport {
     #[serde(rename = "in")]
     input: String,
     out: String,
@@ -46,7 +48,7 @@ struct Report {
     joints: usize,
     mapped: usize,
     profile: String,
-    clips: Vec<Clip>,
+    clips: Vec<ClipTableSizes>,
     /// Files whose clips were added.
     added: Vec<Added>,
     /// Mesh levels, the finest first; none unless they are asked for.
@@ -62,7 +64,7 @@ struct Report {
 }
 
 #[derive(Debug, Serialize)]
-struct Clip {
+struct ClipTableSizes {
     name: String,
     frames: usize,
     segs_bytes: usize,
@@ -107,18 +109,22 @@ pub(crate) fn run(args: &BuildArgs, console: &Console) -> anyhow::Result<()> {
     if let (Some(path), Some(levels)) = (&args.mesh_levels.mesh_stream, &built.mesh_levels) {
         files::write(path, &levels.stream.bytes)?;
     }
-    let mut report = Report::new(args, &built);
+    let mut report = BuildReport::new(args, &built);
     report.added = added;
     for motion in &motions {
         let warnings = open::warnings(motion).into_iter();
         let warnings = warnings.map(|w| format!("{}: {w}", motion.name));
         report.warnings.extend(warnings);
     }
-    console.result(&report, Report::text)
+    console.result(&report, BuildReport::text)
 }
 
 /// Gives the character the clips of other files.
-fn added(opened: &mut CharacterFile, motions: &[CharacterFile], console: &Console) -> anyhow::Result<Vec<Added>> {
+fn added(
+    opened: &mut CharacterFile,
+    motions: &[CharacterFile],
+    console: &Console,
+) -> anyhow::Result<Vec<Added>> {
     if motions.is_empty() {
         return Ok(Vec::new());
     }
@@ -132,12 +138,12 @@ fn added(opened: &mut CharacterFile, motions: &[CharacterFile], console: &Consol
     Ok(fits.chunk_by(|a, b| a.file == b.file).map(of_one).collect())
 }
 
-impl Report {
+impl BuildReport {
     fn new(args: &BuildArgs, built: &PreparedAsset) -> Self {
         let (figure, made) = (&built.figure, built.mesh_levels.as_ref());
         let asset = &figure.asset;
         let articulation = asset.rig.articulation();
-        let clip = |(clip, tables): (&articula_core::Clip, &ClipTables)| Clip {
+        let clip = |(clip, tables): (&articula_core::Clip, &ClipTables)| ClipTableSizes {
             name: clip.name.clone(),
             frames: clip.frames(),
             segs_bytes: tables.segs.len(),

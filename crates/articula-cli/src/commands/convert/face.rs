@@ -1,7 +1,7 @@
 //! FAP files, rewritten with masks of what moves.
 
 use super::ConvertArgs;
-use super::report::{self, Report};
+use super::report::{self, ConvertReport};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
@@ -27,7 +27,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
     };
     let left_out = written.left_out.iter();
     let warnings = opened.warnings.iter();
-    let report = Report {
+    let report = ConvertReport {
         input: files::shown(input),
         out: files::shown(&args.out),
         format_in: format.name().to_owned(),

@@ -4,7 +4,7 @@ use super::ConvertArgs;
 use super::onto::Hero;
 use super::plan::{Input, Job};
 use super::reduction::{Reduction, Selected};
-use super::report::{self, Onto, Report};
+use super::report::{self, ConvertReport, Onto};
 use crate::console::on_all_processors;
 use crate::{files, open};
 use anyhow::bail;
@@ -18,7 +18,7 @@ use std::path::PathBuf;
 #[derive(Debug)]
 pub(super) struct Done {
     /// The file that was written, if any was.
-    pub(super) report: Option<Report>,
+    pub(super) report: Option<ConvertReport>,
     /// Files that were not used, and why.
     pub(super) faults: Vec<(PathBuf, anyhow::Error)>,
 }
@@ -54,7 +54,7 @@ impl Recipe<'_> {
     }
 
     /// One file as it is.
-    fn read(&self, job: &Job) -> anyhow::Result<(CharacterFile, Report)> {
+    fn read(&self, job: &Job) -> anyhow::Result<(CharacterFile, ConvertReport)> {
         let input = &job.inputs[0];
         let opened = open::character(&input.path, &self.args.names)?;
         self.options(self.args.clip.clone())
@@ -63,7 +63,7 @@ impl Recipe<'_> {
         if input.found && files::same(&input.path, &job.out) {
             bail!("{place}: it would be replaced by what is made of it; name another folder");
         }
-        let mut report = Report::new(job, opened.name.clone());
+        let mut report = ConvertReport::new(job, opened.name.clone());
         report.format_in = opened.format.name().to_owned();
         report.bytes_in = opened.bytes;
         report.warnings = open::warnings(&opened);
@@ -76,9 +76,9 @@ impl Recipe<'_> {
         job: &Job,
         hero: &Hero,
         faults: &mut Vec<(PathBuf, anyhow::Error)>,
-    ) -> anyhow::Result<Option<(CharacterFile, Report)>> {
+    ) -> anyhow::Result<Option<(CharacterFile, ConvertReport)>> {
         self.options(None).check(hero.opened.format, job.format)?;
-        let mut report = Report::new(job, job.named.clone());
+        let mut report = ConvertReport::new(job, job.named.clone());
         report.warnings = open::warnings(&hero.opened);
         let motions = |input: &Input| {
             let motions = hero.motions(input, self.args);
@@ -130,7 +130,12 @@ impl Recipe<'_> {
     }
 
     /// Changes what is asked for, and writes.
-    fn finished(&self, job: &Job, opened: CharacterFile, mut report: Report) -> anyhow::Result<Report> {
+    fn finished(
+        &self,
+        job: &Job,
+        opened: CharacterFile,
+        mut report: ConvertReport,
+    ) -> anyhow::Result<ConvertReport> {
         let reduces = self.selected.is_some();
         if reduces && opened.character.clips.is_empty() && !job.format.needs_a_clip() {
             let place = &opened.name;

@@ -60,7 +60,7 @@ pub(crate) struct ConvertArgs {
     loa: Option<String>,
     /// Let every joint above one that may move, move too
     #[arg(long)]
-    close_up: bool,
+    with_ancestors: bool,
     /// The same from a saved selection
     #[arg(long, value_name = "F.json", conflicts_with = "loa")]
     loa_profile: Option<PathBuf>,
@@ -177,9 +177,9 @@ fn format(name: &str) -> Result<Format, String> {
 impl ConvertArgs {
     fn check(&self) -> anyhow::Result<()> {
         let reduces = self.loa.is_some() || self.loa_profile.is_some();
-        if (self.passive.is_some() || self.close_up) && !reduces {
+        if (self.passive.is_some() || self.with_ancestors) && !reduces {
             return Err(fault::usage(
-                "--passive and --close-up need --loa EXPR or --loa-profile F.json",
+                "--passive and --with-ancestors need --loa EXPR or --loa-profile F.json",
             ));
         }
         Ok(())

@@ -9,8 +9,8 @@ use crate::table::Table;
 use anyhow::Context;
 use articula::CharacterFile;
 use articula::convert::{
-    AddClipsOptions, FitClip, FitReport, FittedClip, JointShare, ContactPinning, RetargetOptions, FootSlideSummary,
-    fit_clips,
+    AddClipsOptions, ContactPinning, FitClip, FitReport, FittedClip, FootSlideSummary, JointShare,
+    RetargetOptions, fit_clips,
 };
 use clap::ValueEnum;
 use std::path::Path;

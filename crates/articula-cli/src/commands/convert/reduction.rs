@@ -46,7 +46,7 @@ impl Selected {
             place,
             reduction: JointReduction {
                 moving,
-                close_up: args.close_up,
+                with_ancestors: args.with_ancestors,
                 passive: args.passive.unwrap_or(PassivePolicy::KeyPose),
             },
         }))

@@ -12,11 +12,11 @@ use serde::Serialize;
 use std::path::Path;
 
 /// Most warnings that are spelled out for people.
-const MOST_LINES: usize = 6;
+const MAX_LINES: usize = 6;
 
 /// One file that was written.
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub(super) struct ConvertReport {
     #[serde(rename = "in")]
     pub(super) input: String,
     pub(super) out: String,
@@ -53,7 +53,7 @@ pub(super) struct Onto {
 #[derive(Debug, Serialize)]
 pub(super) struct Batch {
     pub(super) out: String,
-    pub(super) files: Vec<Report>,
+    pub(super) files: Vec<ConvertReport>,
     pub(super) failed: Vec<Failure>,
 }
 
@@ -114,7 +114,7 @@ pub(super) fn left_out(what: &LossyPart, format: &str) -> String {
     }
 }
 
-impl Report {
+impl ConvertReport {
     /// A report that says nothing yet but where from and where to.
     pub(super) fn new(job: &Job, input: String) -> Self {
         Self {
@@ -168,11 +168,11 @@ impl Report {
 /// Lines of one kind; where there are many, the first and a count.
 fn lines(what: &str, all: &[String]) -> String {
     let mut text = String::new();
-    for line in &all[..all.len().min(MOST_LINES)] {
+    for line in &all[..all.len().min(MAX_LINES)] {
         text.push_str(&format!("{what}: {}\n", clean(line)));
     }
-    if all.len() > MOST_LINES {
-        let more = all.len() - MOST_LINES;
+    if all.len() > MAX_LINES {
+        let more = all.len() - MAX_LINES;
         text.push_str(&format!("{what}: and {more} more (--json lists them)\n"));
     }
     text

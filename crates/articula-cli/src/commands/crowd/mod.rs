@@ -12,15 +12,16 @@ use crate::play::read_camera_path;
 use crate::{fault, files};
 use anyhow::Context;
 use articula::crowd::{
-    Backend, CacheUse, CrowdAsset, CrowdOptions, DetailGoal, ErrorSummary, JointLodMethod, MOST_MEMBERS,
-    MOST_MESH_LEVELS, PaletteForm, PaletteMatrices, RootMotion, ClipStorage, read_scene, write_scene,
+    Backend, CacheUse, ClipStorage, CrowdAsset, CrowdOptions, DetailGoal, ErrorSummary,
+    JointLodMethod, MAX_MEMBERS, MAX_MESH_LEVELS, PaletteForm, PaletteMatrices, RootMotion,
+    read_scene, write_scene,
 };
 use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
 use articula_core::Clip;
 use articula_core::loa::LoaExpression;
 use articula_report::{Plot, PlotOptions, Series, line_plot, stacked};
 use clap::{Args, ValueEnum};
-use report::Report;
+use report::CrowdRunReport;
 use std::path::{Path, PathBuf};
 
 /// Seconds that are played where the scene has no camera path of its own.
@@ -30,13 +31,13 @@ const USUAL_SECS: f64 = 2.0;
 const LONGEST_LAP_SECS: f64 = 60.0;
 
 /// Most frames of a run.
-const MOST_FRAMES: f64 = 36_000.0;
+const MAX_FRAMES: f64 = 36_000.0;
 
 /// Most threads.
-const MOST_THREADS: usize = 256;
+const MAX_THREADS: usize = 256;
 
 /// Bytes of the largest scene file.
-const MOST_SCENE_BYTES: u64 = 512 << 20;
+const MAX_SCENE_BYTES: u64 = 512 << 20;
 
 /// Size of the picture that `--picture` writes.
 const PICTURE_PX: (u32, u32) = (1280, 720);
@@ -81,7 +82,7 @@ pub(crate) struct CrowdArgs {
     share: bool,
     /// Also work out everyone's way over the ground, of clips that travel; nobody takes it here
     #[arg(long)]
-    root_steps: bool,
+    root_motion: bool,
     /// Which clips are played (repeatable) [default: all]
     #[arg(long, value_name = "NAME|all")]
     clip: Vec<String>,
@@ -217,10 +218,10 @@ pub(crate) fn run(args: &CrowdArgs, console: &Console) -> anyhow::Result<()> {
         settings,
     };
     let found = run::run(&piece.asset, &piece.scene, settings, args.seed, console)?;
-    let mut report = Report::new(args, &piece, &found, place);
+    let mut report = CrowdRunReport::new(args, &piece, &found, place);
     report.warnings.extend(warnings);
     args.write(&piece, &found, &mut report)?;
-    console.result(&report, Report::text)
+    console.result(&report, CrowdRunReport::text)
 }
 
 impl CrowdArgs {
@@ -282,7 +283,7 @@ impl CrowdArgs {
         };
         Ok(CrowdOptions {
             clips: self.clips(clips),
-            root_motion: if self.root_steps {
+            root_motion: if self.root_motion {
                 RootMotion::Extracted
             } else {
                 RootMotion::OnTheSpot
@@ -364,7 +365,7 @@ impl CrowdArgs {
             let known = "give plaza, plaza-2, plaza-2-in-step or a .json file";
             return Err(fault::usage(format!("--scene {}: {known}", self.scene)));
         }
-        let bytes = files::read(path, MOST_SCENE_BYTES)?;
+        let bytes = files::read(path, MAX_SCENE_BYTES)?;
         let mut scene = read_scene(&bytes, clips, DISPLAY_HZ)
             .map_err(|e| match e {
                 // Not JSON, or another form: a path into a scene that is one is told as it is.
@@ -397,8 +398,8 @@ impl CrowdArgs {
         };
         let secs = self.seconds.map_or(usual, f64::from);
         let frames = (secs * DISPLAY_HZ).round().max(1.0);
-        if frames > MOST_FRAMES {
-            let most = MOST_FRAMES / DISPLAY_HZ;
+        if frames > MAX_FRAMES {
+            let most = MAX_FRAMES / DISPLAY_HZ;
             let what = format!("--seconds {secs}: at most {most} seconds");
             return Err(fault::usage(what));
         }
@@ -406,7 +407,7 @@ impl CrowdArgs {
     }
 
     /// Writes what was asked for beside the report.
-    fn write(&self, piece: &Piece, found: &Run, report: &mut Report) -> anyhow::Result<()> {
+    fn write(&self, piece: &Piece, found: &Run, report: &mut CrowdRunReport) -> anyhow::Result<()> {
         if let Some(path) = &self.save_scene {
             files::write(path, &write_scene(&piece.scene, piece.asset.clips()))?;
             report.written.push(files::shown(path));
@@ -473,7 +474,7 @@ pub(crate) fn plots(found: &Run, budget_ms: Option<f32>) -> Vec<Plot> {
 }
 
 fn count(text: &str) -> Result<usize, String> {
-    let most = MOST_MEMBERS;
+    let most = MAX_MEMBERS;
     let number = text.parse::<usize>().ok();
     let number = number.filter(|n| (1..=most).contains(n));
     number.ok_or_else(|| format!("expected a whole number of 1 to {most}"))
@@ -481,14 +482,14 @@ fn count(text: &str) -> Result<usize, String> {
 
 fn mesh_levels(text: &str) -> Result<usize, String> {
     let number = text.parse::<usize>().ok();
-    let number = number.filter(|n| (1..=MOST_MESH_LEVELS).contains(n));
-    number.ok_or_else(|| format!("expected a whole number of 1 to {MOST_MESH_LEVELS}"))
+    let number = number.filter(|n| (1..=MAX_MESH_LEVELS).contains(n));
+    number.ok_or_else(|| format!("expected a whole number of 1 to {MAX_MESH_LEVELS}"))
 }
 
 fn threads(text: &str) -> Result<usize, String> {
     let number = text.parse::<usize>().ok();
-    let number = number.filter(|n| (1..=MOST_THREADS).contains(n));
-    number.ok_or_else(|| format!("expected a whole number of 1 to {MOST_THREADS}"))
+    let number = number.filter(|n| (1..=MAX_THREADS).contains(n));
+    number.ok_or_else(|| format!("expected a whole number of 1 to {MAX_THREADS}"))
 }
 
 fn backend(text: &str) -> Result<Backend, String> {

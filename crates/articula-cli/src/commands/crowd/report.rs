@@ -11,7 +11,7 @@ use serde::{Serialize, Serializer};
 
 /// One crowd, played.
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub(super) struct CrowdRunReport {
     pub(super) file: String,
     pub(super) scene: String,
     pub(super) level: String,
@@ -20,14 +20,14 @@ pub(super) struct Report {
     pub(super) characters: usize,
     /// Median over frames; the other two likewise.
     pub(super) visible: usize,
-    pub(super) near: usize,
+    pub(super) in_cull_margin: usize,
     pub(super) hidden: usize,
     pub(super) frames: usize,
     pub(super) display_hz: f64,
     pub(super) threads: usize,
     pub(super) share: bool,
     pub(super) cache: String,
-    pub(super) root_steps: bool,
+    pub(super) root_motion: bool,
     /// Clips that travel and are played on the spot.
     pub(super) clips_in_place: Vec<String>,
     pub(super) epsilon_px: f32,
@@ -72,13 +72,13 @@ fn name_of(value: impl ValueEnum) -> String {
     value.map_or(String::new(), |v| v.get_name().to_owned())
 }
 
-impl Report {
+impl CrowdRunReport {
     /// What was played and how it went.
     pub(super) fn new(args: &CrowdArgs, piece: &Piece, run: &Run, file: String) -> Self {
         let characters = piece.scene.members.len();
         let frame_ns = |ms: f64| ms * 1e6 / characters.max(1) as f64;
         let visible = run.visible.median.round() as usize;
-        let near = run.near.median.round() as usize;
+        let in_cull_margin = run.in_cull_margin.median.round() as usize;
         let viewport = piece.scene.viewport;
         let clips = piece.asset.clips().iter();
         Self {
@@ -89,14 +89,14 @@ impl Report {
             clips: clips.map(|c| c.name.clone()).collect(),
             characters,
             visible,
-            near,
-            hidden: characters.saturating_sub(visible + near),
+            in_cull_margin,
+            hidden: characters.saturating_sub(visible + in_cull_margin),
             frames: run.frames,
             display_hz: super::DISPLAY_HZ,
             threads: args.threads,
             share: args.share,
             cache: name_of(args.storage.cache),
-            root_steps: args.root_steps,
+            root_motion: args.root_motion,
             clips_in_place: piece.in_place.clone(),
             epsilon_px: args.epsilon_px,
             viewport_px: [viewport.width_px, viewport.height_px],
@@ -156,7 +156,7 @@ impl Report {
         format!(
             "{}, {} characters, scene {}, level {}, {clips}\n\
              {} frames at {} Hz, {threads}, {}, {} x {} px, {:.0} degrees\n\
-             visible {}, near {}, hidden {}\n",
+             visible {}, in cull margin {}, hidden {}\n",
             clean(name),
             self.characters,
             clean(&self.scene),
@@ -168,7 +168,7 @@ impl Report {
             self.viewport_px[1],
             self.fov_deg,
             self.visible,
-            self.near,
+            self.in_cull_margin,
             self.hidden
         )
     }

@@ -27,14 +27,14 @@ pub(super) struct Crowd {
     pub(super) characters: usize,
     pub(super) visible: usize,
     pub(super) epsilon_px: f32,
-    pub(super) ways: Vec<Way>,
+    pub(super) ways: Vec<CrowdVariant>,
     /// Levels of the second way.
     pub(super) levels: Vec<LevelUse>,
 }
 
 /// One way to show it.
 #[derive(Debug, Serialize)]
-pub(super) struct Way {
+pub(super) struct CrowdVariant {
     pub(super) label: &'static str,
     pub(super) ns_per_character: f64,
     pub(super) written_mb: f64,
@@ -51,7 +51,10 @@ pub(super) fn of(
 ) -> anyhow::Result<Crowd> {
     let scene = plaza(COUNT, figure.asset.clips.len(), SEED, Plaza::Still);
     let asset = |joints| console.work(|work| CrowdAsset::new(figure, &options(joints), work));
-    let (whole, merged) = (asset(JointLodMethod::Whole)?, asset(JointLodMethod::Merged)?);
+    let (whole, merged) = (
+        asset(JointLodMethod::Whole)?,
+        asset(JointLodMethod::Merged)?,
+    );
     let tolerance = DetailGoal::Tolerance(epsilon_px);
     let full = play(&whole, &scene, settings(DetailGoal::Full, false), console)?;
     let seen = play(&merged, &scene, settings(tolerance, false), console)?;
@@ -100,8 +103,8 @@ fn play(
     run::run(asset, scene, settings, SEED, console)
 }
 
-fn way(label: &'static str, run: &Run) -> Way {
-    Way {
+fn way(label: &'static str, run: &Run) -> CrowdVariant {
+    CrowdVariant {
         label,
         ns_per_character: 1e6 * run.frame_ms.median / COUNT as f64,
         written_mb: run.written_mb.median,

@@ -1,7 +1,7 @@
 //! The 2D section of the demo: the walking human as pictures that play without 3D.
 
 use super::Folder;
-use crate::commands::flatten::report::{Made, Report};
+use crate::commands::flatten::report::{FlattenReport, Made};
 use crate::console::Console;
 use articula::evaluate::EvaluatedClip;
 use articula::flatten::{FramedCharacter, Shot, flatten};
@@ -19,7 +19,7 @@ pub(super) fn of(
     folder: &Folder,
     scene: &EvaluatedClip<'_>,
     console: &Console,
-) -> anyhow::Result<Vec<Report>> {
+) -> anyhow::Result<Vec<FlattenReport>> {
     let shot = Shot {
         clip: Some(scene.clip),
         still_at: None,
@@ -70,7 +70,7 @@ pub(super) fn of(
             size_px: (SIDE, SIDE),
             max_bytes: None,
         };
-        reports.push(Report::new(file.into(), &flat, made));
+        reports.push(FlattenReport::new(file.into(), &flat, made));
     }
     Ok(reports)
 }

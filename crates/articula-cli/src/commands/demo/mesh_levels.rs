@@ -9,7 +9,7 @@ use articula::{CodedMeshLevels, Figure};
 use articula_core::source;
 use articula_core::{Region, Wrap, sample};
 use articula_flat::Picture;
-use articula_report::{SheetCell, ContactSheet, SheetRow};
+use articula_report::{ContactSheet, SheetCell, SheetRow};
 use serde::Serialize;
 
 /// What the levels of the asset show, lose and weigh.
@@ -83,7 +83,7 @@ fn at_level(figure: &Figure, level: usize) -> anyhow::Result<Figure> {
     Ok(Figure::new(opened)?)
 }
 
-fn show(mesh: &mut source::Mesh, level: usize) {
+fn show(mesh: &mut source::RawMesh, level: usize) {
     for (primitive, levels) in mesh.primitives.iter_mut().zip(&mesh.clustered) {
         primitive.triangles = levels.level(level).collect();
     }

@@ -21,12 +21,12 @@ use crate::{fault, files};
 use anyhow::Context;
 use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
 use articula::{Figure, MeshLevelOptions, PrepareOptions, prepare, stored_tables};
-use articula_build::evaluate::{MethodOptions, EvaluationSetup};
+use articula_build::evaluate::{EvaluationSetup, MethodOptions};
 use articula_formats::gltf::Document;
 use articula_human::HumanOptions;
 use clap::Args;
 use mesh_levels::MeshLevels;
-use report::{ClipRows, Found, Level, Report};
+use report::{ClipRows, DemoReport, Found, Level};
 use std::path::{Path, PathBuf};
 
 /// The error that every method is calibrated to, pixels.
@@ -78,10 +78,10 @@ pub(crate) fn run(args: &DemoArgs, console: &Console) -> anyhow::Result<()> {
         mesh_levels,
         flat,
     };
-    let report = Report::new(&folder, &figure, &tables, found);
+    let report = DemoReport::new(&folder, &figure, &tables, found);
     folder.write("report.json", &serde_json::to_vec_pretty(&report)?)?;
     folder.write("index.html", page::of(&report).as_bytes())?;
-    console.result(&report, Report::text)
+    console.result(&report, DemoReport::text)
 }
 
 /// Where everything goes.

@@ -1,6 +1,6 @@
 //! The page of the demo: plain HTML beside its files, readable in light, dark and on a phone.
 
-use super::report::{MethodRows, Report};
+use super::report::{DemoReport, MethodRows};
 use articula::evaluate::MethodRow;
 use articula_flat::escaped;
 use std::fmt::Write;
@@ -8,7 +8,7 @@ use std::fmt::Write;
 const STYLE: &str = include_str!("page.css");
 
 /// The whole page. Every number in it is one of the report.
-pub(super) fn of(report: &Report) -> String {
+pub(super) fn of(report: &DemoReport) -> String {
     let sections = [
         header(report),
         "<main>\n".into(),
@@ -33,7 +33,7 @@ pub(super) fn of(report: &Report) -> String {
     )
 }
 
-fn header(report: &Report) -> String {
+fn header(report: &DemoReport) -> String {
     let row = |label: &str| report.middle(label);
     let number =
         |name: &str, value: String| format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n");
@@ -73,7 +73,7 @@ fn header(report: &Report) -> String {
     )
 }
 
-fn character(report: &Report) -> String {
+fn character(report: &DemoReport) -> String {
     let human = &report.human;
     format!(
         "<section>\n<h2>The reference human</h2>\n\
@@ -92,7 +92,7 @@ fn character(report: &Report) -> String {
     )
 }
 
-fn distances(report: &Report) -> String {
+fn distances(report: &DemoReport) -> String {
     let limit = report.target_px;
     let clips: Vec<(&str, &[MethodRow])> = report
         .clips
@@ -121,7 +121,7 @@ fn distances(report: &Report) -> String {
     )
 }
 
-fn methods(report: &Report) -> String {
+fn methods(report: &DemoReport) -> String {
     let rows: Vec<(&str, &[MethodRow])> = report
         .methods
         .iter()
@@ -192,7 +192,7 @@ fn legend() -> String {
     methods.map(line).concat()
 }
 
-fn levels(report: &Report) -> String {
+fn levels(report: &DemoReport) -> String {
     let mut rows = String::new();
     for level in &report.levels {
         let _ = writeln!(
@@ -236,7 +236,7 @@ fn levels(report: &Report) -> String {
     )
 }
 
-fn mesh_levels(report: &Report) -> String {
+fn mesh_levels(report: &DemoReport) -> String {
     let found = &report.mesh_levels;
     let mut rows = String::new();
     for level in &found.levels {
@@ -276,7 +276,7 @@ fn mesh_levels(report: &Report) -> String {
     )
 }
 
-fn flat(report: &Report) -> String {
+fn flat(report: &DemoReport) -> String {
     let naive = report.flat.first().map_or(0, |r| r.bytes.raw);
     let mut rows = String::new();
     for flat in &report.flat {
@@ -316,7 +316,7 @@ fn flat(report: &Report) -> String {
     )
 }
 
-fn crowd(report: &Report) -> String {
+fn crowd(report: &DemoReport) -> String {
     let crowd = &report.crowd;
     let mut ways = String::new();
     for way in &crowd.ways {
@@ -376,7 +376,7 @@ fn crowd(report: &Report) -> String {
     )
 }
 
-fn more(report: &Report) -> String {
+fn more(report: &DemoReport) -> String {
     let fastest = report
         .costs
         .complexities
@@ -400,7 +400,7 @@ fn more(report: &Report) -> String {
     )
 }
 
-fn footer(report: &Report) -> String {
+fn footer(report: &DemoReport) -> String {
     format!(
         "<footer>\n<p>Articula {}. All numbers: <a href=\"report.json\">report.json</a>.</p>\n</footer>\n",
         escaped(report.version)

@@ -7,7 +7,7 @@ use articula::evaluate::{EvaluatedClip, MethodTable};
 use articula_build::evaluate::Method;
 use articula_core::Region;
 use articula_flat::Picture;
-use articula_report::{SheetCell, ContactSheet, MotionLine, SheetRow};
+use articula_report::{ContactSheet, MotionLine, SheetCell, SheetRow};
 use std::f32::consts::FRAC_PI_2;
 
 /// Draws one picture of what was played.

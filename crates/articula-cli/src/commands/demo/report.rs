@@ -16,7 +16,7 @@ use serde::Serialize;
 
 /// Everything that one run of the demo found.
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub(super) struct DemoReport {
     pub(super) version: &'static str,
     pub(super) page: String,
     pub(super) human: Human,
@@ -34,7 +34,7 @@ pub(super) struct Report {
     pub(super) crowd: Crowd,
     pub(super) mesh_levels: MeshLevels,
     /// The walk as 2D content, the thesis' form first.
-    pub(super) flat: Vec<flatten::Report>,
+    pub(super) flat: Vec<flatten::FlattenReport>,
 }
 
 /// What stands beside the methods.
@@ -45,7 +45,7 @@ pub(super) struct Found {
     pub(super) crowd: Crowd,
     pub(super) mesh_levels: MeshLevels,
     /// The walk as 2D content, the thesis' form first.
-    pub(super) flat: Vec<flatten::Report>,
+    pub(super) flat: Vec<flatten::FlattenReport>,
 }
 
 /// The character.
@@ -83,7 +83,7 @@ pub(super) struct Level {
 
 impl Level {
     /// What the level leaves of some clips.
-    pub(super) fn new(level: Complexity, rig: &Rig, clips: &[source::Clip]) -> Self {
+    pub(super) fn new(level: Complexity, rig: &Rig, clips: &[source::RawClip]) -> Self {
         let active = loa::complexity(rig, level);
         let held = hold_joints(rig, clips, &active, PassivePolicy::KeyPose);
         Self {
@@ -95,7 +95,7 @@ impl Level {
     }
 }
 
-impl Report {
+impl DemoReport {
     /// Gathers what was found.
     pub(super) fn new(
         folder: &Folder,

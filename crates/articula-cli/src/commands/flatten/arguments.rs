@@ -46,9 +46,9 @@ pub(crate) struct ConvertArgs {
     /// Keep only this mesh (repeatable)
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
-    /// Joint-name profile of your own, asked before the built-in ones (repeatable)
+    /// Joint map of your own, used before the built-in ones (repeatable)
     #[arg(long, value_name = "F.json")]
-    joint_profile: Vec<PathBuf>,
+    joint_map: Vec<PathBuf>,
     /// What to write [default: smil; lottie if OUT ends in .json, player if in .js, portrait if
     /// in .html]
     #[arg(long, value_enum, value_name = "PROFILE")]
@@ -252,7 +252,7 @@ impl ConvertArgs {
             hide: self.hide.clone(),
             only: self.only.clone(),
             names: ReadArgs {
-                profile: self.joint_profile.clone(),
+                joint_map: self.joint_map.clone(),
                 ..ReadArgs::default()
             },
         }

@@ -11,7 +11,7 @@ use serde::Serialize;
 use std::path::Path;
 
 /// Most bytes of an SVG that is read.
-pub(super) const MOST_BYTES: u64 = 256 << 20;
+pub(super) const MAX_BYTES: u64 = 256 << 20;
 
 #[derive(Debug, Serialize)]
 struct Rendered {
@@ -63,7 +63,7 @@ pub(super) fn run(args: &FrameArgs, console: &Console) -> anyhow::Result<()> {
 
 /// Reads an SVG of ours; errors name the file and what to give instead.
 pub(super) fn read(path: &Path) -> anyhow::Result<AnimatedSvg> {
-    let bytes = files::read(path, MOST_BYTES)?;
+    let bytes = files::read(path, MAX_BYTES)?;
     let place = || files::shown(path);
     let text = String::from_utf8(bytes)
         .ok()

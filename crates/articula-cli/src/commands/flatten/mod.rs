@@ -20,7 +20,7 @@ use articula_flat::planar::Shading;
 use articula_flat::planar::SplitOptions;
 use articula_flat::vector::player::PlayerOutput;
 use articula_flat::vector::{ThesisForm, ThesisSvgOptions};
-use report::{Made, Report};
+use report::{FlattenReport, Made};
 
 /// Converts, or renders what was converted.
 pub(crate) fn run(args: &FlattenArgs, console: &Console) -> anyhow::Result<()> {
@@ -61,8 +61,8 @@ fn convert(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         size_px: args.shot.size,
         max_bytes: settings.max_bytes,
     };
-    let report = Report::new(files::shown(args.out()), &flat, made);
-    console.result(&report, Report::text)
+    let report = FlattenReport::new(files::shown(args.out()), &flat, made);
+    console.result(&report, FlattenReport::text)
 }
 
 impl ConvertArgs {
@@ -141,7 +141,11 @@ impl ConvertArgs {
         }
     }
 
-    fn settings(&self, profile: ProfileName, framed: &FramedCharacter<'_>) -> anyhow::Result<Settings> {
+    fn settings(
+        &self,
+        profile: ProfileName,
+        framed: &FramedCharacter<'_>,
+    ) -> anyhow::Result<Settings> {
         let clip = framed.subject().clip;
         let clip_secs = clip.map_or(0.0, |c| f64::from(c.duration_secs()));
         let length = clip_secs * f64::from(self.motion.cycles);

@@ -12,9 +12,9 @@ use articula_flat::vector::raster;
 use serde::Serialize;
 
 /// Most frames of a movie.
-const MOST_FRAMES: f64 = 5000.0;
+const MAX_FRAMES: f64 = 5000.0;
 /// Most pixels of all frames; a gigabyte.
-const MOST_PIXELS: u64 = 1 << 28;
+const MAX_PIXELS: u64 = 1 << 28;
 
 #[derive(Debug, Serialize)]
 struct Movie {
@@ -32,8 +32,8 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
     let place = || files::shown(&args.file);
     let duration = moving.duration_secs;
     let steps = (duration * f64::from(args.fps)).round().max(1.0);
-    if steps > MOST_FRAMES {
-        let what = format!("{steps} frames are more than {MOST_FRAMES}; ask for fewer a second");
+    if steps > MAX_FRAMES {
+        let what = format!("{steps} frames are more than {MAX_FRAMES}; ask for fewer a second");
         return Err(fault::usage(format!("--fps {}: {what}", args.fps)));
     }
     if duration <= 0.0 {
@@ -51,7 +51,7 @@ pub(super) fn run(args: &MovieArgs, console: &Console) -> anyhow::Result<()> {
             .with_context(place)?;
         let picture = raster(&text, background).with_context(place)?;
         pixels += u64::from(picture.width()) * u64::from(picture.height());
-        if pixels > MOST_PIXELS {
+        if pixels > MAX_PIXELS {
             let what = "more than 268 million pixels in all; ask for fewer frames a second";
             return Err(fault::usage(format!("--fps {}: {what}", args.fps)));
         }

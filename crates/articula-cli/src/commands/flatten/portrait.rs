@@ -1,7 +1,7 @@
 //! `articula flatten --profile portrait`: a face as pictures on a 2D mesh, with its player.
 
 use super::arguments::ConvertArgs;
-use super::report::{BytesReport, EntryReport};
+use super::report::{BytesReport, RepresentationReport};
 use crate::console::Console;
 use crate::open;
 use crate::{fault, files};
@@ -19,10 +19,10 @@ use std::path::Path;
 /// Turns of the head at which the portrait is compared with the figure, degrees.
 const YAWS_DEG: [f32; 5] = [0.0, 10.0, 20.0, 30.0, 40.0];
 /// Largest picture or sound that goes into a page.
-const MOST_BYTES: u64 = 64 << 20;
+const MAX_BYTES: u64 = 64 << 20;
 
 #[derive(Debug, Serialize)]
-struct Report {
+struct PortraitReport {
     out: String,
     profile: &'static str,
     bytes: BytesReport,
@@ -33,7 +33,7 @@ struct Report {
     frames: usize,
     size_px: (u32, u32),
     error: Vec<YawError>,
-    entry: EntryReport,
+    representation: RepresentationReport,
     written: Vec<String>,
 }
 
@@ -87,7 +87,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         .collect();
     let sizes = Sizes::of(&all)?;
     let counts = portrait.counts();
-    let report = Report {
+    let report = PortraitReport {
         out: files::shown(args.out()),
         profile: "portrait",
         bytes: BytesReport {
@@ -102,7 +102,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         frames: portrait.clips.first().map_or(0, |c| c.poses.len()),
         size_px: portrait.size,
         error,
-        entry: EntryReport::new(Representation {
+        representation: RepresentationReport::new(Representation {
             modality: "portrait".into(),
             bytes: sizes.raw,
             error_px: f64::from(options.tolerance_px),
@@ -110,7 +110,7 @@ pub(super) fn run(args: &ConvertArgs, console: &Console) -> anyhow::Result<()> {
         }),
         written: written.iter().map(|(name, _)| name.clone()).collect(),
     };
-    console.result(&report, Report::text)
+    console.result(&report, PortraitReport::text)
 }
 
 fn options(args: &ConvertArgs) -> anyhow::Result<PortraitOptions> {
@@ -192,11 +192,11 @@ fn enclosed(path: Option<&Path>) -> anyhow::Result<Option<EmbeddedFile>> {
     };
     Ok(Some(EmbeddedFile {
         media_type: media_type.into(),
-        bytes: files::read(path, MOST_BYTES)?,
+        bytes: files::read(path, MAX_BYTES)?,
     }))
 }
 
-impl Report {
+impl PortraitReport {
     fn text(&self) -> String {
         let errors: Vec<String> = self
             .error

@@ -1,12 +1,12 @@
 //! What `flatten` answers.
 
-use articula_flat::flatten::{Representation, Flattened, ImageError, Quality, Trial};
+use articula_flat::flatten::{Flattened, ImageError, Quality, Representation, Trial};
 use articula_flat::planar::Shading;
 use serde::Serialize;
 
 /// The report of one conversion. Fields that scripts rely on are those of design, part 4.
 #[derive(Debug, Serialize)]
-pub(crate) struct Report {
+pub(crate) struct FlattenReport {
     pub(crate) out: String,
     pub(crate) profile: String,
     pub(crate) bytes: BytesReport,
@@ -25,7 +25,7 @@ pub(crate) struct Report {
     pub(crate) bytes_per_triangle_and_frame: PerTriangle,
     pub(crate) settings: SettingsReport,
     pub(crate) error: ErrorReport,
-    pub(crate) entry: EntryReport,
+    pub(crate) representation: RepresentationReport,
     /// What a search under a budget looked at.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub(crate) tried: Vec<TrialReport>,
@@ -67,7 +67,7 @@ pub(crate) struct ErrorReport {
 
 /// What can stand for the character (design, part 4).
 #[derive(Debug, Serialize)]
-pub(crate) struct EntryReport {
+pub(crate) struct RepresentationReport {
     pub(crate) modality: String,
     pub(crate) bytes: u64,
     pub(crate) error_px: f64,
@@ -92,7 +92,7 @@ pub(crate) struct Made {
     pub(crate) max_bytes: Option<u64>,
 }
 
-impl Report {
+impl FlattenReport {
     pub(crate) fn new(out: String, flat: &Flattened, made: Made) -> Self {
         let per = |bytes| flat.per_triangle_and_frame(bytes);
         Self {
@@ -119,7 +119,7 @@ impl Report {
             },
             settings: SettingsReport::new(&flat.quality),
             error: ErrorReport::new(flat),
-            entry: EntryReport::new(flat.entry()),
+            representation: RepresentationReport::new(flat.representation()),
             tried: made
                 .max_bytes
                 .map(|most| {
@@ -223,7 +223,7 @@ impl ErrorReport {
     }
 }
 
-impl EntryReport {
+impl RepresentationReport {
     pub(crate) fn new(entry: Representation) -> Self {
         Self {
             modality: entry.modality,

@@ -5,8 +5,8 @@ use crate::table::{Table, counted};
 use articula::inspect::{Human, Morph, Pose, Rig, Term};
 
 /// Most rows of the table of expressions, and most names in a list.
-const MOST_ROWS: usize = 100;
-const MOST_NAMES: usize = 8;
+const MAX_ROWS: usize = 100;
+const MAX_NAMES: usize = 8;
 
 /// Format, origin and licence.
 pub(super) fn head(found: &Human) -> String {
@@ -68,7 +68,7 @@ pub(super) fn body(found: &Human) -> String {
         if let Some(more) = found
             .expressions
             .len()
-            .checked_sub(MOST_ROWS)
+            .checked_sub(MAX_ROWS)
             .filter(|m| *m > 0)
         {
             text.push_str(&format!("  … and {more} more (--json lists all)\n"));
@@ -93,7 +93,7 @@ fn expressions_table(found: &Human) -> Table {
         "kept",
     ];
     let mut table = Table::new(&headings);
-    for e in found.expressions.iter().take(MOST_ROWS) {
+    for e in found.expressions.iter().take(MAX_ROWS) {
         let morph = |m: &Morph| match m.weight {
             1.0 => m.target.clone(),
             weight => format!("{} {:.0}%", m.target, 100.0 * weight),
@@ -128,9 +128,9 @@ fn line(text: &mut String, start: &str, parts: &[&str]) {
 }
 
 fn named(names: &[String]) -> String {
-    let mut list: Vec<&str> = names.iter().map(String::as_str).take(MOST_NAMES).collect();
-    let more = format!("… and {} more", names.len().saturating_sub(MOST_NAMES));
-    if names.len() > MOST_NAMES {
+    let mut list: Vec<&str> = names.iter().map(String::as_str).take(MAX_NAMES).collect();
+    let more = format!("… and {} more", names.len().saturating_sub(MAX_NAMES));
+    if names.len() > MAX_NAMES {
         list.push(&more);
     }
     list.join(", ")

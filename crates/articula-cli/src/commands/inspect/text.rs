@@ -3,11 +3,11 @@
 use super::{human, mesh_levels};
 use crate::fault::clean;
 use crate::table::Table;
-use articula::inspect::{Clip, Extent, Inspection, Skeleton, Warning};
+use articula::inspect::{ClipInspection, Extent, Inspection, SkeletonInspection, Warning};
 
 /// Most rows of a table of clips or meshes, and most names in a list.
-const MOST_ROWS: usize = 100;
-const MOST_NAMES: usize = 24;
+const MAX_ROWS: usize = 100;
+const MAX_NAMES: usize = 24;
 
 /// All tables; with `map` every joint is listed.
 pub(super) fn of(found: &Inspection, map: bool) -> String {
@@ -94,7 +94,7 @@ fn head(found: &Inspection) -> String {
     text
 }
 
-fn skeleton_text(skeleton: &Skeleton) -> String {
+fn skeleton_text(skeleton: &SkeletonInspection) -> String {
     let profile = if skeleton.profile.is_empty() {
         "no profile fits".to_owned()
     } else {
@@ -135,7 +135,7 @@ fn skeleton_text(skeleton: &Skeleton) -> String {
 }
 
 fn clips(found: &Inspection) -> Table {
-    let stored = |c: &Clip| c.motion_tables.filter(|t| t.any());
+    let stored = |c: &ClipInspection| c.motion_tables.filter(|t| t.any());
     let any = found.clips.iter().any(|c| stored(c).is_some());
     let headings = [
         "name", "length", "fps", "frames", "moving", "keyed", "morphs", "keys", "height",
@@ -146,7 +146,7 @@ fn clips(found: &Inspection) -> Table {
     let headings = headings.into_iter().chain(expressions).chain(tables);
     let headings: Vec<&str> = headings.collect();
     let mut table = Table::new(&headings);
-    for clip in found.clips.iter().take(MOST_ROWS) {
+    for clip in found.clips.iter().take(MAX_ROWS) {
         let height = clip.bounds.map(|b| format!("{:.2} m", b.size().y));
         let mut cells = vec![
             clip.name.clone(),
@@ -177,7 +177,7 @@ fn meshes(found: &Inspection) -> Table {
     let levels = any.then_some("coarser levels: triangles (least share of the screen)");
     let headings: Vec<&str> = headings.into_iter().chain(levels).collect();
     let mut table = Table::new(&headings);
-    for mesh in found.meshes.iter().take(MOST_ROWS) {
+    for mesh in found.meshes.iter().take(MAX_ROWS) {
         let mut cells = vec![
             mesh.name.clone(),
             mesh.vertices.to_string(),
@@ -186,7 +186,7 @@ fn meshes(found: &Inspection) -> Table {
             mesh.morph_targets.to_string(),
         ];
         if any {
-            let levels = mesh.levels.iter().take(MOST_NAMES);
+            let levels = mesh.levels.iter().take(MAX_NAMES);
             let levels: Vec<String> = levels
                 .map(|level| shared(level.triangles, level.screen_coverage))
                 .collect();
@@ -231,10 +231,10 @@ fn section(text: &mut String, what: &str, table: Table, count: usize) {
     }
     text.push_str(&format!("\n{}\n", counted(count, what)));
     text.push_str(&table.text());
-    if count > MOST_ROWS {
+    if count > MAX_ROWS {
         text.push_str(&format!(
             "  … and {} more (--json lists all)\n",
-            count - MOST_ROWS
+            count - MAX_ROWS
         ));
     }
 }
@@ -260,9 +260,9 @@ fn list<'a>(names: impl Iterator<Item = &'a str>) -> String {
     // Rigs without any joint names would only repeat themselves.
     names.dedup();
     let count = names.len();
-    if count > MOST_NAMES {
-        names.truncate(MOST_NAMES);
-        names.push(format!("… and {} more", count - MOST_NAMES));
+    if count > MAX_NAMES {
+        names.truncate(MAX_NAMES);
+        names.push(format!("… and {} more", count - MAX_NAMES));
     }
     names.join(", ")
 }

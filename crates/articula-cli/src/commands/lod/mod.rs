@@ -14,18 +14,18 @@ use anyhow::Context;
 use articula::Figure;
 use articula::evaluate::{Costs, EvaluatedClip, MethodTable, NamedMethod, ParameterChoice};
 use articula::{StoredTables, stored_tables};
-use articula_build::evaluate::{Method, EvaluationSetup};
+use articula_build::evaluate::{EvaluationSetup, Method};
 use articula_flat::Picture;
 use articula_report::{motion_sheet, rest_sheet, stacked};
 use clap::Args;
-use report::Report;
+use report::LodReport;
 use std::path::{Path, PathBuf};
 
 /// The distances of the spec's tables, metres.
 pub(crate) const DISTANCES_M: [f32; 5] = [3.5, 5.65, 9.05, 16.0, 25.6];
 
 /// Frames of a clip that is played under a method: the truth of all of them is kept.
-const MOST_FRAMES: usize = 100_000;
+const MAX_FRAMES: usize = 100_000;
 
 /// Arguments of `lod`.
 #[derive(Debug, Args)]
@@ -81,8 +81,8 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
         &figure.asset.clips[clip].name,
         figure.asset.clips[clip].frames(),
     );
-    if frames > MOST_FRAMES {
-        let what = format!("{frames} frames, the limit is {MOST_FRAMES}; trim the clip");
+    if frames > MAX_FRAMES {
+        let what = format!("{frames} frames, the limit is {MAX_FRAMES}; trim the clip");
         anyhow::bail!("{}: clip \"{name}\": {what}", figure.opened.name.clone());
     }
     let scene = EvaluatedClip {
@@ -99,7 +99,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
     args.check_parameter(&methods)?;
     let tables =
         console.work(|work| scene.tables(&methods, &args.distances, args.tuning(), work))?;
-    let mut report = Report::new(&scene, args, &tables);
+    let mut report = LodReport::new(&scene, args, &tables);
     report.motion_tables = stored.get(clip).copied();
     if let Some(path) = &args.plot {
         write_plots(&scene, &tables, path, &mut report)?;
@@ -109,7 +109,7 @@ pub(crate) fn run(args: &LodArgs, console: &Console) -> anyhow::Result<()> {
         let sheet = draw_sheet(&scene, &tables, &report.heading(), notes)?;
         report.written.push(write_png(&sheet, path)?);
     }
-    console.result(&report, Report::text)
+    console.result(&report, LodReport::text)
 }
 
 impl LodArgs {
@@ -187,7 +187,7 @@ impl LodArgs {
         EvaluationSetup {
             viewport: self.view.viewport(),
             seed: self.seed,
-            ..Setup::default()
+            ..EvaluationSetup::default()
         }
     }
 }
@@ -200,7 +200,7 @@ fn distance(text: &str) -> Result<f32, String> {
 }
 
 fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result<()> {
-    let mut report = Report::at_rest(figure, args);
+    let mut report = LodReport::at_rest(figure, args);
     if args.plot.is_some() {
         let what = "no clip, so there is nothing to plot; leave --plot out";
         anyhow::bail!("{}: {what}", figure.opened.name.clone());
@@ -211,7 +211,7 @@ fn at_rest(args: &LodArgs, figure: &Figure, console: &Console) -> anyhow::Result
         let sheet = sheet.context("the contact sheet")?;
         report.written.push(write_png(&sheet, path)?);
     }
-    console.result(&report, Report::text)
+    console.result(&report, LodReport::text)
 }
 
 /// By distance for one method; by method at the middle distance for several.
@@ -239,7 +239,7 @@ fn write_plots(
     scene: &EvaluatedClip<'_>,
     tables: &[MethodTable],
     path: &Path,
-    report: &mut Report,
+    report: &mut LodReport,
 ) -> anyhow::Result<()> {
     let clip = &scene.figure.asset.clips[scene.clip].name;
     let heading = format!("clip {clip}");

@@ -1,6 +1,6 @@
 //! `lod --camera-path`: the controller of a frame before a moving camera.
 
-use super::report::Report;
+use super::report::LodReport;
 use super::{LodArgs, write_png};
 use crate::console::Console;
 use crate::files;
@@ -29,7 +29,7 @@ pub(super) fn run(
     let place = || scene.figure.opened.name.clone();
     let played = path.play(&stage, args.calibrate).with_context(place)?;
     bar.finish_and_clear();
-    let mut report = Report::new(scene, args, &[]);
+    let mut report = LodReport::new(scene, args, &[]);
     report.rows.push(played.row);
     if let Some(target) = &args.plot {
         let clip = &scene.figure.asset.clips[scene.clip].name;
@@ -49,7 +49,7 @@ pub(super) fn run(
         report.written.push(write_png(&picture, target)?);
     }
     report.camera_path = Some(played.summary);
-    console.result(&report, Report::text)
+    console.result(&report, LodReport::text)
 }
 
 fn write(plots: &[Plot], target: &Path) -> anyhow::Result<Vec<String>> {

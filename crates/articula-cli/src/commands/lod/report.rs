@@ -12,7 +12,7 @@ use serde::Serialize;
 
 /// One clip played under one method or all.
 #[derive(Debug, Serialize)]
-pub(super) struct Report {
+pub(super) struct LodReport {
     pub(super) file: String,
     pub(super) clip: Option<String>,
     pub(super) method: String,
@@ -42,7 +42,7 @@ pub(super) struct Report {
     pub(super) warnings: Vec<String>,
 }
 
-impl Report {
+impl LodReport {
     /// What was played and how it went.
     pub(super) fn new(scene: &EvaluatedClip<'_>, args: &LodArgs, tables: &[MethodTable]) -> Self {
         let asset = &scene.figure.asset;

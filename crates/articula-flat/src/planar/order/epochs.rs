@@ -1,6 +1,6 @@
 //! Spans of frames that share one order.
 //!
-//! Source: `spec/vector.md` 4. Differs: each epoch's order grows out of the one before it by
+//! Source: `docs/methods/vector.md` 4. Differs: each epoch's order grows out of the one before it by
 //! sifting, so that few triangles change their place and need a copy.
 
 use super::graph::first_order;

@@ -1,7 +1,7 @@
 //! A first order: constraints as a weighted graph, its strongly connected components in turn,
 //! and inside a component whatever contradicts least.
 //!
-//! Source: `spec/vector.md` 4, steps 1 to 3; components after Tarjan 1972, least incoming
+//! Source: `docs/methods/vector.md` 4, steps 1 to 3; components after Tarjan 1972, least incoming
 //! weight first after Eades, Lin and Smyth 1993. Differs: inside a component what nothing
 //! waits for any more goes to the end, instead of looking for components again.
 

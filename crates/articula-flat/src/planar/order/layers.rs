@@ -1,6 +1,6 @@
 //! One list of painted copies that shows the order of every epoch.
 //!
-//! Source: `spec/vector.md` 4. Each epoch's order is merged into the list so far: what keeps
+//! Source: `docs/methods/vector.md` 4. Each epoch's order is merged into the list so far: what keeps
 //! its place relative to the others, in the longest way (longest increasing subsequence after
 //! Fredman 1975), stays one element; what moves gets another copy between its new neighbours.
 //! A copy of an earlier epoch is used again where it fits.

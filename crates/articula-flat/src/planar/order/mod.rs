@@ -1,6 +1,6 @@
 //! In which order triangles are painted, and which pixels that leaves wrong.
 //!
-//! Source: `spec/vector.md` 4. Vector players have no depth buffer: what is painted later lies
+//! Source: `docs/methods/vector.md` 4. Vector players have no depth buffer: what is painted later lies
 //! on top. Wherever a triangle that is painted covers a sample that another one owns in the
 //! item buffer, it has to come first; where such constraints contradict each other, the order
 //! that leaves fewest samples wrong is sought.

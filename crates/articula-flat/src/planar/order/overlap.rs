@@ -1,6 +1,6 @@
 //! Who covers whom: the sets of triangles that lie over each other at a sample, counted.
 //!
-//! Source: `spec/vector.md` 4, steps 1 and 4. Differs: whole sets are kept instead of pairs. A
+//! Source: `docs/methods/vector.md` 4, steps 1 and 4. Differs: whole sets are kept instead of pairs. A
 //! sample is right if the triangle that owns it is painted last of its set, so the count of
 //! wrong samples of any order is exact, without painting anything again.
 

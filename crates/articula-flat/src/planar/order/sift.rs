@@ -6,13 +6,13 @@
 use super::overlap::Overlaps;
 
 /// Rounds over all triangles; each ends as soon as nothing moves.
-const MOST_ROUNDS: usize = 24;
+const MAX_ROUNDS: usize = 24;
 
 /// Improves an order for sets that count `weights` samples each. Triangles that no set names
 /// keep their relative places.
 pub(super) fn sift(overlaps: &Overlaps, weights: &[(u32, u64)], order: &mut Vec<u32>) {
     let mut sifter = Sifter::new(overlaps, weights, std::mem::take(order));
-    for _ in 0..MOST_ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         if !sifter.round() {
             break;
         }

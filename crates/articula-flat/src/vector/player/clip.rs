@@ -1,6 +1,6 @@
 //! A clip as the player has it: triangles in painting order, places and light as components.
 //!
-//! Source: `spec/vector.md` 8.3.
+//! Source: `docs/methods/vector.md` 8.3.
 
 use crate::low_rank::quantised::Quantised;
 use crate::planar::shading::Shading;

@@ -1,6 +1,6 @@
 //! Writes the player's container `ARTV`.
 //!
-//! Source: `spec/vector.md` 8.3, `docs/formats/artv.md` (byte by byte). Differs: numbers are of
+//! Source: `docs/methods/vector.md` 8.3, `docs/formats/artv.md` (byte by byte). Differs: numbers are of
 //! variable length instead of 16 and 8 bits, so weak components cost what they carry; corners are
 //! written as how far back they were first named.
 

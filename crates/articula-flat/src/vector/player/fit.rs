@@ -1,6 +1,6 @@
 //! The smallest motion within the tolerances: how many components, how finely written.
 //!
-//! Source: `spec/vector.md` 8.3. Differs: more components written more coarsely may be smaller
+//! Source: `docs/methods/vector.md` 8.3. Differs: more components written more coarsely may be smaller
 //! than few fine ones, so ranks from the least that can do are tried, each with the coarsest
 //! steps that hold, measured on what a reader gets back.
 

@@ -1,6 +1,6 @@
 //! A face that named inputs drive: the same container, whose components are blend shapes.
 //!
-//! Source: `spec/vector.md` 8.3: coefficients are plain inputs, so a host may give them. Limits:
+//! Source: `docs/methods/vector.md` 8.3: coefficients are plain inputs, so a host may give them. Limits:
 //! offsets on the screen are added, so what turns (the head, a wide opening jaw) runs straight
 //! instead of round; two inputs at once are the sum of each alone; triangles keep one painting
 //! order and none is ever hidden.

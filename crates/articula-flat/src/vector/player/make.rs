@@ -1,6 +1,6 @@
 //! From a planar clip to the file that plays it.
 //!
-//! Source: `spec/vector.md` 8.3.
+//! Source: `docs/methods/vector.md` 8.3.
 
 use super::clip::{PlayerClip, PlayerEpoch};
 use super::container::{PartSizes, encode, encode_parts};

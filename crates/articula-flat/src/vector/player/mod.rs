@@ -1,6 +1,6 @@
 //! A clip as a small file with a small player: one SVG or one JavaScript module.
 //!
-//! Source: `spec/vector.md` 8.3; `docs/formats/artv.md`.
+//! Source: `docs/methods/vector.md` 8.3; `docs/formats/artv.md`.
 //!
 //! - [`PlayerClip`]: the noun, what the container holds; [`encode`] and [`decode`] write and read it
 //! - [`LiveSource`]: a clip that named inputs drive
@@ -20,7 +20,7 @@ mod stream;
 mod tests;
 mod topology;
 
-pub use clip::{PlayerFrame, PlayerClip};
+pub use clip::{PlayerClip, PlayerFrame};
 pub use container::encode;
 pub use decode::decode;
 pub use error::PlayerError;

@@ -1,7 +1,7 @@
 //! The text of a file that plays: the script without what the file does not need, and the clip
 //! beside it.
 //!
-//! Source: `spec/vector.md` 8.3. An SVG carries its canvas in a `foreignObject`; inside a web page
+//! Source: `docs/methods/vector.md` 8.3. An SVG carries its canvas in a `foreignObject`; inside a web page
 //! it may stand inline, in an `<object>` or in an `<iframe>`, not in an `<img>`, where no script
 //! runs.
 

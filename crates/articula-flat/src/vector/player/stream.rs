@@ -7,7 +7,7 @@
 use super::error::PlayerError;
 
 /// Whole numbers have at most this many bits.
-const MOST_BITS: u32 = 31;
+const MAX_BITS: u32 = 31;
 
 /// Collects bytes.
 #[derive(Debug, Default)]
@@ -72,7 +72,7 @@ impl<'a> Reader<'a> {
             let byte = self.byte()?;
             value |= u64::from(byte & 127) << shift;
             if byte < 128 {
-                return if value >> MOST_BITS == 0 {
+                return if value >> MAX_BITS == 0 {
                     Ok(value as u32)
                 } else {
                     Err(PlayerError::Malformed("a number of more than 31 bits"))

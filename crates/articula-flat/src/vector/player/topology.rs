@@ -1,6 +1,6 @@
 //! Which triangles, points and wedges a clip of the player has.
 //!
-//! Source: `spec/vector.md` 8.3. Wedges are numbered as they are first named in painting order,
+//! Source: `docs/methods/vector.md` 8.3. Wedges are numbered as they are first named in painting order,
 //! so that most corners are "the next new one" or one named a little before (W. Hoppe calls the
 //! corner of a triangle with its attributes a wedge); each triangle begins with the corners that
 //! are known already, which are the better guess for the new ones.

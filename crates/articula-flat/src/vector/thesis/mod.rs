@@ -1,7 +1,7 @@
 //! The vector graphics of the thesis, as it describes them: the baseline that ratios are
 //! measured against.
 //!
-//! Source: thesis 4.2, 6.2.2; `spec/vector.md` 8.6. Triangles are sorted by depth once, at the
+//! Source: thesis 4.2, 6.2.2; `docs/methods/vector.md` 8.6. Triangles are sorted by depth once, at the
 //! neutral frame; whole faces are switched by back-face and frustum culling, never by occlusion;
 //! a face has one colour, and Gouraud shading is for stills. It plays once and stays at its last
 //! frame, as nothing else is said. Differs: the figures with the SVG text are lost to us, so the
@@ -23,7 +23,7 @@ use document::{Clock, Document};
 use faces::Faces;
 
 /// Most bytes that are written, about.
-const MOST_BYTES: usize = 1 << 30;
+const MAX_BYTES: usize = 1 << 30;
 
 /// How the thesis turns a clip into SVG elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -178,11 +178,11 @@ fn has_frame(clip: &PlanarClip, at: &'static str, frame: usize) -> Result<(), Pl
 }
 
 fn fits(bytes: usize) -> Result<(), PlanarError> {
-    if bytes <= MOST_BYTES {
+    if bytes <= MAX_BYTES {
         return Ok(());
     }
     let what = format!(
-        "about {bytes} bytes as the thesis writes them, more than {MOST_BYTES}; choose fewer triangles or frames"
+        "about {bytes} bytes as the thesis writes them, more than {MAX_BYTES}; choose fewer triangles or frames"
     );
     Err(PlanarError::Mismatch { at: "clip", what })
 }

@@ -159,7 +159,7 @@ fn wrong_frames_and_what_is_out_of_view_are_told() {
         Err(PlanarError::NothingSeen)
     );
     // A gigabyte is refused before it is written.
-    assert!(fits(MOST_BYTES).is_ok() && fits(MOST_BYTES + 1).is_err());
+    assert!(fits(MAX_BYTES).is_ok() && fits(MAX_BYTES + 1).is_err());
 }
 
 #[test]

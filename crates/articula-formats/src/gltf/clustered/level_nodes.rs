@@ -14,7 +14,7 @@ use crate::gltf::place::whole;
 use crate::gltf::reader::{Notes, Reader};
 use crate::limits::Limits;
 use crate::written::WriteError;
-use articula_core::{ClusteredTriangles, LevelTable, judged_metres};
+use articula_core::{ClusteredTriangles, LevelTable, lod_error_metres};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -27,14 +27,14 @@ const ERROR_PX: f32 = 1.0;
 const SCREEN_PX: [u32; 2] = [1920, 1080];
 
 /// The share of the screen that the mesh covers where the error of a level in motion, judged
-/// as levels are chosen by ([`judged_metres`]), is what may be seen: from there down the
+/// as levels are chosen by ([`lod_error_metres`]), is what may be seen: from there down the
 /// level is good enough.
 ///
 /// With `k = ERROR_PX / error_metres` pixels a metre, the ball covers `pi (radius k)^2` of
 /// `width * height` pixels.
 fn coverage(radius_metres: f32, levels: &LevelTable, level: usize) -> f32 {
     let error = levels.levels.get(level).map_or(f32::INFINITY, |l| {
-        judged_metres(l.motion.p95_metres, l.motion.max_metres)
+        lod_error_metres(l.motion.p95_metres, l.motion.max_metres)
     });
     if error <= 0.0 {
         return 1.0;

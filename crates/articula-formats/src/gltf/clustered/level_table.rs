@@ -1,13 +1,13 @@
 //! The table of levels in the extension of the document.
 
-use super::version::{Counts, MOST_LEVELS, VERSION};
+use super::version::{Counts, MAX_LEVELS, VERSION};
 use crate::error::ReadError;
 use crate::gltf::append::{set, short};
 use crate::gltf::extension::CLUSTERED_MESH;
 use crate::gltf::place::Place;
 use crate::gltf::reader::Reader;
 use crate::written::WriteError;
-use articula_core::source::Mesh;
+use articula_core::source::RawMesh;
 use articula_core::{LevelRow, LevelTable, SurfaceError};
 use serde_json::{Value, json};
 
@@ -48,7 +48,10 @@ fn members(error: &SurfaceError) -> [(&'static str, f32); 4] {
 
 /// The table, if meshes that were read have levels. A broken one is a warning: the levels can be
 /// drawn, but nobody knows what they lose.
-pub(in crate::gltf) fn read_levels(reader: &mut Reader<'_>, meshes: &[Mesh]) -> Option<LevelTable> {
+pub(in crate::gltf) fn read_levels(
+    reader: &mut Reader<'_>,
+    meshes: &[RawMesh],
+) -> Option<LevelTable> {
     let extension = reader.root.dig(&["extensions", CLUSTERED_MESH])?;
     let clustered = meshes.iter().flat_map(|m| &m.clustered);
     let levels = clustered.map(|c| c.clusters.levels()).max()?;
@@ -64,7 +67,7 @@ pub(in crate::gltf) fn read_levels(reader: &mut Reader<'_>, meshes: &[Mesh]) -> 
 /// Number of levels that the table of the document has.
 pub(super) fn count(root: &Place<'_>) -> usize {
     let extension = root.dig(&["extensions", CLUSTERED_MESH]);
-    extension.map_or(0, |e| e.count("levels").min(MOST_LEVELS + 1))
+    extension.map_or(0, |e| e.count("levels").min(MAX_LEVELS + 1))
 }
 
 fn read_table(extension: &Place<'_>, levels: usize) -> Result<LevelTable, ReadError> {

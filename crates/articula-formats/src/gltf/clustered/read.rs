@@ -1,7 +1,7 @@
 //! Levels out of a document, believed only after every number was compared.
 
 use super::level_table;
-use super::version::{Counts, MOST_LEVELS};
+use super::version::{Counts, MAX_LEVELS};
 use crate::error::ReadError;
 use crate::gltf::extension::CLUSTERED_MESH;
 use crate::gltf::origin::origins;
@@ -80,8 +80,8 @@ pub(super) fn read_part(
         return Err(extension.malformed("the indices are no whole triangles"));
     }
     let vertices = extension.entries("vertices")?;
-    if vertices.len() > MOST_LEVELS {
-        let what = format!("{} levels, at most {MOST_LEVELS} are read", vertices.len());
+    if vertices.len() > MAX_LEVELS {
+        let what = format!("{} levels, at most {MAX_LEVELS} are read", vertices.len());
         return Err(extension.malformed(what));
     }
     let counts = Counts::of(extension)?;

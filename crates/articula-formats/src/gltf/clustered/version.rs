@@ -7,7 +7,7 @@ use crate::gltf::place::Place;
 pub(super) const VERSION: u64 = 2;
 
 /// Most levels that are read or written: whoever asks for each of them is done in time.
-pub(super) const MOST_LEVELS: usize = 256;
+pub(super) const MAX_LEVELS: usize = 256;
 
 /// How an object of the extension counts levels. The only place that knows of another way than
 /// from the finest, 0.

@@ -1,6 +1,6 @@
 //! Levels into a document: every array of a primitive in the order of the levels.
 
-use super::version::{MOST_LEVELS, VERSION};
+use super::version::{MAX_LEVELS, VERSION};
 use crate::error::ReadError;
 use crate::gltf::append::{Use, entries_mut, object, push, set};
 use crate::gltf::arrays::{Reordered, reordered};
@@ -12,13 +12,13 @@ use crate::gltf::prune::each_accessor_reference;
 use crate::gltf::reader::{Notes, Reader};
 use crate::limits::Limits;
 use crate::written::WriteError;
-use articula_core::source::Mesh;
+use articula_core::source::RawMesh;
 use articula_core::{Cluster, ClusteredTriangles, Clusters, LevelTable};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Vertices that 16 bits can number; 65535 itself would restart a strip.
-const MOST_SHORT: usize = 65535;
+const MAX_SHORT: usize = 65535;
 
 /// Extensions of primitives that say nothing of single vertices but by attributes.
 const HARMLESS: &[&str] = &[
@@ -134,7 +134,7 @@ impl Document {
     pub(in crate::gltf) fn add_stored_levels(
         &mut self,
         levels: &LevelTable,
-        (meshes, nodes): (&[Mesh], &[usize]),
+        (meshes, nodes): (&[RawMesh], &[usize]),
     ) -> Result<(), WriteError> {
         let most = meshes
             .iter()
@@ -215,7 +215,7 @@ impl Document {
             .map(|a| self.add_reordered(a))
             .collect();
         self.state_bounds(&arrays, &Limits::default());
-        let short = part.vertices.len() <= MOST_SHORT;
+        let short = part.vertices.len() <= MAX_SHORT;
         let corners = part.triangles.as_flattened().iter();
         let bytes: Vec<u8> = if short {
             corners.flat_map(|&c| (c as u16).to_le_bytes()).collect()
@@ -274,9 +274,9 @@ fn mismatch(node: usize, what: impl Into<String>) -> WriteError {
 
 fn check(part: &PartLevels<'_>, levels: usize) -> Result<(), String> {
     let found = part.clusters.levels();
-    if found != levels || levels > MOST_LEVELS {
+    if found != levels || levels > MAX_LEVELS {
         return Err(format!(
-            "{found} levels, {levels} in the table, at most {MOST_LEVELS}"
+            "{found} levels, {levels} in the table, at most {MAX_LEVELS}"
         ));
     }
     let object = ClusteredTriangles {

@@ -5,16 +5,16 @@
 //! list the expressions under the typed extensions. Differs: what lies between the two ends of an
 //! animation is taken as a straight line.
 
+use super::super::node_meshes::NodeMeshes;
 use super::super::place::{Place, whole};
 use super::super::reader::Reader;
-use super::super::shown::Shown;
 use super::super::skeleton::Skeletal;
 use super::{EXPRESSION, ExpressionSet, ExpressionShare, extension};
 use crate::error::ReadError;
 use articula_core::angle_between;
 use articula_core::source::{
-    Channel, Clip, Expression, Interpolation, JointBinding, Mask, MaskKind, MorphBinding, Property,
-    evaluate,
+    Channel, Expression, Interpolation, JointBinding, Mask, MaskKind, MorphBinding, Property,
+    RawClip, evaluate,
 };
 use glam::{Quat, Vec3};
 use std::collections::{HashMap, HashSet};
@@ -39,8 +39,8 @@ pub(in super::super) struct Found {
 pub(in super::super) fn read(
     reader: &mut Reader<'_>,
     skeletal: &Skeletal,
-    shown: &Shown,
-    clips: &[Clip],
+    shown: &NodeMeshes,
+    clips: &[RawClip],
 ) -> Result<Found, ReadError> {
     let mut found = Found::default();
     let root = reader.root.clone();
@@ -82,14 +82,14 @@ fn entries<'a>(root: &Place<'a>) -> Vec<Place<'a>> {
 /// The animation of one expression, by the channels that belong to it.
 struct Response<'a> {
     place: Place<'a>,
-    clip: &'a Clip,
+    clip: &'a RawClip,
     channels: Vec<&'a Channel>,
     /// Channels that drive no joint or morph target.
     others: usize,
 }
 
 impl<'a> Response<'a> {
-    fn new(root: &Place<'a>, place: &Place<'a>, index: usize, clip: &'a Clip) -> Self {
+    fn new(root: &Place<'a>, place: &Place<'a>, index: usize, clip: &'a RawClip) -> Self {
         let animation = root.entry("animations", index);
         let all = animation.map_or(Vec::new(), |a| a.entries("channels").unwrap_or_default());
         // Drafts before KHR_character_expression named the channels of each entry.
@@ -126,7 +126,7 @@ impl<'a> Response<'a> {
         &self,
         reader: &mut Reader<'_>,
         skeletal: &Skeletal,
-        shown: &Shown,
+        shown: &NodeMeshes,
         expression: &mut Expression,
     ) -> Result<(), ReadError> {
         let mut curved = false;

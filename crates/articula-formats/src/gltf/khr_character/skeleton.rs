@@ -9,7 +9,7 @@ use super::super::place::Place;
 use super::super::reader::Reader;
 use super::super::skeleton::Skeletal;
 use super::{RigMapping, SKELETON_MAPPING, extension};
-use crate::profile::is_vrm_bone;
+use crate::joint_map::is_vrm_bone;
 use std::collections::HashMap;
 
 /// The mapping to one rig, by nodes.

@@ -9,10 +9,10 @@ use super::super::document::Document;
 use super::super::place::{Place, whole};
 use super::super::vrm::facing::{faces_back, parents, rest};
 use super::{CHARACTER, REFERENCE_POSE, SKELETON_MAPPING};
-use crate::profile::is_vrm_bone;
+use crate::joint_map::is_vrm_bone;
 use crate::written::WriteError;
 use articula_core::Transform;
-use articula_core::source::{Channel, Clip, Credits, Interpolation, Property};
+use articula_core::source::{Channel, Credits, Interpolation, Property, RawClip};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 
@@ -147,7 +147,7 @@ impl Document {
                 key(Property::Translation, &rest.translation.to_array());
             }
         }
-        let mut pose = self.animation_of_nodes(&Clip {
+        let mut pose = self.animation_of_nodes(&RawClip {
             name: kind.to_owned(),
             duration_secs: 0.0,
             channels,

@@ -3,9 +3,9 @@
 //! Source: VRM 0.x `blendShapeMaster.blendShapeGroups`, VRM 1.0 `expressions`, VRM animation 1.0
 //! `expressions`. Presets of VRM 0.x take their names of VRM 1.0, so that one motion drives both.
 
+use super::super::node_meshes::NodeMeshes;
 use super::super::place::{Place, whole};
 use super::super::reader::Reader;
-use super::super::shown::Shown;
 use crate::error::ReadError;
 use articula_core::source::{Expression, Mask, MaskKind, MorphBinding};
 use serde_json::Value;
@@ -94,7 +94,7 @@ pub(in super::super) fn expression_nodes(json: &Value) -> Vec<Option<usize>> {
 /// Reads all expressions.
 pub(in super::super) fn read(
     reader: &mut Reader<'_>,
-    shown: &Shown,
+    shown: &NodeMeshes,
 ) -> Result<Vec<Expression>, ReadError> {
     let listed = listed(&reader.root);
     let mut of_name: HashMap<&str, usize> = HashMap::new();
@@ -165,12 +165,12 @@ fn masks(
 
 /// The way from nodes and glTF meshes to the meshes of the character.
 struct Meshes<'a> {
-    shown: &'a Shown,
+    shown: &'a NodeMeshes,
     of_gltf: HashMap<u64, Vec<usize>>,
 }
 
 impl<'a> Meshes<'a> {
-    fn new(reader: &Reader<'_>, shown: &'a Shown) -> Self {
+    fn new(reader: &Reader<'_>, shown: &'a NodeMeshes) -> Self {
         let mut of_gltf: HashMap<u64, Vec<usize>> = HashMap::new();
         for (m, node) in shown.node_of_mesh.iter().enumerate() {
             let node = reader.root.entry("nodes", *node);

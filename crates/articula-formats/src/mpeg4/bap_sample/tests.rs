@@ -1,9 +1,9 @@
 //! BAP on the standard humanoid: joint positions by hand, any motion as BAP and back.
 
-use crate::mpeg4::bap::{self, BAPS, BapClip, BapFrame, Motion, BapError, TABLE};
-use crate::{Limits, ReadOptions, WriteError, bvh, profile};
+use crate::mpeg4::bap::{self, BAPS, BapClip, BapError, BapFrame, Motion, TABLE};
+use crate::{Limits, ReadOptions, WriteError, bvh, joint_map};
 use articula_core::hanim_table::{BODY_JOINTS, JOINTS, find};
-use articula_core::source::{Channel, Character, Clip, Interpolation, Property, evaluate};
+use articula_core::source::{Channel, Character, Interpolation, Property, RawClip, evaluate};
 use articula_core::{Articulation, LocalPose};
 use articula_mutate::Dice;
 use glam::{Affine3A, Quat, Vec3};
@@ -63,7 +63,7 @@ fn globals(character: &Character, time_secs: f32) -> Vec<Affine3A> {
 }
 
 fn articulation(character: &Character) -> Articulation {
-    let map = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
+    let map = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
     assert!(map.humanoid);
     map.articulation
 }
@@ -264,7 +264,7 @@ fn shown_by_the_standard(rig: &Character, only: impl Fn(&str) -> bool) -> Charac
             times_secs: times.clone(),
             values,
         });
-    figure.clips.push(Clip {
+    figure.clips.push(RawClip {
         name: "shown".into(),
         duration_secs: *times.last().unwrap(),
         channels: channels.collect(),

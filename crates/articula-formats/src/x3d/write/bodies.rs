@@ -7,7 +7,7 @@
 use super::bones::Bones;
 use super::zero::{agree, influences, model_from_mesh};
 use crate::error::Warning;
-use articula_core::source::{Character, Mesh, Primitive};
+use articula_core::source::{Character, Primitive, RawMesh};
 use glam::{DAffine3, DVec3, Vec3};
 
 /// A mesh ready to be written.
@@ -83,7 +83,7 @@ struct Layout {
 }
 
 impl Layout {
-    fn new(mesh: &Mesh, bones: &Bones) -> Self {
+    fn new(mesh: &RawMesh, bones: &Bones) -> Self {
         let joints = mesh.skin.joints.iter();
         Self {
             matrices: model_from_mesh(mesh, &bones.zero.matrices),
@@ -92,7 +92,7 @@ impl Layout {
     }
 
     /// The bone that moves every vertex alone, if there is one.
-    fn only_bone(&self, mesh: &Mesh) -> Option<usize> {
+    fn only_bone(&self, mesh: &RawMesh) -> Option<usize> {
         let mut only = None;
         for primitive in &mesh.primitives {
             for vertex in 0..primitive.positions.len() {
@@ -162,7 +162,7 @@ impl Layout {
 
     /// Morph targets: a skin point's offset is shared out among the bones that move it, so that
     /// each share turns with its bone, as the source has it.
-    fn targets(&self, mesh: &Mesh, body: &Body) -> Vec<BodyTarget> {
+    fn targets(&self, mesh: &RawMesh, body: &Body) -> Vec<BodyTarget> {
         let target = |slot: usize| {
             let mut pieces: std::collections::BTreeMap<usize, Vec<(usize, Vec3)>> =
                 std::collections::BTreeMap::new();

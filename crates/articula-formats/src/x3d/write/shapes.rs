@@ -7,7 +7,7 @@ use super::bodies::Body;
 use super::markup::Markup;
 use super::names::Names;
 use crate::uri::mime_type;
-use articula_core::source::{Character, Material, Mesh, Primitive};
+use articula_core::source::{Character, Material, Primitive, RawMesh};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
@@ -39,7 +39,7 @@ impl<'c> Shapes<'c> {
         body: &Body,
         coord: &str,
     ) {
-        let mesh: &Mesh = &self.character.meshes[body.mesh];
+        let mesh: &RawMesh = &self.character.meshes[body.mesh];
         let mut first = body.first_point;
         for (primitive, normals) in mesh.primitives.iter().zip(&body.normals) {
             markup.open("Shape");

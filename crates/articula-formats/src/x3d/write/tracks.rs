@@ -12,7 +12,7 @@ use super::bodies::Body;
 use super::bones::{Bone, Bones};
 use super::markup::Markup;
 use super::names::Names;
-use articula_core::source::{Channel, Character, Clip, Interpolation, Property, evaluate};
+use articula_core::source::{Channel, Character, Interpolation, Property, RawClip, evaluate};
 use glam::{DQuat, Quat, Vec3};
 use std::collections::HashSet;
 
@@ -54,7 +54,7 @@ pub(super) fn write(
     markup: &mut Markup,
     names: &mut Names,
     driven: &Driven<'_>,
-    clip: &Clip,
+    clip: &RawClip,
     runs: bool,
 ) -> Vec<Route> {
     let mut writer = Writer {
@@ -86,7 +86,7 @@ pub(super) fn write(
 }
 
 /// What other clips move and this one does not: a player would leave it as the last clip did.
-fn held(character: &Character, clip: &Clip) -> Vec<Channel> {
+fn held(character: &Character, clip: &RawClip) -> Vec<Channel> {
     let key = |c: &Channel| (c.target, c.property);
     let own: HashSet<_> = clip.channels.iter().map(key).collect();
     let mut seen = HashSet::new();
@@ -127,7 +127,7 @@ struct Straight {
 }
 
 impl Writer<'_> {
-    fn sensor(&mut self, clip: &Clip, runs: bool) {
+    fn sensor(&mut self, clip: &RawClip, runs: bool) {
         self.sensor = self.names.give(&clip.name, "clip");
         self.markup.open("TimeSensor").set("DEF", &self.sensor);
         if self.sensor != clip.name && !clip.name.is_empty() {

@@ -4,7 +4,7 @@
 //! another pose, it is the pose of binding: only there can one list of points stand for skin
 //! that several joints move. Joints then show the rest pose by their fields.
 
-use articula_core::source::{Character, Mesh, Primitive};
+use articula_core::source::{Character, Primitive, RawMesh};
 use glam::{Affine3A, DAffine3, DMat3};
 
 /// Joint matrices of one point may differ by this share before it counts as bound elsewhere.
@@ -85,7 +85,7 @@ fn binding_pose(character: &Character, rest: &[DAffine3]) -> Vec<DAffine3> {
 }
 
 /// Model-from-mesh matrix of each joint of a skin, in a pose.
-pub(super) fn model_from_mesh(mesh: &Mesh, pose: &[DAffine3]) -> Vec<DAffine3> {
+pub(super) fn model_from_mesh(mesh: &RawMesh, pose: &[DAffine3]) -> Vec<DAffine3> {
     let pairs = mesh.skin.joints.iter().zip(&mesh.skin.inverse_bind);
     pairs
         .map(|(&joint, bind)| pose[joint] * affine(bind))
@@ -112,7 +112,7 @@ pub(super) fn agree(a: &DAffine3, b: &DAffine3) -> bool {
 }
 
 /// Vertices that follow several joints which do not carry them to the same place in a pose.
-pub(super) fn loose_vertices(mesh: &Mesh, pose: &[DAffine3]) -> usize {
+pub(super) fn loose_vertices(mesh: &RawMesh, pose: &[DAffine3]) -> usize {
     let matrices = model_from_mesh(mesh, pose);
     let is_loose = |primitive: &Primitive, vertex: usize| {
         let mut moved = influences(primitive, vertex);

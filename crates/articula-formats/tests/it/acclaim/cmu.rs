@@ -13,7 +13,7 @@ use articula_core::source::Character;
 use articula_formats::ReadOptions;
 use articula_formats::acclaim;
 use articula_formats::bvh;
-use articula_formats::{Limits, profile};
+use articula_formats::{Limits, joint_map};
 use glam::Vec3;
 
 /// Joints of the ASF file and of the BVH file that are the same joint.
@@ -171,7 +171,7 @@ fn bones_are_named_after_the_joint_at_their_start() {
         return;
     };
     let meaning = |c: &Character| {
-        let mapping = articula_build::joint_names::map(&c.skeleton, profile::builtin(), None);
+        let mapping = articula_build::joint_names::map(&c.skeleton, joint_map::builtin(), None);
         assert!(mapping.humanoid && mapping.crossed.is_empty());
         mapping
     };

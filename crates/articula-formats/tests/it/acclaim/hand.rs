@@ -3,7 +3,7 @@
 use super::{AMC, ASF, at_rest, plain, world};
 use articula_core::source::{Character, Property};
 use articula_formats::acclaim;
-use articula_formats::{Limits, profile};
+use articula_formats::{Limits, joint_map};
 use articula_formats::{ReadOptions, UpAxis};
 use glam::{Quat, Vec3};
 
@@ -280,5 +280,5 @@ end
     assert!(near(head, Vec3::new(1.0, 3.0, -1.5)), "{head}");
     let left = read(UpAxis::Y, None).value.character;
     assert!(near(at_rest(&left)[2], Vec3::new(0.0, 0.0, 0.5)));
-    assert!(!articula_build::joint_names::map(&left.skeleton, profile::builtin(), None).humanoid);
+    assert!(!articula_build::joint_names::map(&left.skeleton, joint_map::builtin(), None).humanoid);
 }

@@ -9,7 +9,7 @@ mod written;
 use crate::world::places as world;
 use articula_core::source::Character;
 use articula_formats::acclaim;
-use articula_formats::{Limits, Read, ReadError};
+use articula_formats::{Limits, Parsed, ReadError};
 use articula_formats::{MotionFile, ReadOptions, UpAxis};
 use glam::Vec3;
 
@@ -88,7 +88,7 @@ arm 1 90
 ";
 
 /// Reads texts in which one unit is a metre, +Y is up and two frames make a second.
-fn plain(asf: &str, amc: Option<&str>) -> Result<Read<MotionFile>, ReadError> {
+fn plain(asf: &str, amc: Option<&str>) -> Result<Parsed<MotionFile>, ReadError> {
     let options = ReadOptions {
         scale_to_metres: Some(1.0),
         up: UpAxis::Y,

@@ -3,7 +3,9 @@
 use super::{AMC, ASF, plain, world};
 use crate::real;
 use articula_core::Transform;
-use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
+use articula_core::source::{
+    Channel, Character, Interpolation, Joint, Property, RawClip, Skeleton,
+};
 use articula_formats::acclaim::{self, WriteOptions};
 use articula_formats::{Limits, bvh, gltf};
 use articula_formats::{MotionFile, ReadOptions, WrittenFile};
@@ -123,7 +125,7 @@ fn character(made: &[Made]) -> Character {
             );
         }
     }
-    character.clips.push(Clip {
+    character.clips.push(RawClip {
         name: "any".to_owned(),
         duration_secs: times_secs[FRAMES - 1],
         channels,

@@ -4,7 +4,7 @@ use super::tiny::{Tiny, read};
 use crate::real;
 use crate::thinned::{clustered, levels, part, store, table};
 use articula_build::Clustered;
-use articula_core::source::{Mesh, Primitive};
+use articula_core::source::{Primitive, RawMesh};
 use articula_formats::gltf::MeshParts;
 use articula_formats::gltf::{Document, GltfFile};
 use serde_json::{Value, json};
@@ -181,7 +181,7 @@ fn set(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
 }
 
 /// What a mesh shows at each level is what its levels were made of.
-fn same_levels(before: &Mesh, after: &Mesh, of: &[Clustered], count: usize) {
+fn same_levels(before: &RawMesh, after: &RawMesh, of: &[Clustered], count: usize) {
     assert_eq!(after.clustered.len(), before.primitives.len());
     for (p, (part, object)) in before.primitives.iter().zip(&after.clustered).enumerate() {
         let name = |t: [u32; 3]| t.map(|v| of[p].vertices[v as usize]);

@@ -1,13 +1,13 @@
 //! Every real file: the counts that its makers state, and round trips.
 
 use crate::real::real_data;
-use articula_core::source::{Clip, Property};
+use articula_core::source::{Property, RawClip};
 use articula_core::{Articulation, JointArticulation, Region};
 use articula_formats::gltf::{self, Document, GltfFile};
-use articula_formats::{Limits, Read, ReadError};
+use articula_formats::{Limits, Parsed, ReadError};
 use std::path::{Path, PathBuf};
 
-fn read(path: &Path) -> Result<Read<GltfFile>, ReadError> {
+fn read(path: &Path) -> Result<Parsed<GltfFile>, ReadError> {
     let bytes = std::fs::read(path).unwrap();
     let folder = path.parent().unwrap().to_owned();
     let mut beside = |uri: &str| std::fs::read(folder.join(uri)).map_err(|e| e.to_string());
@@ -157,7 +157,7 @@ fn comes_back_the_same(name: &str, file: &GltfFile) {
 }
 
 /// A new document has no place for what drives expressions.
-fn without_expressions(file: &GltfFile) -> Vec<Clip> {
+fn without_expressions(file: &GltfFile) -> Vec<RawClip> {
     let mut clips = file.character.clips.clone();
     for clip in &mut clips {
         clip.channels.retain(|c| c.property != Property::Expression);

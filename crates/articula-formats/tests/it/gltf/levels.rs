@@ -1,7 +1,7 @@
 //! Coarser levels of nodes (MSFT_lod): read as levels of one mesh, shown once, written again.
 
 use super::tiny::{Tiny, read};
-use articula_core::source::{Character, Mesh};
+use articula_core::source::{Character, RawMesh};
 use articula_formats::gltf::Document;
 use glam::{Affine3A, Vec3};
 use serde_json::{Value, json};
@@ -50,7 +50,7 @@ fn one_warning(tiny: &Tiny) -> (Character, String) {
 }
 
 /// Triangles and least share of the screen of each level.
-fn told(mesh: &Mesh) -> Vec<(usize, Option<f32>)> {
+fn told(mesh: &RawMesh) -> Vec<(usize, Option<f32>)> {
     let triangles =
         |p: &[articula_core::source::Primitive]| p.iter().map(|p| p.triangles.len()).sum();
     let finest = (triangles(&mesh.primitives), mesh.screen_coverage);

@@ -1,7 +1,7 @@
 //! Builds tiny glTF files in code.
 
 use articula_formats::gltf::{self, GltfFile};
-use articula_formats::{Limits, Read, ReadError};
+use articula_formats::{Limits, Parsed, ReadError};
 use serde_json::{Value, json};
 
 /// Height of the hips above the ground at rest.
@@ -143,13 +143,13 @@ impl Tiny {
         out
     }
 
-    pub(crate) fn read(&self) -> Result<Read<GltfFile>, ReadError> {
+    pub(crate) fn read(&self) -> Result<Parsed<GltfFile>, ReadError> {
         read(&self.glb())
     }
 }
 
 /// Reads a file that stands alone.
-pub(crate) fn read(bytes: &[u8]) -> Result<Read<GltfFile>, ReadError> {
+pub(crate) fn read(bytes: &[u8]) -> Result<Parsed<GltfFile>, ReadError> {
     let mut alone = |_: &str| Err("there is nothing beside it".to_owned());
     gltf::read(bytes, &Limits::default(), &mut alone)
 }

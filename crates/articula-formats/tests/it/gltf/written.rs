@@ -1,7 +1,7 @@
 //! What is written: untouched strangers, smaller animations, extensions with tables.
 
 use super::tiny::{Tiny, read};
-use articula_core::source::{Channel, Clip, Interpolation, Property};
+use articula_core::source::{Channel, Interpolation, Property, RawClip};
 use articula_core::{Articulation, JointArticulation, Region};
 use articula_formats::gltf::{Document, GltfFile, read_document};
 use articula_formats::{Limits, WriteError};
@@ -34,7 +34,7 @@ fn waving() -> Tiny {
     tiny
 }
 
-fn slide(target: usize) -> Clip {
+fn slide(target: usize) -> RawClip {
     let channel = Channel {
         target,
         property: Property::Translation,
@@ -42,7 +42,7 @@ fn slide(target: usize) -> Clip {
         times_secs: vec![0.0, 0.5],
         values: vec![0.0, 0.0, 0.0, 0.1, 0.2, 0.3],
     };
-    Clip {
+    RawClip {
         name: "wave".to_owned(),
         duration_secs: 0.5,
         channels: vec![channel],

@@ -2,10 +2,10 @@
 
 use super::texts::{self, mask};
 use articula_formats::mpeg4::bap::{self, Absent, BapClip, BapFrame};
-use articula_formats::{Limits, Read, ReadError};
+use articula_formats::{Limits, Parsed, ReadError};
 use proptest::prelude::*;
 
-fn read(text: &str) -> Result<Read<BapClip>, ReadError> {
+fn read(text: &str) -> Result<Parsed<BapClip>, ReadError> {
     bap::read(text.as_bytes(), Absent::Hold, &Limits::default())
 }
 

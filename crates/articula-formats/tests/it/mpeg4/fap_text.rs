@@ -2,11 +2,11 @@
 
 use super::texts::{self, mask};
 use articula_core::fap_table::FAPS;
-use articula_formats::mpeg4::fap::{self, Absent, FapExpression, FapClip, FapFrame, Viseme};
-use articula_formats::{Limits, Read, ReadError};
+use articula_formats::mpeg4::fap::{self, Absent, FapClip, FapExpression, FapFrame, Viseme};
+use articula_formats::{Limits, Parsed, ReadError};
 use proptest::prelude::*;
 
-fn read(text: &str) -> Result<Read<FapClip>, ReadError> {
+fn read(text: &str) -> Result<Parsed<FapClip>, ReadError> {
     fap::read(text.as_bytes(), Absent::Hold, &Limits::default())
 }
 

@@ -2,10 +2,10 @@
 
 use super::texts::FDP;
 use articula_formats::mpeg4::fdp::{self, FdpFile};
-use articula_formats::{Limits, Read, ReadError};
+use articula_formats::{Limits, Parsed, ReadError};
 use glam::{Quat, Vec3};
 
-fn read(text: &str) -> Result<Read<FdpFile>, ReadError> {
+fn read(text: &str) -> Result<Parsed<FdpFile>, ReadError> {
     fdp::read(text.as_bytes(), &Limits::default())
 }
 

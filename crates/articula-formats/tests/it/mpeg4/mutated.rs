@@ -4,7 +4,7 @@
 
 use super::texts;
 use articula_formats::mpeg4::{bap, epf, fap, fdp};
-use articula_formats::{Limits, profile};
+use articula_formats::{Limits, joint_map};
 use articula_mutate::{Edit, Mutations, cut_off};
 
 /// Mutations tried on each file.
@@ -51,7 +51,7 @@ fn reads_bap(bytes: &[u8]) -> bool {
         assert!(channel.values.iter().all(|v| v.is_finite()));
     }
     if !character.clips.is_empty() && character.clips[0].duration_secs < 10.0 {
-        let map = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
+        let map = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
         bap::sample(&character, &map.articulation, 0, 10.0).unwrap();
     }
     bap::write(&read.value);

@@ -5,8 +5,8 @@
     reason = "each test file uses a part of it, and a test may panic"
 )]
 
-use articula_build::{Clustered, ClusterOrder, cluster};
-use articula_core::source::{Mesh, Primitive};
+use articula_build::{ClusterOrder, Clustered, cluster};
+use articula_core::source::{Primitive, RawMesh};
 use articula_core::{LevelRow, LevelTable, SurfaceError};
 use articula_formats::WriteError;
 use articula_formats::gltf::GltfFile;
@@ -35,9 +35,16 @@ pub(crate) fn levels(primitive: &Primitive, count: usize) -> Vec<Vec<[u32; 3]>> 
 }
 
 /// Every part of a mesh with its levels.
-pub(crate) fn clustered(mesh: &Mesh, count: usize) -> Vec<Clustered> {
-    let of =
-        |p: &Primitive| cluster(&levels(p, count), p.positions.len(), &[], ClusterOrder::Store).unwrap();
+pub(crate) fn clustered(mesh: &RawMesh, count: usize) -> Vec<Clustered> {
+    let of = |p: &Primitive| {
+        cluster(
+            &levels(p, count),
+            p.positions.len(),
+            &[],
+            ClusterOrder::Store,
+        )
+        .unwrap()
+    };
     mesh.primitives.iter().map(of).collect()
 }
 

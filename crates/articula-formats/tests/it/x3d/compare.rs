@@ -1,11 +1,15 @@
 //! Two characters compared where it counts: joints and skinned corners at any time.
 
 use articula_core::LocalPose;
-use articula_core::source::{Character, Clip, Mesh, Property, evaluate};
+use articula_core::source::{Character, Property, RawClip, RawMesh, evaluate};
 use glam::{DAffine3, DMat3, DVec3};
 
 /// Model matrices of all joints at a time of a clip; without one, at rest.
-pub(crate) fn globals(character: &Character, clip: Option<&Clip>, time_secs: f32) -> Vec<DAffine3> {
+pub(crate) fn globals(
+    character: &Character,
+    clip: Option<&RawClip>,
+    time_secs: f32,
+) -> Vec<DAffine3> {
     let joints = &character.skeleton.joints;
     let mut pose = LocalPose {
         translations: joints.iter().map(|j| j.rest.translation).collect(),
@@ -28,7 +32,7 @@ pub(crate) fn globals(character: &Character, clip: Option<&Clip>, time_secs: f32
 }
 
 /// Weights of a mesh's morph targets at a time.
-fn weights(character: &Character, mesh: usize, clip: Option<&Clip>, time_secs: f32) -> Vec<f32> {
+fn weights(character: &Character, mesh: usize, clip: Option<&RawClip>, time_secs: f32) -> Vec<f32> {
     let mut weights = character.meshes[mesh].morph_weights.clone();
     let channels = clip.iter().flat_map(|c| &c.channels);
     for channel in channels {
@@ -50,12 +54,12 @@ fn affine(m: &glam::Affine3A) -> DAffine3 {
 pub(crate) fn corners(
     character: &Character,
     mesh: usize,
-    clip: Option<&Clip>,
+    clip: Option<&RawClip>,
     time_secs: f32,
 ) -> Vec<DVec3> {
     let globals = globals(character, clip, time_secs);
     let weights = weights(character, mesh, clip, time_secs);
-    let mesh: &Mesh = &character.meshes[mesh];
+    let mesh: &RawMesh = &character.meshes[mesh];
     let binds = mesh.skin.joints.iter().zip(&mesh.skin.inverse_bind);
     let palette: Vec<DAffine3> = binds.map(|(j, bind)| globals[*j] * affine(bind)).collect();
     let mut corners = Vec::new();

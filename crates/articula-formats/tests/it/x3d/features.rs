@@ -3,11 +3,11 @@
 use super::compare::globals;
 use articula_core::source::{Channel, Character, Property};
 use articula_formats::x3d::{self, X3dFile};
-use articula_formats::{Limits, Read, ReadError};
+use articula_formats::{Limits, Parsed, ReadError};
 use glam::{DVec3, Quat, Vec3, Vec4};
 
 /// Reads text with nothing beside it.
-pub(crate) fn read(text: &str) -> Result<Read<X3dFile>, ReadError> {
+pub(crate) fn read(text: &str) -> Result<Parsed<X3dFile>, ReadError> {
     let mut alone = |name: &str| Err(format!("{name}: nothing lies here"));
     x3d::read(text.as_bytes(), &Limits::default(), &mut alone)
 }

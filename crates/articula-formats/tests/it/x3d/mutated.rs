@@ -3,7 +3,7 @@
 //! written and read again.
 
 use articula_formats::x3d;
-use articula_formats::{Limits, profile};
+use articula_formats::{Limits, joint_map};
 use articula_mutate::{Edit, Mutations, cut_off};
 
 /// Mutations tried on each file.
@@ -122,7 +122,7 @@ fn survives(bytes: &[u8]) -> bool {
             assert!(corners.into_iter().all(|v| (*v as usize) < vertices));
         }
     }
-    let mapping = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
+    let mapping = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
     let written = x3d::write(&character, &mapping.articulation, &read.value.sites).unwrap();
     let again = x3d::read(&written.bytes, &Limits::default(), &mut picture);
     // A figure may be as large as numbers go, and then be larger by what joints add.

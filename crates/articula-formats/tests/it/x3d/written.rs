@@ -7,7 +7,7 @@ use articula_core::hanim_table;
 use articula_core::source::Character;
 use articula_formats::WriteError;
 use articula_formats::x3d::{self, X3dFile};
-use articula_formats::{Limits, gltf, profile};
+use articula_formats::{Limits, gltf, joint_map};
 use articula_human::{HumanOptions, human};
 use glam::DVec3;
 
@@ -18,7 +18,7 @@ const BOUND: f64 = 5e-6;
 
 /// Writes and reads a character; also says whether the rest pose is that of the source.
 fn written(character: &Character) -> (X3dFile, bool) {
-    let mapping = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
+    let mapping = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
     let written = x3d::write(character, &mapping.articulation, &[]).unwrap();
     let mut alone = |name: &str| Err(format!("{name}: nothing lies here"));
     let read = x3d::read(&written.bytes, &Limits::default(), &mut alone).unwrap();
@@ -34,7 +34,7 @@ fn written(character: &Character) -> (X3dFile, bool) {
 /// For each joint read, the joint that was written. Those that never move are left out; the
 /// others come depth first.
 fn sources(character: &Character, back: &Character) -> Vec<usize> {
-    let mapping = articula_build::joint_names::map(&character.skeleton, profile::builtin(), None);
+    let mapping = articula_build::joint_names::map(&character.skeleton, joint_map::builtin(), None);
     let own = |joint: usize| {
         let hanim = mapping.articulation.joints[joint].hanim.as_deref();
         hanim.map_or(character.skeleton.joints[joint].name.clone(), |name| {

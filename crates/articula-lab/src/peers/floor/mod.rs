@@ -1,6 +1,6 @@
 //! The floor: eight characters at once through one clip, and nothing else.
 //!
-//! Source: `spec/runtime.md` part 3, without options: no scales, no blending, no looping, no levels,
+//! Source: `docs/methods/runtime.md` part 3, without options: no scales, no blending, no looping, no levels,
 //! one clip for all. Uniform f32 rows, channels that do not move dropped, joints breadth first, the
 //! chain in quaternions and translations, then 3x4 matrices. A scale of a joint without children,
 //! which moves nobody else, is left out; any other is refused. Every other time is stated as a ratio to

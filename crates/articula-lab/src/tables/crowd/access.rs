@@ -2,18 +2,18 @@
 
 use super::frame_order::Access;
 use super::ours::{Batched, plain};
-use super::{Bench, Line, Report, evaluation};
+use super::{Bench, CrowdTables, Line, evaluation};
 use crate::measure::{Contestant, race};
 use anyhow::Result;
-use articula_core::{ClipSet, JointLods, PaletteForm, PaletteMap, ClipStorage};
+use articula_core::{ClipSet, ClipStorage, JointLods, PaletteForm, PaletteMap};
 
 /// Adds the section.
-pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {
+pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
     let (count, frames) = bench.usual();
     let rig = &bench.asset.rig;
-    let ladder = JointLods::whole(rig)?;
-    let map = PaletteMap::joints(&ladder);
-    let clips = ClipSet::new(rig, ladder, &bench.asset.clips, ClipStorage::Float)?;
+    let joint_lods = JointLods::whole(rig)?;
+    let map = PaletteMap::joints(&joint_lods);
+    let clips = ClipSet::new(rig, joint_lods, &bench.asset.clips, ClipStorage::Float)?;
     let ours = Batched {
         clips: &clips,
         map: &map,

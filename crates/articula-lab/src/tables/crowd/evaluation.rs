@@ -2,14 +2,14 @@
 
 use super::frame_order::Access;
 use super::ours::{Batched, plain};
-use super::{Bench, Line, Report};
+use super::{Bench, CrowdTables, Line};
 use crate::measure::{Contestant, Timing, race};
 use crate::peers::floor::{Floor, Sampled};
 use crate::peers::quoted::{FLOOR_THERE, QUOTED, Quoted};
 use crate::peers::structs::Structs;
 use crate::peers::three::{self, Effort, ThreeTimes};
 use anyhow::Result;
-use articula_core::{ClipSet, JointLods, PaletteForm, PaletteMap, ClipStorage};
+use articula_core::{ClipSet, ClipStorage, JointLods, PaletteForm, PaletteMap};
 use articula_report::{BarSeries, PlotOptions, bar_plot};
 use std::hint::black_box;
 
@@ -32,7 +32,7 @@ struct Row {
 }
 
 /// Adds the section.
-pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {
+pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
     let rows = measured(bench)?;
     let counts = bench.counts();
     report.heading(
@@ -140,12 +140,12 @@ struct Ours {
 impl Ours {
     fn new(bench: &Bench) -> Result<Self> {
         let rig = &bench.asset.rig;
-        let ladder = JointLods::whole(rig)?;
+        let joint_lods = JointLods::whole(rig)?;
         let clip = std::slice::from_ref(bench.clip());
         Ok(Self {
-            map: PaletteMap::joints(&ladder),
-            floats: ClipSet::new(rig, ladder.clone(), clip, ClipStorage::Float)?,
-            shorts: ClipSet::new(rig, ladder, clip, ClipStorage::Short)?,
+            map: PaletteMap::joints(&joint_lods),
+            floats: ClipSet::new(rig, joint_lods.clone(), clip, ClipStorage::Float)?,
+            shorts: ClipSet::new(rig, joint_lods, clip, ClipStorage::Short)?,
         })
     }
 
@@ -256,7 +256,7 @@ fn measured(bench: &Bench) -> Result<Vec<Row>> {
 }
 
 /// three.js in node, which is a process of its own and runs after the race.
-fn three_rows(bench: &Bench, report: &mut Report, rows: &[Row]) -> Result<()> {
+fn three_rows(bench: &Bench, report: &mut CrowdTables, rows: &[Row]) -> Result<()> {
     let clip = bench.clip().name.as_str();
     let mut found: Vec<ThreeTimes> = Vec::new();
     for (count, _) in bench.counts() {
@@ -320,7 +320,7 @@ fn quoted_cells(quoted: &Quoted, counts: &[(usize, usize)]) -> Vec<String> {
 }
 
 /// Bytes and nanoseconds for a joint and a frame (thesis 6.3.1).
-fn bytes(bench: &Bench, report: &mut Report, rows: &[Row]) {
+fn bytes(bench: &Bench, report: &mut CrowdTables, rows: &[Row]) {
     let at = bench.counts().len().min(2) - 1;
     let joints = bench.asset.rig.len() as f64;
     report.heading(

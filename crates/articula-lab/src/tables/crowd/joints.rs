@@ -2,22 +2,22 @@
 
 use super::frame_order::Access;
 use super::ours::Batched;
-use super::{Bench, Line, Report, evaluation};
+use super::{Bench, CrowdTables, Line, evaluation};
 use crate::measure::race;
 use anyhow::Result;
 use articula_build::{LevelOptions, joint_lods, mean_pose};
-use articula_core::{ClipSet, JointLods, PaletteForm, PaletteMap, ClipStorage};
+use articula_core::{ClipSet, ClipStorage, JointLods, PaletteForm, PaletteMap};
 use articula_report::{PlotOptions, Series, Values, line_plot};
 
 /// Joints of the coarser levels, as the published row has them.
 const KEPT: [u16; 5] = [48, 32, 24, 16, 8];
 
 /// Adds the section.
-pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {
+pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
     let (count, frames) = bench.usual();
     let clips = clip_set(bench)?;
-    let map = PaletteMap::joints(clips.ladder());
-    let levels = clips.ladder().levels();
+    let map = PaletteMap::joints(clips.joint_lods());
+    let levels = clips.joint_lods().levels();
     let mut contestants = vec![evaluation::floor_stored(bench, count)?];
     for level in 0..levels {
         let ours = Batched {
@@ -41,8 +41,8 @@ pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {
     report.head(&["joints", "3x4 f32, ns", "gain", "in tiles, ns", "gain"]);
     let mut shares = [Vec::new(), Vec::new()];
     for level in 0..levels {
-        let kept = clips.ladder().kept(level);
-        let joints = kept as f64 / clips.ladder().joints().len() as f64;
+        let kept = clips.joint_lods().kept(level);
+        let joints = kept as f64 / clips.joint_lods().joints().len() as f64;
         let mut cells = vec![kept.to_string()];
         for form in 0..2 {
             let (full, timing) = (timings[1 + form], timings[1 + 2 * level + form]);
@@ -77,9 +77,14 @@ fn clip_set(bench: &Bench) -> Result<ClipSet> {
     let order = joint_lods(asset, &mean, &LevelOptions::default())?;
     let mut kept = vec![asset.rig.len() as u16];
     kept.extend(KEPT.iter().filter(|k| usize::from(**k) < asset.rig.len()));
-    let ladder = JointLods::new(&asset.rig, order.joints().to_vec(), kept, &mean)?;
+    let joint_lods = JointLods::new(&asset.rig, order.joints().to_vec(), kept, &mean)?;
     let clip = std::slice::from_ref(bench.clip());
-    Ok(ClipSet::new(&asset.rig, ladder, clip, ClipStorage::Float)?)
+    Ok(ClipSet::new(
+        &asset.rig,
+        joint_lods,
+        clip,
+        ClipStorage::Float,
+    )?)
 }
 
 fn plot([stored, tiles]: [Vec<(f64, f64)>; 2]) -> String {

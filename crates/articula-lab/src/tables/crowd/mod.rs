@@ -1,6 +1,6 @@
 //! What a crowd costs, side by side in one run: ours, the floor, and what others do.
 //!
-//! Source: `spec/runtime.md` parts 1 and 4, thesis 6.3.1. One file for each section of the page;
+//! Source: `docs/methods/runtime.md` parts 1 and 4, thesis 6.3.1. One file for each section of the page;
 //! every section adds to one [`Report`]. All times are processor time of one thread.
 
 mod access;
@@ -70,7 +70,7 @@ impl Bench {
 
 /// The page, its numbers and its pictures, as the sections fill them.
 #[derive(Default)]
-struct Report {
+struct CrowdTables {
     page: String,
     csv: String,
     plots: Vec<(&'static str, String)>,
@@ -88,7 +88,7 @@ struct Line<'a> {
     floor_ns: f64,
 }
 
-impl Report {
+impl CrowdTables {
     fn heading(&mut self, title: &str, text: &str) {
         self.page.push_str(&format!("\n## {title}\n\n{text}\n\n"));
     }
@@ -129,9 +129,9 @@ pub(crate) fn write(run: &Run) -> Result<()> {
         file: run.data.join(FILE),
         small: run.small,
     };
-    let mut report = Report {
+    let mut report = CrowdTables {
         csv: "section,who,characters,variant,median_ns,least_ns,ratio_to_floor\n".to_owned(),
-        ..Report::default()
+        ..CrowdTables::default()
     };
     write!(
         report.page,

@@ -3,7 +3,7 @@
 use super::Bench;
 use crate::measure::Contestant;
 use anyhow::Result;
-use articula_core::batch::{BatchEvaluator, LANES, Scratch, BatchPose};
+use articula_core::batch::{BatchEvaluator, BatchPose, LANES, Scratch};
 use articula_core::{
     Backend, ClipSet, ModelPose, PaletteForm, PaletteMap, PaletteRows, Wrap, local_to_model, sample,
 };

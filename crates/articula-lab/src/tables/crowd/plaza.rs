@@ -1,7 +1,7 @@
 //! The plaza by tier: what a whole frame of 10,000 costs, and what it shows.
 
-use super::stage::{Outcome, Play, ClipEvaluator};
-use super::{Bench, Report, SEED};
+use super::stage::{Outcome, Play, SceneBench};
+use super::{Bench, CrowdTables, SEED};
 use anyhow::Result;
 use articula_build::{PLAZA_COUNT, Plaza, Scene, plaza};
 use articula_core::crowd::{CacheUse, Detail};
@@ -18,10 +18,10 @@ pub(super) struct AtOnePixel {
 }
 
 /// Adds the section; gives the frame of merged levels.
-pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<AtOnePixel> {
+pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<AtOnePixel> {
     let count = if bench.small { 400 } else { PLAZA_COUNT };
     let clips = bench.asset.clips.len();
-    let stage = ClipEvaluator::new(bench)?;
+    let stage = SceneBench::new(bench)?;
     let still = plaza(count, clips, SEED, Plaza::Still);
     let kept: Vec<String> = stage.kept().iter().map(usize::to_string).collect();
     report.heading(
@@ -104,7 +104,7 @@ fn lap_frames(bench: &Bench, scene: &Scene) -> usize {
     }
 }
 
-fn row(report: &mut Report, count: usize, name: &str, outcome: &Outcome) {
+fn row(report: &mut CrowdTables, count: usize, name: &str, outcome: &Outcome) {
     let (median, p95) = (outcome.frame_ms(0.5), outcome.frame_ms(0.95));
     report.row(&[
         name.to_owned(),
@@ -133,8 +133,8 @@ fn row(report: &mut Report, count: usize, name: &str, outcome: &Outcome) {
 /// The same crowd under a budget of evaluation time, and by how much frames exceed it.
 fn budget(
     bench: &Bench,
-    report: &mut Report,
-    stage: &ClipEvaluator<'_>,
+    report: &mut CrowdTables,
+    stage: &SceneBench<'_>,
     scene: &Scene,
     merged: &Outcome,
 ) -> Result<()> {

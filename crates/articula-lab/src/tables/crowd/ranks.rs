@@ -4,13 +4,15 @@ use super::frame_order::Access;
 use super::ours::Batched;
 use super::plaza::AtOnePixel;
 use super::stage::{Errors, NEAR_METRES, distance_px, p95_px};
-use super::{Bench, Report, SEED};
+use super::{Bench, CrowdTables, SEED};
 use crate::measure::race;
 use crate::peers::ranks::{Beyond, Moment, Rank, Ranks};
 use anyhow::{Context, Result};
 use articula_build::draw_vertices;
-use articula_build::{SceneCharacter, PLAZA_COUNT, Plaza, Scene, plaza};
-use articula_core::{Camera, ClipSet, JointLods, PaletteForm, PaletteMap, PosedMesh, ClipStorage, Wrap};
+use articula_build::{PLAZA_COUNT, Plaza, Scene, SceneCharacter, plaza};
+use articula_core::{
+    Camera, ClipSet, ClipStorage, JointLods, PaletteForm, PaletteMap, PosedMesh, Wrap,
+};
 use glam::Vec3;
 
 /// Skin points of a character that are watched.
@@ -20,7 +22,7 @@ const POINTS: usize = 200;
 const GOAL_PX: (f32, f32) = (1.0, 2.0);
 
 /// What a policy does to the picture.
-struct Seen {
+struct PolicyOutcome {
     /// Evaluations a frame, mean over the frames.
     evaluations: f64,
     /// 95th percentile over the visible characters that were looked at.
@@ -39,7 +41,7 @@ struct Trial<'a> {
 }
 
 /// Adds the section.
-pub(super) fn add(bench: &Bench, report: &mut Report, ours: &AtOnePixel) -> Result<()> {
+pub(super) fn add(bench: &Bench, report: &mut CrowdTables, ours: &AtOnePixel) -> Result<()> {
     let count = if bench.small { 400 } else { PLAZA_COUNT };
     let trial = Trial {
         bench,
@@ -91,10 +93,10 @@ pub(super) fn add(bench: &Bench, report: &mut Report, ours: &AtOnePixel) -> Resu
             tried.push((name, trial.seen(&ranks)?));
         }
     }
-    let good = |s: &Seen| s.p95_px <= GOAL_PX.0 && s.near_px <= GOAL_PX.1;
+    let good = |s: &PolicyOutcome| s.p95_px <= GOAL_PX.0 && s.near_px <= GOAL_PX.1;
     let cheap = tried.iter().filter(|(_, s)| good(s));
     let cheap = cheap.min_by(|a, b| a.1.evaluations.total_cmp(&b.1.evaluations));
-    let fast = |s: &Seen| trial.ms(s) <= ours.ms;
+    let fast = |s: &PolicyOutcome| trial.ms(s) <= ours.ms;
     let sharp = tried.iter().filter(|(_, s)| fast(s));
     let sharp = sharp.min_by(|a, b| a.1.p95_px.total_cmp(&b.1.p95_px));
     for (what, found) in [("equal error", cheap), ("equal time", sharp)] {
@@ -110,9 +112,9 @@ pub(super) fn add(bench: &Bench, report: &mut Report, ours: &AtOnePixel) -> Resu
 fn pose_ns(bench: &Bench) -> Result<f64> {
     let (count, frames) = bench.usual();
     let rig = &bench.asset.rig;
-    let ladder = JointLods::whole(rig)?;
-    let map = PaletteMap::joints(&ladder);
-    let clips = ClipSet::new(rig, ladder, &bench.asset.clips, ClipStorage::Float)?;
+    let joint_lods = JointLods::whole(rig)?;
+    let map = PaletteMap::joints(&joint_lods);
+    let clips = ClipSet::new(rig, joint_lods, &bench.asset.clips, ClipStorage::Float)?;
     let ours = Batched {
         clips: &clips,
         map: &map,
@@ -125,11 +127,11 @@ fn pose_ns(bench: &Bench) -> Result<f64> {
 }
 
 impl Trial<'_> {
-    fn ms(&self, seen: &Seen) -> f64 {
+    fn ms(&self, seen: &PolicyOutcome) -> f64 {
         1e-6 * seen.evaluations * self.pose_ns
     }
 
-    fn row(&self, report: &mut Report, name: &str, seen: &Seen) {
+    fn row(&self, report: &mut CrowdTables, name: &str, seen: &PolicyOutcome) {
         report.row(&[
             name.to_owned(),
             format!("{:.0}", seen.evaluations),
@@ -149,7 +151,7 @@ impl Trial<'_> {
     }
 
     /// Plays the policy for a while and looks at some of the characters, and all that are near.
-    fn seen(&self, ranks: &Ranks) -> Result<Seen> {
+    fn seen(&self, ranks: &Ranks) -> Result<PolicyOutcome> {
         let members = &self.scene.members;
         let frames = if self.bench.small { 2 } else { 12 };
         let one_of = if self.bench.small { 40 } else { 97 };
@@ -178,7 +180,7 @@ impl Trial<'_> {
             }
             before = Some(now);
         }
-        Ok(Seen {
+        Ok(PolicyOutcome {
             evaluations: evaluations as f64 / frames as f64,
             p95_px: p95_px(errors.drawn),
             near_px: errors.near_px,
@@ -186,7 +188,12 @@ impl Trial<'_> {
     }
 
     /// How far the skin of a character is off that shows one time of the scene for another.
-    fn error_px(&self, camera: &Camera, member: &SceneCharacter, (shown, truth): (f64, f64)) -> f32 {
+    fn error_px(
+        &self,
+        camera: &Camera,
+        member: &SceneCharacter,
+        (shown, truth): (f64, f64),
+    ) -> f32 {
         if shown == truth {
             return 0.0;
         }

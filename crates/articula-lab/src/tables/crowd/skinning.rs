@@ -1,7 +1,7 @@
 //! Skinning on the processor: for each vertex by influence count, and beside the pose it follows.
 
 use super::frame_order::Access;
-use super::{Bench, Line, Report};
+use super::{Bench, CrowdTables, Line};
 use crate::measure::{Contestant, race};
 use anyhow::Result;
 use articula_core::{
@@ -18,7 +18,7 @@ const COUNT: usize = 40;
 
 /// How vertices are skinned.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Way {
+enum SkinningMethod {
     /// Not at all.
     PoseAlone,
     Plain,
@@ -27,11 +27,14 @@ enum Way {
 }
 
 /// Adds the section.
-pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {
+pub(super) fn add(bench: &Bench, report: &mut CrowdTables) -> Result<()> {
     let meshes = INFLUENCES.map(|most| strongest(&bench.asset.mesh, most));
     let mut names = vec!["pose and palette alone".to_owned()];
-    let mut contestants = vec![follower(bench, &meshes[2], Way::PoseAlone)];
-    for (way, what) in [(Way::Plain, "plain"), (Way::Grouped, "grouped")] {
+    let mut contestants = vec![follower(bench, &meshes[2], SkinningMethod::PoseAlone)];
+    for (way, what) in [
+        (SkinningMethod::Plain, "plain"),
+        (SkinningMethod::Grouped, "grouped"),
+    ] {
         for (most, mesh) in INFLUENCES.iter().zip(&meshes) {
             names.push(format!("with skin, {what}, influences up to {most}"));
             contestants.push(follower(bench, mesh, way));
@@ -78,7 +81,7 @@ pub(super) fn add(bench: &Bench, report: &mut Report) -> Result<()> {
 }
 
 /// Poses every character, and skins it if it is told to.
-fn follower<'a>(bench: &'a Bench, mesh: &'a Mesh, way: Way) -> Contestant<'a> {
+fn follower<'a>(bench: &'a Bench, mesh: &'a Mesh, way: SkinningMethod) -> Contestant<'a> {
     let (rig, clip) = (&bench.asset.rig, bench.clip());
     let all = rig.all();
     let mut local = rig.rest_pose().clone();
@@ -93,9 +96,9 @@ fn follower<'a>(bench: &'a Bench, mesh: &'a Mesh, way: Way) -> Contestant<'a> {
             local_to_model(rig, &local, &mut model);
             palette(mesh, &model, &mut matrices);
             match way {
-                Way::PoseAlone => {}
-                Way::Plain => skin(mesh, &matrices, &mesh.morph_weights, &mut out),
-                Way::Grouped => {
+                SkinningMethod::PoseAlone => {}
+                SkinningMethod::Plain => skin(mesh, &matrices, &mesh.morph_weights, &mut out),
+                SkinningMethod::Grouped => {
                     GroupedSkin::rows(&matrices, &mut matrix_rows);
                     grouped.skin(grouped.rest(), &matrix_rows, &mut out);
                 }

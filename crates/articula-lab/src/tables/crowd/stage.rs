@@ -5,12 +5,12 @@ use crate::measure::thread_ns;
 use anyhow::{Context, Result};
 use articula::Executor;
 use articula::crowd::{
-    CacheUse, Camera, CrowdAsset, CrowdOptions, CrowdPlayer, CrowdReport, Detail, PoseSource,
-    Culling, View,
+    CacheUse, Camera, CrowdAsset, CrowdOptions, CrowdPlayer, CrowdReport, Culling, Detail,
+    PoseSource, View,
 };
-use articula_build::{SceneCharacter, Scene};
-use articula_core::budget::{CostModel, BudgetPolicy};
-use articula_core::crowd::{Crowd, CharacterState, ClipState};
+use articula_build::{Scene, SceneCharacter};
+use articula_core::budget::{BudgetPolicy, CostModel};
+use articula_core::crowd::{CharacterState, ClipState, Crowd};
 use articula_core::{PosedMesh, Wrap, blend, percentile_at_or_above, sample, skin_points};
 use glam::{Vec2, Vec3};
 
@@ -38,7 +38,7 @@ const NOBODY_WAITS: BudgetPolicy = BudgetPolicy {
 };
 
 /// What all runs on scenes share.
-pub(super) struct Stage<'a> {
+pub(super) struct SceneBench<'a> {
     bench: &'a Bench,
     asset: CrowdAsset,
     vertices: Vec<u32>,
@@ -92,7 +92,7 @@ pub(super) struct Play {
 
 /// What is on the screen in a frame.
 #[derive(Clone, Copy)]
-struct Shown<'a> {
+struct DisplayedFrame<'a> {
     /// Which of the frames that are looked at.
     number: usize,
     player: &'a CrowdPlayer,
@@ -120,7 +120,7 @@ impl Errors {
     }
 }
 
-impl<'a> Stage<'a> {
+impl<'a> SceneBench<'a> {
     /// Levels, skins, errors and bounds of the bench's character with all its clips.
     pub(super) fn new(bench: &'a Bench) -> Result<Self> {
         let asset = &bench.asset;
@@ -185,7 +185,7 @@ impl<'a> Stage<'a> {
             let records = size_of_val(player.crowd().drawn().records.as_slice());
             outcome.add(&report, bytes + records, play.frames);
             if number.is_multiple_of(8) {
-                let now = Shown {
+                let now = DisplayedFrame {
                     number: number / 8,
                     player: &player,
                     camera,
@@ -207,19 +207,19 @@ impl<'a> Stage<'a> {
         let mut crowd = CrowdPlayer::new(&self.asset, scene.members.len())?;
         for (i, member) in scene.members.iter().enumerate() {
             crowd.place(i, member.position, member.yaw_radians);
-            let voice = self.voice(member.play, 0.0);
-            let mut player = CharacterState::from(voice);
+            let clip_state = self.clip_state(member.play, 0.0);
+            let mut player = CharacterState::from(clip_state);
             if let Some(fade) = member.cross_fade {
                 // Fades that are under way begin at different times.
                 let left = fade.fade_secs * (1.0 - fade.start);
-                player.fade_to(self.voice(fade.other, 0.0), left.max(STEP_SECS));
+                player.fade_to(self.clip_state(fade.other, 0.0), left.max(STEP_SECS));
             }
             crowd.crowd_mut().play(i, player);
         }
         Ok(crowd)
     }
 
-    fn voice(&self, play: articula_build::ClipPlayback, secs: f64) -> ClipState {
+    fn clip_state(&self, play: articula_build::ClipPlayback, secs: f64) -> ClipState {
         let clips = &self.asset.model().parts().clips;
         let duration = clips.duration_secs(play.clip);
         let at = play
@@ -236,15 +236,20 @@ impl<'a> Stage<'a> {
             if let Some(fade) = member.cross_fade
                 && crowd.player(i).next().is_none()
             {
-                let there = crowd.player(i).voice().clip() == fade.other.clip;
+                let there = crowd.player(i).clip_state().clip() == fade.other.clip;
                 let next = if there { member.play } else { fade.other };
-                crowd.fade_to(i, self.voice(next, 0.0), fade.fade_secs);
+                crowd.fade_to(i, self.clip_state(next, 0.0), fade.fade_secs);
             }
         }
     }
 
     /// Looks at all characters that are near and at one of so many of all.
-    fn look(&self, now: &Shown<'_>, (scene, one_of): (&Scene, usize), errors: &mut Errors) {
+    fn look(
+        &self,
+        now: &DisplayedFrame<'_>,
+        (scene, one_of): (&Scene, usize),
+        errors: &mut Errors,
+    ) {
         for (who, source) in now.player.sources().iter().enumerate() {
             let (Some(source), Some(level)) = (source, now.player.crowd().level(who)) else {
                 continue;
@@ -278,14 +283,14 @@ impl<'a> Stage<'a> {
     /// The same points in the full pose of what a character plays, by the plain path.
     fn true_points(&self, player: &CharacterState) -> Vec<Vec3> {
         let asset = &self.bench.asset;
-        let pose = |voice: &ClipState| {
+        let pose = |clip_state: &ClipState| {
             let mut pose = asset.rig.rest_pose().clone();
-            let clip = &asset.clips[voice.clip()];
-            let secs = f64::from(voice.secs());
+            let clip = &asset.clips[clip_state.clip()];
+            let secs = f64::from(clip_state.secs());
             sample(clip, secs, Wrap::Clamp, &asset.rig.all(), &mut pose);
             pose
         };
-        let mut local = pose(player.voice());
+        let mut local = pose(player.clip_state());
         if let Some(other) = player.next() {
             blend(&mut local, &pose(other), player.fade(), &asset.rig.all());
         }
@@ -317,7 +322,12 @@ fn within(detail: Detail, costs: &CostModel) -> Detail {
 
 /// 95th percentile, over the points that are on the screen, of how far two skins of a character
 /// are apart there.
-pub(super) fn distance_px(camera: &Camera, member: &SceneCharacter, shown: &[Vec3], truth: &[Vec3]) -> f32 {
+pub(super) fn distance_px(
+    camera: &Camera,
+    member: &SceneCharacter,
+    shown: &[Vec3],
+    truth: &[Vec3],
+) -> f32 {
     let place = member.world_from_model();
     let size = Vec2::new(camera.viewport.width_px, camera.viewport.height_px);
     let apart = shown.iter().zip(truth).filter_map(|(shown, truth)| {

@@ -2,9 +2,9 @@
 
 use anyhow::{Context, Result};
 use articula::flatten::{FramedCharacter, FramedParts, Shot};
-use articula::{Figure, CharacterFile};
+use articula::{CharacterFile, Figure};
 use articula_build::decimate;
-use articula_core::source::{Character, Clip as SourceClip, Property};
+use articula_core::source::{Character, Property, RawClip as SourceClip};
 use articula_core::{Camera, Viewport};
 use articula_flat::Bounds;
 use articula_flat::Projection;

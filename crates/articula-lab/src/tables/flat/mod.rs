@@ -1,6 +1,6 @@
 //! Conversion to 2D: what each profile weighs and how far it is off, beside the thesis' own form.
 //!
-//! Source: `spec/vector.md` 4, 9 and 10. One file for each section of the page.
+//! Source: `docs/methods/vector.md` 4, 9 and 10. One file for each section of the page.
 
 mod cases;
 mod orders;

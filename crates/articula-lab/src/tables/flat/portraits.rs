@@ -1,6 +1,6 @@
 //! Portraits: how far a turned 2D head is from the turned figure, by its view pictures.
 //!
-//! Source: `spec/vector.md` 10.
+//! Source: `docs/methods/vector.md` 10.
 
 use super::super::Run;
 use super::cases::before;

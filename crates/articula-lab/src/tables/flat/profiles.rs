@@ -5,7 +5,8 @@ use anyhow::{Context, Result};
 use articula::flatten::FramedCharacter;
 use articula_core::Progress;
 use articula_flat::flatten::{
-    Flattened, PrepareClipOptions, PreparedClip, Profile, Quality, Settings, ReferenceFrames, flatten, sampled_frames,
+    Flattened, PrepareClipOptions, PreparedClip, Profile, Quality, ReferenceFrames, Settings,
+    flatten, sampled_frames,
 };
 use articula_flat::planar::PlanarClip;
 use articula_flat::planar::Shading;
@@ -54,7 +55,7 @@ fn settings() -> Vec<(&'static str, Profile, Quality)> {
             form,
             optimise_hidden: optimised,
             optimise_static: optimised,
-            ..ThesisOptions::default()
+            ..ThesisSvgOptions::default()
         })
     };
     let player = Profile::Player(PlayerOutput::Svg);
@@ -176,7 +177,7 @@ pub(super) fn stills(framed: &FramedCharacter<'_>, clip: &PlanarClip) -> Result<
     };
     let naive = ThesisSvgOptions {
         form: ThesisForm::GouraudStill { frame: 0 },
-        ..ThesisOptions::default()
+        ..ThesisSvgOptions::default()
     };
     let naive = thesis(&first, &naive)?;
     Ok(Stills {

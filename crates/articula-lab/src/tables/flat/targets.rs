@@ -1,6 +1,6 @@
 //! The targets of the specification, and what was found.
 //!
-//! Source: `spec/vector.md` 9.
+//! Source: `docs/methods/vector.md` 9.
 
 use super::Found;
 use super::cases::Kind;

@@ -1,6 +1,6 @@
 //! What merged levels cost: error by joints kept, and on clips that the order never saw.
 //!
-//! Source: `spec/motion-lod.md` part 8, `spec/runtime.md` 4.1.
+//! Source: `docs/methods/motion-lod.md` part 8, `docs/methods/runtime.md` 4.1.
 
 mod sheet;
 
@@ -35,7 +35,7 @@ const COUNTS: [u16; 7] = [96, 64, 48, 32, 24, 16, 10];
 const NAMED: [&str; 4] = ["loa(High)", "loa(Medium)", "loa(Low)", "loa(VeryLow)"];
 
 /// Most parts of the clips that are held out one after the other.
-const MOST_PARTS: usize = 8;
+const MAX_PARTS: usize = 8;
 
 /// Pictures beside the table.
 #[derive(clap::Args, Default)]
@@ -98,8 +98,9 @@ fn near_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
     let judged = |learned: &Asset, judged: &Asset| {
         let mean = mean_pose(learned);
         let order = joint_lods(learned, &mean, &opts)?;
-        let ladder = JointLods::new(&asset.rig, order.joints().to_vec(), counts.clone(), &mean)?;
-        levels_of(judged, ladder, &opts)
+        let joint_lods =
+            JointLods::new(&asset.rig, order.joints().to_vec(), counts.clone(), &mean)?;
+        levels_of(judged, joint_lods, &opts)
     };
     let all = judged(asset, asset)?;
     let mut held = vec![0.0f32; counts.len()];
@@ -164,21 +165,21 @@ fn named_rows(character: &'static str, asset: &Asset) -> Result<Vec<Row>> {
         .iter()
         .map(|text| text.parse::<LoaExpression>())
         .collect();
-    let ladder = named_joint_lods(asset, &mean_pose(asset), &expressions?)?;
-    let levels = levels_of(asset, ladder, &LevelOptions::default())?;
+    let joint_lods = named_joint_lods(asset, &mean_pose(asset), &expressions?)?;
+    let levels = levels_of(asset, joint_lods, &LevelOptions::default())?;
     let row = |l: usize| {
         let (error_mm, worst_mm) = worst(&levels.errors, l);
         Row {
             character,
             kind: "named",
-            kept: levels.ladder.kept(l),
+            kept: levels.joint_lods.kept(l),
             influences: levels.skins.levels[l].influences,
             error_mm,
             worst_mm,
             held_out_mm: None,
         }
     };
-    Ok((1..levels.ladder.levels()).map(row).collect())
+    Ok((1..levels.joint_lods.levels()).map(row).collect())
 }
 
 /// The character without some clips, and with those alone, one after the other.
@@ -187,7 +188,7 @@ fn parts(asset: &Asset) -> Vec<(Asset, Asset)> {
     if clips < 2 {
         return Vec::new();
     }
-    let count = clips.min(MOST_PARTS);
+    let count = clips.min(MAX_PARTS);
     let with = |keep: &dyn Fn(usize) -> bool| Asset {
         clips: (0..clips)
             .filter(|c| keep(*c))
@@ -219,13 +220,15 @@ fn default_levels(name: &str, asset: &Asset) -> Result<String> {
         ..LevelOptions::default()
     };
     let levels = merged_levels(asset, &opts)?;
-    let near = levels.ladder.levels();
+    let near = levels.joint_lods.levels();
     let at = |l: usize, kept: usize| format!("{kept} ({:.1})", worst(&levels.errors, l).0);
-    let mut all: Vec<String> = (0..near).map(|l| at(l, levels.ladder.kept(l))).collect();
+    let mut all: Vec<String> = (0..near)
+        .map(|l| at(l, levels.joint_lods.kept(l)))
+        .collect();
     if let Some(far) = &levels.far {
         all.push("far:".into());
-        let ladder = &far.ladder;
-        all.extend((0..ladder.levels()).map(|l| at(near + l, ladder.kept(l))));
+        let joint_lods = &far.joint_lods;
+        all.extend((0..joint_lods.levels()).map(|l| at(near + l, joint_lods.kept(l))));
     }
     Ok(format!("| {name} | {} |", all.join(" ")))
 }

@@ -6,7 +6,7 @@ use articula_build::{LevelOptions, merged_levels};
 use articula_core::{Clip, Mesh, PosedMesh, Rig, SkinnedMesh, Wrap};
 use articula_flat::{Appearance, Bounds};
 use articula_formats::{Limits, gltf};
-use articula_report::{SheetCell, ContactSheet, SheetRow, SheetTile, close_up};
+use articula_report::{ContactSheet, SheetCell, SheetRow, SheetTile, close_up};
 use glam::Vec3;
 use std::path::Path;
 
@@ -14,7 +14,7 @@ const TILE: (u32, u32) = (220, 300);
 const MOMENTS: usize = 6;
 
 /// One way to show the character.
-struct Look<'a> {
+struct Variant<'a> {
     label: String,
     rig: &'a Rig,
     clips: &'a [Clip],
@@ -33,14 +33,14 @@ pub(super) fn write(data: &Path, name: &str, asset: &Asset, path: &Path) -> Resu
         ..LevelOptions::default()
     };
     let levels = merged_levels(asset, &opts)?;
-    let near = levels.ladder.levels();
+    let near = levels.joint_lods.levels();
     let error = |level: usize| levels.errors.clips[0].levels_metres[level];
     let mut looks = Vec::new();
     for level in 0..near {
-        looks.push(Look {
+        looks.push(Variant {
             label: format!(
                 "{} joints, {:.1} mm",
-                levels.ladder.kept(level),
+                levels.joint_lods.kept(level),
                 1e3 * error(level)
             ),
             rig: &asset.rig,
@@ -50,12 +50,12 @@ pub(super) fn write(data: &Path, name: &str, asset: &Asset, path: &Path) -> Resu
         });
     }
     if let Some(far) = &levels.far {
-        for level in 0..far.ladder.levels() {
+        for level in 0..far.joint_lods.levels() {
             let metres = error(near + level);
-            looks.push(Look {
+            looks.push(Variant {
                 label: format!(
                     "far, {} joints, {:.1} mm",
-                    far.ladder.kept(level),
+                    far.joint_lods.kept(level),
                     1e3 * metres
                 ),
                 rig: &far.rig,
@@ -88,14 +88,19 @@ pub(super) fn write(data: &Path, name: &str, asset: &Asset, path: &Path) -> Resu
     std::fs::write(path, png).with_context(|| path.display().to_string())
 }
 
-fn skinned(look: &Look<'_>, secs: f64) -> SkinnedMesh {
+fn skinned(look: &Variant<'_>, secs: f64) -> SkinnedMesh {
     let mut posed = PosedMesh::new(look.rig, &look.mesh);
     let posed = posed.pose_at(&look.clips[0], secs, Wrap::Clamp);
     posed.skinned(&look.mesh.morph_weights)
 }
 
 /// The character large, and small as the level is made for.
-fn cell(full: &Look<'_>, look: &Look<'_>, paint: &Appearance, secs: f64) -> Result<SheetCell> {
+fn cell(
+    full: &Variant<'_>,
+    look: &Variant<'_>,
+    paint: &Appearance,
+    secs: f64,
+) -> Result<SheetCell> {
     let truth = skinned(full, secs).bounds().context("nothing to draw")?;
     let middle = 0.5 * (truth.0 + truth.1);
     let half = Vec3::splat(0.5 * (truth.1 - truth.0).max_element());

@@ -3,8 +3,8 @@
 use super::characters::Subject;
 use crate::peers::meshopt::{Seams, Simplifier};
 use anyhow::Result;
-use articula_build::{LevelTriangles, SimplifyOptions, ErrorWeighting, simplify};
-use articula_build::{PoseOptions, SkinPoseSource, SkinPose, poses, positions};
+use articula_build::{ErrorWeighting, LevelTriangles, SimplifyOptions, simplify};
+use articula_build::{PoseOptions, SkinPose, SkinPoseSource, poses, positions};
 use glam::Vec3;
 
 /// How much heavier the thesis' weighting makes what moves with two joints alike, halved.

@@ -1,6 +1,6 @@
 //! Mesh levels: what they cost in looks and in bytes, beside what others make.
 //!
-//! Source: `spec/clustered-mesh.md` 9 and 10. One file for each section of the page.
+//! Source: `docs/methods/clustered-mesh.md` 9 and 10. One file for each section of the page.
 
 mod characters;
 mod contestants;

@@ -9,7 +9,7 @@ use articula_build::LevelTriangles;
 use articula_build::SkinPose;
 use articula_core::SkinnedMesh;
 use articula_flat::{Appearance, Bounds};
-use articula_report::{SheetCell, ContactSheet, SheetRow, SheetTile, close_up};
+use articula_report::{ContactSheet, SheetCell, SheetRow, SheetTile, close_up};
 use glam::Vec3;
 use std::path::Path;
 

@@ -2,16 +2,16 @@
 
 use anyhow::{Context, Result};
 use articula::convert::{FittedClip, fit_clips};
-use articula::{AddClipsOptions, OpenOptions, CharacterFile};
+use articula::{AddClipsOptions, CharacterFile, OpenOptions};
 use articula_build::source_rate_hz;
-use articula_core::source::Clip;
+use articula_core::source::RawClip;
 use articula_formats::mpeg4::bap;
 use articula_human::HumanOptions;
 use std::path::Path;
 
 /// Where a motion comes from.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Source {
+pub(super) enum MotionSource {
     /// A clip of a file of the data; the first without a name.
     File(&'static str, &'static str),
     /// Body animation parameters, told from another motion on our human.
@@ -20,7 +20,7 @@ pub(super) enum Source {
 
 /// Who receives it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Target {
+pub(super) enum MotionTarget {
     File(&'static str),
     /// The reference human.
     Human,
@@ -30,9 +30,9 @@ pub(super) enum Target {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Case {
     pub(super) motion: &'static str,
-    pub(super) source: Source,
+    pub(super) source: MotionSource,
     pub(super) onto: &'static str,
-    pub(super) target: Target,
+    pub(super) target: MotionTarget,
     /// Leading seconds that are left out: captures begin with a frame of the rest pose.
     pub(super) skip_secs: f32,
     /// Whether a small run has it.
@@ -42,7 +42,7 @@ pub(super) struct Case {
 }
 
 /// A character with the name that the table has for it.
-type Onto = (&'static str, Target);
+type Onto = (&'static str, MotionTarget);
 
 const CMU_WALK: &str = "bvh/cmu_12_01_walk.bvh";
 const PAB: &str = "glb/pab_arnaud.glb";
@@ -58,7 +58,7 @@ const WOMAN: Onto = onto(
 );
 const KNIGHT: Onto = onto("KayKit Knight", "glb/KayKit_Knight.glb");
 const GODETTE: Onto = onto("Godette", "vrm/Godette_vrm_v4.vrm");
-const HUMAN: Onto = ("our human", Target::Human);
+const HUMAN: Onto = ("our human", MotionTarget::Human);
 
 /// The table, in its order: every kind of motion, every kind of character.
 pub(super) const CASES: [Case; 14] = [
@@ -86,11 +86,11 @@ pub(super) const CASES: [Case; 14] = [
     .small(),
     case("VRMA idle", file(IDLE), KNIGHT),
     case("VRMA idle", file(IDLE), WOMAN),
-    case("BAP walk", Source::Bap(CMU_WALK), MH_MAN),
+    case("BAP walk", MotionSource::Bap(CMU_WALK), MH_MAN),
     case("X3D Jin", file("hanim/HAnimMotion.x3d"), HUMAN),
 ];
 
-const fn case(motion: &'static str, source: Source, (onto, target): Onto) -> Case {
+const fn case(motion: &'static str, source: MotionSource, (onto, target): Onto) -> Case {
     Case {
         motion,
         source,
@@ -103,15 +103,15 @@ const fn case(motion: &'static str, source: Source, (onto, target): Onto) -> Cas
 }
 
 const fn onto(name: &'static str, file: &'static str) -> Onto {
-    (name, Target::File(file))
+    (name, MotionTarget::File(file))
 }
 
-const fn file(name: &'static str) -> Source {
-    Source::File(name, "")
+const fn file(name: &'static str) -> MotionSource {
+    MotionSource::File(name, "")
 }
 
-const fn clip(name: &'static str, clip: &'static str) -> Source {
-    Source::File(name, clip)
+const fn clip(name: &'static str, clip: &'static str) -> MotionSource {
+    MotionSource::File(name, clip)
 }
 
 impl Case {
@@ -149,7 +149,7 @@ fn human() -> Result<CharacterFile> {
 /// The motion of a case, alone in its character.
 pub(super) fn source(data: &Path, case: &Case) -> Result<CharacterFile> {
     let mut actor = match case.source {
-        Source::File(name, wanted) => {
+        MotionSource::File(name, wanted) => {
             let mut actor = open(data, name)?;
             let clips = &mut actor.character.clips;
             let index = clips
@@ -159,7 +159,7 @@ pub(super) fn source(data: &Path, case: &Case) -> Result<CharacterFile> {
             *clips = vec![clips.swap_remove(index)];
             actor
         }
-        Source::Bap(name) => bap_of(data, name)?,
+        MotionSource::Bap(name) => bap_of(data, name)?,
     };
     if case.skip_secs > 0.0 {
         skip(&mut actor.character.clips[0], case.skip_secs);
@@ -170,7 +170,7 @@ pub(super) fn source(data: &Path, case: &Case) -> Result<CharacterFile> {
 /// The character of a case.
 pub(super) fn target(data: &Path, case: &Case) -> Result<CharacterFile> {
     match case.target {
-        Target::File(name) => {
+        MotionTarget::File(name) => {
             let mut actor = open(data, name)?;
             if case.target == KNIGHT.1 {
                 // Without the arms and shields that it may carry, which hide its limbs.
@@ -179,7 +179,7 @@ pub(super) fn target(data: &Path, case: &Case) -> Result<CharacterFile> {
             }
             Ok(actor)
         }
-        Target::Human => human(),
+        MotionTarget::Human => human(),
     }
 }
 
@@ -210,7 +210,7 @@ fn bap_of(data: &Path, name: &str) -> Result<CharacterFile> {
 }
 
 /// Leaves out the beginning of a clip; its keys are those of one rate.
-fn skip(clip: &mut Clip, secs: f32) {
+fn skip(clip: &mut RawClip, secs: f32) {
     let frame_secs = 1.0 / source_rate_hz(clip);
     let start = (secs / frame_secs).round() * frame_secs;
     for channel in &mut clip.channels {

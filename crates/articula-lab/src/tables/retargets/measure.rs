@@ -4,7 +4,7 @@
 use anyhow::Result;
 use articula::CharacterFile;
 use articula_build::source_rate_hz;
-use articula_core::source::{Clip, evaluate};
+use articula_core::source::{RawClip, evaluate};
 use articula_core::{LocalPose, ModelPose, Rig, angle_between, local_to_model};
 use glam::Vec3;
 use std::ops::Range;
@@ -36,7 +36,7 @@ pub(super) type Contact = (String, Range<usize>);
 
 impl Played {
     /// Evaluates a clip at a rate.
-    pub(super) fn new(actor: &CharacterFile, clip: &Clip, rate_hz: f32) -> Result<Self> {
+    pub(super) fn new(actor: &CharacterFile, clip: &RawClip, rate_hz: f32) -> Result<Self> {
         let skeleton = &actor.character.skeleton;
         let rig = Rig::new(skeleton, actor.articulation())?;
         let frames = (clip.duration_secs * rate_hz).round() as usize + 1;
@@ -58,7 +58,7 @@ impl Played {
     }
 
     /// The same at the clip's own rate.
-    pub(super) fn of(actor: &CharacterFile, clip: &Clip) -> Result<Self> {
+    pub(super) fn of(actor: &CharacterFile, clip: &RawClip) -> Result<Self> {
         Self::new(actor, clip, source_rate_hz(clip))
     }
 

@@ -8,7 +8,7 @@ mod sheet;
 use super::Run;
 use anyhow::{Context, Result};
 use articula::CharacterFile;
-use articula_build::retarget::{RotationOrigin, RetargetReport};
+use articula_build::retarget::{RetargetReport, RotationOrigin};
 use articula_report::ContactSheet;
 use cases::{CASES, Case};
 use measure::Played;
@@ -25,11 +25,11 @@ struct Row {
     before: Played,
     after: Played,
     report: RetargetReport,
-    seen: Seen,
+    seen: VisibleQuality,
 }
 
 /// What is seen from outside.
-struct Seen {
+struct VisibleQuality {
     contacts: usize,
     /// Slide of the resting toes, millimetres, of the source at the target's size and of the
     /// target.
@@ -52,7 +52,7 @@ impl Row {
         let after = Played::new(&target, &made.clip, before.rate_hz)?;
         let contacts = before.contacts(&after);
         let scale = report.scale;
-        let seen = Seen {
+        let seen = VisibleQuality {
             contacts: contacts.len(),
             slide_source_mm: before.slide_mm(&contacts).map(|mm| scale * mm),
             slide_mm: after.slide_mm(&contacts),

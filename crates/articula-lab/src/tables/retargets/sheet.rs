@@ -29,7 +29,11 @@ pub(super) struct Artist<'a> {
 
 impl<'a> Artist<'a> {
     /// Frames the camera on the moments; it follows the root over the ground.
-    pub(super) fn new(actor: &CharacterFile, played: &'a Played, moments: &[usize]) -> Result<Self> {
+    pub(super) fn new(
+        actor: &CharacterFile,
+        played: &'a Played,
+        moments: &[usize],
+    ) -> Result<Self> {
         let character = &actor.character;
         let (look, _) = Appearance::new(&character.materials, &character.images);
         let mesh = Mesh::new(&character.meshes, played.rig.len())?;

@@ -1,6 +1,6 @@
 //! A level in an order that depends on its values alone.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1: a chunk depends on the coarser level only as a mesh, so
+//! Source: `docs/methods/clustered-mesh.md` 8.1: a chunk depends on the coarser level only as a mesh, so
 //! every order and every tie is decided by quantised values.
 
 use super::half_edges::NONE;

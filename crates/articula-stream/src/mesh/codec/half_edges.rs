@@ -1,7 +1,7 @@
 //! Which faces lie beside each other.
 //!
 //! Half-edge `3 f + k` runs from corner `k` of face `f` to the next. Source:
-//! `spec/clustered-mesh.md` 8.1 (a): directed edges that are not manifold count as borders.
+//! `docs/methods/clustered-mesh.md` 8.1 (a): directed edges that are not manifold count as borders.
 
 /// No half-edge, face, point or wedge.
 pub(super) const NONE: u32 = u32::MAX;

@@ -1,6 +1,6 @@
 //! Which points of a level are known from the coarser one, and which of those each is.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (c). Differs: a point is matched when it is discovered,
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (c). Differs: a point is matched when it is discovered,
 //! by the faces of the coarser level before its geometry. Levels made by half-edge collapse keep
 //! each edge whose ends both survive, so the neighbours of a point among the known ones of the
 //! finer level are among its neighbours in the coarser one, in the same order around it.

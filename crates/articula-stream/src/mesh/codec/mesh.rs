@@ -1,6 +1,6 @@
 //! A mesh as it is coded: whole numbers, and every corner told apart into point and wedge.
 //!
-//! Source: `spec/clustered-mesh.md` 5 and 8.1. A *point* is a distinct position with its skin and
+//! Source: `docs/methods/clustered-mesh.md` 5 and 8.1. A *point* is a distinct position with its skin and
 //! its morph offsets: what the surface is made of. A *wedge* is a point with the values that may
 //! differ from face to face (normal, texture coordinates, colour): what a GPU calls a vertex.
 

@@ -1,6 +1,6 @@
 //! The codec of meshes on the wire: one level alone, or what one level adds to a coarser one.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1, scheme RT (each finer level is traversed again and its
+//! Source: `docs/methods/clustered-mesh.md` 8.1, scheme RT (each finer level is traversed again and its
 //! vertices are matched with those of the coarser level: no attribute is sent twice). In the
 //! order of the line:
 //!

@@ -1,6 +1,6 @@
 //! Whole numbers as binary decisions: adaptive Exp-Golomb codes.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (c, d); Teuhola 1978 for the code. The length in bits is
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (c, d); Teuhola 1978 for the code. The length in bits is
 //! learnt as a unary code, the bits below the highest one are learnt too, the rest is raw.
 
 use super::range_coder::{Bit, Coder};

@@ -1,6 +1,6 @@
 //! Positions of the new points of a level, predicted over its connectivity.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (d). The base is the mean of the known neighbours; to it
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (d). The base is the mean of the known neighbours; to it
 //! come parts, in 1/64 fitted to the level, of the way to the mean parallelogram, of the known
 //! neighbours' mean offset from their own neighbours, and of that offset along the normal. The
 //! axis along which the normal is longest is coded last, moved so that the point stays in the
@@ -105,7 +105,7 @@ impl Places<'_> {
     fn around(&self, positions: &[[i32; 3]], point: u32, known: u32) -> Around {
         let mut around = Around::default();
         let at = |p: u32| Self::at(positions, p);
-        let leaving = &self.rings.leaving(point)[..self.rings.leaving(point).len().min(MOST_FACES)];
+        let leaving = &self.rings.leaving(point)[..self.rings.leaving(point).len().min(MAX_FACES)];
         let mut sum = [0; 3];
         let mut count = 0;
         let mut all = 0;
@@ -170,7 +170,7 @@ impl Places<'_> {
         let at = |p: u32| Self::at(positions, p);
         let here = at(point);
         let (mut sum, mut count, mut length) = ([0; 3], 0, 0);
-        for &h in self.rings.leaving(point).iter().take(MOST_FACES) {
+        for &h in self.rings.leaving(point).iter().take(MAX_FACES) {
             let n = half_edges::end(self.faces, h);
             if n < known {
                 sum = add(sum, at(n));
@@ -193,7 +193,7 @@ impl Places<'_> {
 }
 
 /// Faces of a point that are looked at.
-const MOST_FACES: usize = 64;
+const MAX_FACES: usize = 64;
 
 /// Kinds of contexts of a residual.
 const KINDS: usize = 5;
@@ -299,7 +299,7 @@ fn code_point(
     let mut axes = [0, 1, 2];
     axes.sort_by_key(|&i| n[i].abs());
     let (mut sizes, mut count) = ([0; 3], 0);
-    for &h in places.rings.leaving(point as u32).iter().take(MOST_FACES) {
+    for &h in places.rings.leaving(point as u32).iter().take(MAX_FACES) {
         let n = half_edges::end(places.faces, h) as usize;
         if n < point && residuals.sizes[n][0] > 0 {
             for (sum, size) in sizes.iter_mut().zip(residuals.sizes[n]) {

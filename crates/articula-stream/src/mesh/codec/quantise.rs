@@ -1,6 +1,6 @@
 //! From floating point to whole numbers and back: one [`QuantisedMesh`] for each level of a part.
 //!
-//! Source: `spec/clustered-mesh.md` 5 and 8: one grid for all levels (otherwise vertices would
+//! Source: `docs/methods/clustered-mesh.md` 5 and 8: one grid for all levels (otherwise vertices would
 //! move between levels) and for all parts of a mesh (otherwise parts that touch would come apart).
 //! Octahedral normals after Cigolle et al., "A survey of efficient representations for
 //! independent unit vectors", 2014: the nearest of the four corners is taken, and of the two

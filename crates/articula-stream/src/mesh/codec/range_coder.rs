@@ -1,6 +1,6 @@
 //! Adaptive binary range coding: one bit at a time, each with a model of its own.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (g); G. N. N. Martin, "Range encoding", 1979, with the
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (g); G. N. N. Martin, "Range encoding", 1979, with the
 //! carry handling of LZMA. Differs: probabilities are learnt by counting, at a
 //! rate that falls to 1/96. Integers alone, so that all platforms give the same bytes.
 

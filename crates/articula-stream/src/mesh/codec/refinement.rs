@@ -1,6 +1,6 @@
 //! What one level adds to a coarser one, as bytes and back; a level alone adds to nothing.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1, scheme RT. In the order of the bytes: number of faces;
+//! Source: `docs/methods/clustered-mesh.md` 8.1, scheme RT. In the order of the bytes: number of faces;
 //! connectivity with the known points matched on the way; seams and wedges; positions of the new
 //! points; all other values of what is new; a check sum. Both sides see the coarser level in
 //! canonical order, so it may come in any.
@@ -108,7 +108,7 @@ struct TrueLevel<'a> {
 }
 
 /// Largest number of faces, so that corners can be counted.
-const MOST_FACES: usize = 1 << 28;
+const MAX_FACES: usize = 1 << 28;
 /// What a face takes while a level is put together, in numbers of four bytes: a few bytes may name
 /// very many faces.
 const FACE_ELEMENTS: u64 = 24;
@@ -124,7 +124,7 @@ fn code(
 ) -> Result<QuantisedMesh, Fault> {
     let count = truth.map_or(0, |t| t.fine.faces.len());
     let count = Natural::default().code(coder, count as u32) as usize;
-    if count > MOST_FACES || count as u64 * FACE_ELEMENTS > bounds.elements {
+    if count > MAX_FACES || count as u64 * FACE_ELEMENTS > bounds.elements {
         return Err("more faces than the limit allows");
     }
     let true_faces: Option<Vec<[u32; 3]>> = truth.map(|t| t.fine.point_faces().collect());

@@ -1,6 +1,6 @@
 //! Where faces side by side have different wedges at the same point, and which wedges those are.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (a): a seam bit for each interior edge, two more where it
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (a): a seam bit for each interior edge, two more where it
 //! is set. Differs: contexts are also how many wedges the coarser level has at the ends. Corners
 //! that no seam parts are one sector; a sector is a known wedge of its point, one that another
 //! sector has, or a new one.

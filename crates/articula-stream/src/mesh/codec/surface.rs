@@ -1,6 +1,6 @@
 //! What is known of a level once its connectivity, matching and positions are coded.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (c, e, f). The values that are left (normals, texture
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (c, e, f). The values that are left (normals, texture
 //! coordinates, skins, morphs) are predicted over this surface, in the order of the ids.
 
 /// A whole level and the part of it that is known from a coarser one.

@@ -1,6 +1,6 @@
 //! A prediction as a mixture of several, each with a coefficient that the stream names.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (d, e): base + the sum of c (candidate - base), c in 1/64
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (d, e): base + the sum of c (candidate - base), c in 1/64
 //! for each class of surroundings, fitted by robust least squares. The fit is the encoder's own
 //! affair and in floating point; what is predicted comes from the whole numbers alone.
 

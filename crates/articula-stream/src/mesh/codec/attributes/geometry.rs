@@ -1,6 +1,6 @@
 //! Normals in whole numbers: of faces, of what lies between them, and on the octahedron.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (e); G. Thürmer and C. Wüthrich, "Computing vertex normals
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (e); G. Thürmer and C. Wüthrich, "Computing vertex normals
 //! from polygonal facets", 1998, for the weights by angle.
 
 use super::ring::Ring;

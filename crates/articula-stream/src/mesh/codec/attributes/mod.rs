@@ -1,6 +1,6 @@
 //! All values but positions, over a surface whose topology and positions both sides know.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (e, f, g). One walk serves encoder and decoder. In the
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (e, f, g). One walk serves encoder and decoder. In the
 //! order of the line:
 //!
 //! - `ring`, `siblings`: what lies around a point or a wedge, and on it

@@ -3,7 +3,7 @@
 //! All walks are short, however many faces meet: a hostile mesh must not make them long.
 
 /// Faces around an element that are looked at.
-const MOST_CORNERS: usize = 48;
+const MAX_CORNERS: usize = 48;
 
 /// The faces around each element.
 #[derive(Debug)]
@@ -52,7 +52,7 @@ impl Ring {
         let at = self.starts[v as usize] as usize..self.starts[v as usize + 1] as usize;
         let all = self.corners[at].iter();
         all.map(|c| (*c as usize / 3, *c as usize % 3))
-            .take(MOST_CORNERS)
+            .take(MAX_CORNERS)
     }
 
     /// The other two corners of each face around an element, counter-clockwise.

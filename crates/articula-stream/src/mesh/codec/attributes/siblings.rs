@@ -1,6 +1,6 @@
 //! Wedges of one point: whether a new one has a value of one that is known.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (e). A seam of one kind is rarely one of another: what
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (e). A seam of one kind is rarely one of another: what
 //! happens at the other end of the edges between two siblings says most of it.
 
 use super::super::mixing::{Weights, decide};
@@ -127,15 +127,15 @@ impl SameValue {
 }
 
 /// Values around that are asked about: of neighbours, and of other wedges of their points.
-const MOST_AROUND: usize = 2;
+const MAX_AROUND: usize = 2;
 /// Wedges of neighbouring points that are looked at.
-const MOST_NEARBY: usize = 48;
+const MAX_NEARBY: usize = 48;
 
 /// Model of the question whether a wedge has the very value of one around, as those of a flat
 /// face have.
 #[derive(Debug)]
 pub(super) struct SameAround {
-    by_votes: [[[Bit; 4]; 4]; 2 * MOST_AROUND],
+    by_votes: [[[Bit; 4]; 4]; 2 * MAX_AROUND],
     by_history: Vec<[Bit; 2]>,
     weights: Weights<2>,
     history: usize,
@@ -177,22 +177,22 @@ impl SameAround {
         }
         votes.sort_by_key(|v| std::cmp::Reverse(v.1));
         let faces = wedges.edges(w).take(4).count() - 1;
-        for (rank, (value, count)) in votes.iter().take(MOST_AROUND).enumerate() {
+        for (rank, (value, count)) in votes.iter().take(MAX_AROUND).enumerate() {
             let is_all = usize::from(*count == near.len());
             let given = *value == values[w as usize];
             if self.ask(coder, (rank, faces, (*count).min(3), is_all), given) {
                 return Some(*value);
             }
         }
-        votes.truncate(MOST_AROUND);
+        votes.truncate(MAX_AROUND);
         let around = points.edges(siblings.point(w)).flatten();
-        let all = around.flat_map(|p| siblings.at(p, w)).take(MOST_NEARBY);
+        let all = around.flat_map(|p| siblings.at(p, w)).take(MAX_NEARBY);
         let mut nearby: Vec<(u64, u32)> = all.map(|u| (far(u), u)).collect();
         nearby.sort_unstable();
-        let mut rank = MOST_AROUND;
+        let mut rank = MAX_AROUND;
         for (_, u) in nearby {
             let value = values[u as usize];
-            if rank == 2 * MOST_AROUND {
+            if rank == 2 * MAX_AROUND {
                 break;
             }
             if is_asked(&value) || votes.iter().any(|v| v.0 == value) {

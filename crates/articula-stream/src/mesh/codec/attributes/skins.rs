@@ -1,6 +1,6 @@
 //! Skins of points: which joints, then how much of each.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (f). Differs: there is no count; a joint of a neighbour
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (f). Differs: there is no count; a joint of a neighbour
 //! is asked about one after the other, the likeliest first, then come how many others.
 
 use super::Walk;
@@ -11,7 +11,7 @@ use crate::mesh::codec::mixing::{MixedNatural, Weights, decide};
 use crate::mesh::codec::range_coder::{Bit, Coder};
 
 /// Joints of neighbours that are asked about.
-const MOST_ASKED: usize = 24;
+const MAX_ASKED: usize = 24;
 /// The sum of all weights.
 const WHOLE: i32 = 255;
 
@@ -50,7 +50,7 @@ fn candidates(
             if let Some(found) = out.iter_mut().find(|c| c.joint == joint) {
                 found.users += 1;
                 found.range = (found.range.0.min(weight), found.range.1.max(weight));
-            } else if out.len() < MOST_ASKED {
+            } else if out.len() < MAX_ASKED {
                 out.push(Candidate {
                     joint,
                     predictions: [[0]; PREDICTORS],

@@ -1,6 +1,6 @@
 //! Linear predictors over an element's known surroundings: which elements count how much.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (d, e). A predictor is a weight for each known element
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (d, e). A predictor is a weight for each known element
 //! around; so one set of weights serves all kinds of values. The local affine fit is a weighted
 //! least squares fit over the neighbours and the corners beyond them, evaluated where the element
 //! lies; a little of the identity is added to its matrix, so that it holds for flat surroundings.

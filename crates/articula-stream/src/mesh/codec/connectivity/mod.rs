@@ -1,6 +1,6 @@
 //! Which corners the faces of a level join, face by face, and which points are new.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (a); S. Gumhold and W. Strasser, "Real time compression
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (a); S. Gumhold and W. Strasser, "Real time compression
 //! of triangle mesh connectivity", 1998 (cut-border machine). Differs: known points are matched
 //! on the way ([`super::matching`]), so that the coarser level tells which symbol comes next; a
 //! corner that is already visited but in no loop within reach is named by its point, which covers

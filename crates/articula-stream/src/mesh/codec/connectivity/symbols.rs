@@ -1,6 +1,6 @@
 //! How a face lies at its gate, as binary decisions.
 //!
-//! Source: `spec/clustered-mesh.md` 8.1 (a): new, right, left, border, the rest; contexts are
+//! Source: `docs/methods/clustered-mesh.md` 8.1 (a): new, right, left, border, the rest; contexts are
 //! the last symbols, the visited faces of the corners nearby, and what the coarser level says.
 
 use super::super::matching::Hint;

@@ -1,6 +1,6 @@
 //! Merged levels of a crowd: which joints go first, the skins without them, what each costs.
 //!
-//! Source: `spec/motion-lod.md` part 8, `spec/runtime.md` 4.1; thesis 5.1 (levels of
+//! Source: `docs/methods/motion-lod.md` part 8, `docs/methods/runtime.md` 4.1; thesis 5.1 (levels of
 //! articulation) and its multi-resolution bodies. Differs: which joints a level keeps is decided
 //! by the character's own motion, a merged joint stands in one mean pose of the rig, and the
 //! skin follows, so that a coarser level computes fewer matrices and nothing else changes.
@@ -12,7 +12,7 @@
 //! - [`named_joint_lods`]: levels that a user names, such as `loa(Medium)`
 //! - [`far_order`], [`far_levels`]: coarse levels that keep hands and heads, on a rig of their own
 //! - [`level_skins`]: the skin of every level, all on one palette
-//! - [`level_errors`]: what each level costs in each clip
+//! - [`lod_errors`]: what each level costs in each clip
 //! - [`skin_of`]: what errors are measured on, also without a mesh
 
 mod choose;
@@ -30,8 +30,8 @@ mod skins;
 pub(crate) mod test_figures;
 mod watch;
 
-pub use errors::level_errors;
-pub(crate) use errors::{MOST_FRAMES, rising};
+pub use errors::lod_errors;
+pub(crate) use errors::{MAX_FRAMES, rising};
 pub use far::{FarLevels, far_levels};
 pub use mean_pose::mean_pose;
 pub(crate) use mean_pose::principal;
@@ -44,7 +44,7 @@ pub use watch::skin_of;
 
 use crate::character::Asset;
 use articula_core::loa::LoaExpression;
-use articula_core::{JointSet, JointLods, LodErrors, LocalPose, Mismatch};
+use articula_core::{JointLods, JointSet, LocalPose, LodErrors, Mismatch};
 use choose::Choice;
 use order::Folds;
 
@@ -93,7 +93,7 @@ impl Default for LevelOptions {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MergedLevels {
     /// Joint order, levels and mean pose.
-    pub ladder: JointLods,
+    pub joint_lods: JointLods,
     /// Skins of the levels and their palette.
     pub skins: LevelSkins,
     /// Levels beyond those of the ladder, on a rig of their own.
@@ -130,8 +130,8 @@ pub fn merged_levels(asset: &Asset, opts: &LevelOptions) -> Result<MergedLevels,
     let Some((far, far_errors)) = found else {
         return levels_of(asset, joint_lods(asset, &mean, opts)?, opts);
     };
-    let ladder = JointLods::new(&asset.rig, near.joints, kept.near, &mean)?;
-    let near = levels_of(asset, ladder, opts)?;
+    let joint_lods = JointLods::new(&asset.rig, near.joints, kept.near, &mean)?;
+    let near = levels_of(asset, joint_lods, opts)?;
     Ok(MergedLevels {
         errors: errors::joined(near.errors, &far_errors),
         far: Some(far),
@@ -173,13 +173,13 @@ fn capped(opts: &LevelOptions) -> LevelOptions {
 /// A [`Mismatch`] if a clip, the mesh or the ladder is of another rig.
 pub fn levels_of(
     asset: &Asset,
-    ladder: JointLods,
+    joint_lods: JointLods,
     opts: &LevelOptions,
 ) -> Result<MergedLevels, Mismatch> {
-    let skins = level_skins(asset, &ladder, opts)?;
-    let errors = level_errors(asset, &ladder, &skins, opts)?;
+    let skins = level_skins(asset, &joint_lods, opts)?;
+    let errors = lod_errors(asset, &joint_lods, &skins, opts)?;
     Ok(MergedLevels {
-        ladder,
+        joint_lods,
         skins,
         far: None,
         errors,
@@ -245,12 +245,12 @@ pub(crate) fn check(asset: &Asset) -> Result<(), Mismatch> {
 }
 
 /// Checks that a ladder is of the rig.
-pub(crate) fn check_ladder(asset: &Asset, ladder: &JointLods) -> Result<(), Mismatch> {
-    let parent = |j: usize| asset.rig.parent(j).map(|p| ladder.place(p));
-    let stored = |j: usize| ladder.parents()[ladder.place(j)].map(usize::from);
+pub(crate) fn check_tolerances(asset: &Asset, joint_lods: &JointLods) -> Result<(), Mismatch> {
+    let parent = |j: usize| asset.rig.parent(j).map(|p| joint_lods.place(p));
+    let stored = |j: usize| joint_lods.parents()[joint_lods.place(j)].map(usize::from);
     let joints = asset.rig.len();
-    if ladder.joints().len() != joints || (0..joints).any(|j| parent(j) != stored(j)) {
-        let what = format!("{} joints of another rig", ladder.joints().len());
+    if joint_lods.joints().len() != joints || (0..joints).any(|j| parent(j) != stored(j)) {
+        let what = format!("{} joints of another rig", joint_lods.joints().len());
         return Err(Mismatch::new("ladder", what));
     }
     Ok(())

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result};
 use articula_build::source_rate_hz;
-use articula_core::source::{Character, Clip, Joint, Property, evaluate};
+use articula_core::source::{Character, Joint, Property, RawClip, evaluate};
 use articula_core::{
     Articulation, JointArticulation, LocalPose, Mesh, ModelPose, PosedMesh, Rig, SkinnedMesh,
     local_to_model,
@@ -29,7 +29,7 @@ pub(super) struct Apart {
 
 /// Which joints count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kept {
+pub(super) enum JointFilter {
     All,
     /// Those of skins; all, where there is no skin.
     Skin,
@@ -43,13 +43,13 @@ pub(super) enum Kept {
 pub(super) fn apart(
     was: (&Character, &Articulation),
     is: (&Character, &Articulation),
-    kept: Kept,
+    kept: JointFilter,
 ) -> Result<Apart> {
     let mut was = Side::new(was)?;
     let mut is = Side::new(is)?;
     let pairs = pairs(&was, &is, kept);
     let clips = was.character.clips.len().min(is.character.clips.len());
-    let same_order = kept != Kept::Twins && was.mesh.len() == is.mesh.len();
+    let same_order = kept != JointFilter::Twins && was.mesh.len() == is.mesh.len();
     let skinned = same_order && !was.mesh.is_empty();
     let mut apart = Apart {
         joints: pairs.len(),
@@ -83,7 +83,7 @@ pub(super) fn apart(
 }
 
 /// Times of the frames that are compared: on the clip's own grid, where nothing is blended.
-fn times(clip: &Clip) -> Vec<f32> {
+fn times(clip: &RawClip) -> Vec<f32> {
     let rate = source_rate_hz(clip);
     let last = (clip.duration_secs * rate).round() as usize;
     let step = (last + 1).div_ceil(FRAMES);
@@ -92,8 +92,8 @@ fn times(clip: &Clip) -> Vec<f32> {
 
 /// Joints of both sides with the same name, those of one name in their order. Some formats call
 /// the first joint `root` whatever its name was.
-fn pairs(was: &Side<'_>, is: &Side<'_>, kept: Kept) -> Vec<(usize, usize)> {
-    if kept == Kept::Twins {
+fn pairs(was: &Side<'_>, is: &Side<'_>, kept: JointFilter) -> Vec<(usize, usize)> {
+    if kept == JointFilter::Twins {
         return twins(was, is);
     }
     let mut known: HashMap<String, VecDeque<usize>> = HashMap::new();
@@ -102,7 +102,7 @@ fn pairs(was: &Side<'_>, is: &Side<'_>, kept: Kept) -> Vec<(usize, usize)> {
     }
     let joints = &was.character.skeleton.joints;
     let any_skin = joints.iter().any(|j| j.in_skin);
-    let counts = |j: &Joint| kept == Kept::All || j.in_skin || !any_skin;
+    let counts = |j: &Joint| kept == JointFilter::All || j.in_skin || !any_skin;
     let first = joints.iter().position(counts);
     let counted = joints.iter().enumerate().filter(|(_, j)| counts(j));
     let pair = |(j, joint): (usize, &Joint)| {
@@ -190,7 +190,7 @@ impl<'a> Side<'a> {
 mod tests {
     use super::*;
     use articula_core::Transform;
-    use articula_formats::profile;
+    use articula_formats::joint_map;
     use glam::Vec3;
 
     fn two(name: &str, up: f32) -> Character {
@@ -212,9 +212,9 @@ mod tests {
     fn two_millimetres_are_two_millimetres() {
         let (was, is) = (two("b c", 1.0), two("b_c", 1.002));
         let map = |c: &Character| {
-            articula_build::joint_names::map(&c.skeleton, profile::builtin(), None).articulation
+            articula_build::joint_names::map(&c.skeleton, joint_map::builtin(), None).articulation
         };
-        let found = apart((&was, &map(&was)), (&is, &map(&is)), Kept::All).unwrap();
+        let found = apart((&was, &map(&was)), (&is, &map(&is)), JointFilter::All).unwrap();
         assert_eq!((found.joints, found.clips, found.skin_mm), (2, 0, None));
         assert!((found.joints_mm - 2.0).abs() < 1e-3, "{found:?}");
     }

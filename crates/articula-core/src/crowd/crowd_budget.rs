@@ -1,9 +1,12 @@
 //! The levels of a crowd as options of a budget.
 
+use super::character_state::CharacterState;
 use super::model::CrowdModel;
-use super::player::CharacterState;
 use crate::Mismatch;
-use crate::budget::{BudgetAllocator, CostModel, AllocationReport, LodOptionSetId, LodOption, BudgetPolicy, LodRequest, Workload};
+use crate::budget::{
+    AllocationReport, BudgetAllocator, BudgetPolicy, CostModel, LodOption, LodOptionSetId,
+    LodRequest, Workload,
+};
 use crate::sphere::Sphere;
 use crate::visibility::{CullResult, Visibility};
 use std::ops::Range;
@@ -13,7 +16,7 @@ use std::ops::Range;
 pub(crate) struct CrowdBudget {
     budget: BudgetAllocator,
     /// Menu of each clip, and of blends.
-    menus: Vec<LodOptionSetId>,
+    option_sets: Vec<LodOptionSetId>,
     blends: LodOptionSetId,
 }
 
@@ -26,13 +29,13 @@ impl CrowdBudget {
     ) -> Result<Self, Mismatch> {
         let mut budget = BudgetAllocator::new(characters, policy);
         let count = model.parts().clips.clips();
-        let menus = (0..count)
-            .map(|clip| budget.add_menu(&offers(model, costs, clip..clip + 1)))
+        let option_sets = (0..count)
+            .map(|clip| budget.add_options(&lod_options(model, costs, clip..clip + 1)))
             .collect::<Result<_, _>>()?;
-        let blends = budget.add_menu(&offers(model, costs, 0..count))?;
+        let blends = budget.add_options(&lod_options(model, costs, 0..count))?;
         Ok(Self {
             budget,
-            menus,
+            option_sets,
             blends,
         })
     }
@@ -55,15 +58,15 @@ impl CrowdBudget {
                 self.budget.hide(character);
                 continue;
             }
-            let menu = if player.is_fading() {
+            let option_set = if player.is_fading() {
                 self.blends
             } else {
-                self.menus[player.clips().0]
+                self.option_sets[player.clips().0]
             };
             // A bound covers so many pixels, and each is wrong by the error.
             let side = bounds[character].radius * seen.pixels_per_metre;
             let request = LodRequest {
-                menu,
+                option_set,
                 weight: importance(character) * seen.pixels_per_metre * side * side,
                 pixels_per_metre: seen.pixels_per_metre,
             };
@@ -79,7 +82,7 @@ impl CrowdBudget {
 }
 
 /// Every level as an offer, with the greatest error over some clips.
-fn offers(model: &CrowdModel, costs: &CostModel, clips: Range<usize>) -> Vec<LodOption> {
+fn lod_options(model: &CrowdModel, costs: &CostModel, clips: Range<usize>) -> Vec<LodOption> {
     let error = |level: usize| {
         let errors = clips
             .clone()
@@ -100,7 +103,7 @@ fn cost(model: &CrowdModel, costs: &CostModel, level: usize) -> f32 {
 
 /// What evaluating so many poses at a level is.
 pub(crate) fn work(model: &CrowdModel, level: usize, poses: u64) -> Workload {
-    let kept = model.parts().clips.ladder().kept(level);
+    let kept = model.parts().clips.joint_lods().kept(level);
     Workload {
         characters: poses,
         sampled_joints: poses * model.parts().clips.rotations(kept).len() as u64,

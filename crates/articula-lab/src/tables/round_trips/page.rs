@@ -2,27 +2,29 @@
 
 use super::judge::Errors;
 use super::written::{Trip, Writer};
-use super::{Door, Found};
+use super::{Found, RoundTrip};
 use crate::open::Parameters;
 use anyhow::Result;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// The files that the validator is asked for: what was written, and what it was made of.
-pub(super) fn judged(doors: &[Door]) -> Vec<PathBuf> {
-    let written = doors.iter().flat_map(|d| &d.trips);
+pub(super) fn judged(round_trips: &[RoundTrip]) -> Vec<PathBuf> {
+    let written = round_trips.iter().flat_map(|d| &d.trips);
     let mut all: Vec<PathBuf> = written.filter_map(|t| t.path.clone()).collect();
-    let sources = doors.iter().filter(|d| d.kind.is_gltf() && d.found.is_ok());
+    let sources = round_trips
+        .iter()
+        .filter(|d| d.kind.is_gltf() && d.found.is_ok());
     all.extend(sources.map(|d| d.path.clone()));
     all
 }
 
 /// The page for people.
-pub(super) fn page(doors: &[Door], errors: Option<&Errors>) -> Result<String> {
+pub(super) fn page(round_trips: &[RoundTrip], errors: Option<&Errors>) -> Result<String> {
     let mut page = String::from(HEAD);
-    for Door {
+    for RoundTrip {
         name, kind, found, ..
-    } in doors
+    } in round_trips
     {
         let format = kind.name();
         match found {
@@ -51,13 +53,13 @@ pub(super) fn page(doors: &[Door], errors: Option<&Errors>) -> Result<String> {
         }
     }
     write!(page, "{BETWEEN}")?;
-    for door in doors.iter().filter(|d| !d.trips.is_empty()) {
-        let glb = door.trips.iter().filter(|t| t.writer.is_glb());
+    for round_trip in round_trips.iter().filter(|d| !d.trips.is_empty()) {
+        let glb = round_trip.trips.iter().filter(|t| t.writer.is_glb());
         let mut cells = vec![glb.max_by(|a, b| a.worst_mm().total_cmp(&b.worst_mm()))];
-        cells.extend(TEXTS.map(|writer| door.trips.iter().find(|t| t.writer == writer)));
+        cells.extend(TEXTS.map(|writer| round_trip.trips.iter().find(|t| t.writer == writer)));
         let cell = |trip: &Option<&Trip>| trip.map_or_else(|| "-".to_owned(), millimetres);
         let cells: Vec<String> = cells.iter().map(cell).collect();
-        let (name, verdict) = (&door.name, verdict(door, errors));
+        let (name, verdict) = (&round_trip.name, verdict(round_trip, errors));
         writeln!(page, "| {name} | {} | {verdict} |", cells.join(" | "))?;
     }
     Ok(page)
@@ -88,26 +90,26 @@ fn millimetres(trip: &Trip) -> String {
 }
 
 /// The most errors of a written file, and those of the source if it has any.
-fn verdict(door: &Door, errors: Option<&Errors>) -> String {
+fn verdict(round_trip: &RoundTrip, errors: Option<&Errors>) -> String {
     let count = |path: &Path| errors.and_then(|e| e.get(path)).copied();
-    let written = door.trips.iter().filter_map(|t| t.path.as_deref());
+    let written = round_trip.trips.iter().filter_map(|t| t.path.as_deref());
     let Some(most) = written.filter_map(count).max() else {
         return "-".to_owned();
     };
-    match count(&door.path) {
+    match count(&round_trip.path) {
         Some(source) if source > 0 => format!("{most} (source {source})"),
         _ => most.to_string(),
     }
 }
 
 /// What is in each file, for machines.
-pub(super) fn csv(doors: &[Door]) -> Result<String> {
+pub(super) fn csv(round_trips: &[RoundTrip]) -> Result<String> {
     let mut csv = String::from(
         "file,format,opened,joints,mapped,clips,meshes,triangles,morphs,expressions,warnings,why\n",
     );
-    for Door {
+    for RoundTrip {
         name, kind, found, ..
-    } in doors
+    } in round_trips
     {
         let format = kind.name();
         match found {
@@ -129,12 +131,12 @@ pub(super) fn csv(doors: &[Door]) -> Result<String> {
 }
 
 /// What came back of each written file, for machines.
-pub(super) fn csv_written(doors: &[Door], errors: Option<&Errors>) -> Result<String> {
+pub(super) fn csv_written(round_trips: &[RoundTrip], errors: Option<&Errors>) -> Result<String> {
     let mut csv = String::from(
         "file,written,joints,joints_found,clips,clips_found,joints_apart_mm,skin_apart_mm,bound_mm,holds,validator_errors\n",
     );
-    for door in doors {
-        for trip in &door.trips {
+    for round_trip in round_trips {
+        for trip in &round_trip.trips {
             let errors = trip.path.as_deref().and_then(|p| errors?.get(p));
             let errors = errors.map_or_else(String::new, u64::to_string);
             let numbers = match &trip.apart {
@@ -151,7 +153,7 @@ pub(super) fn csv_written(doors: &[Door], errors: Option<&Errors>) -> Result<Str
             writeln!(
                 csv,
                 "{},{},{numbers},{},{},{errors}",
-                door.name,
+                round_trip.name,
                 trip.writer.name().replace(',', ";"),
                 trip.writer.bound_mm(),
                 u8::from(trip.holds()),

@@ -1,6 +1,6 @@
 //! Levels of a rig as prefixes of one joint order: merged joints move with an ancestor.
 //!
-//! Source: `spec/motion-lod.md` part 8 and `spec/runtime.md` part 3. Level 0 has every joint;
+//! Source: `docs/methods/motion-lod.md` part 8 and `docs/methods/runtime.md` part 3. Level 0 has every joint;
 //! each further level keeps no more. A joint that a level does not keep is *merged*: it stands in
 //! the rig's mean pose, so it moves with its nearest kept ancestor. Kept joints keep their true
 //! transforms, because every level contains the ancestors of what it contains. Which joints go
@@ -216,15 +216,17 @@ mod tests {
             JointSet::from_iter([1]),
             JointSet::EMPTY,
         ];
-        let ladder = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
+        let joint_lods = JointLods::of_sets(&rig, &sets, rig.rest_pose()).unwrap();
         // Closed over ancestors: {0,1,2}, {0,1}, {0}; what goes first stands last.
-        assert_eq!(ladder.joints(), [0, 1, 2, 4, 3]);
-        let kept: Vec<usize> = (0..ladder.levels()).map(|l| ladder.kept(l)).collect();
+        assert_eq!(joint_lods.joints(), [0, 1, 2, 4, 3]);
+        let kept: Vec<usize> = (0..joint_lods.levels())
+            .map(|l| joint_lods.kept(l))
+            .collect();
         assert_eq!(kept, [5, 3, 2, 1]);
         let target = |joint, level| {
-            let mut place = ladder.place(joint);
-            while place >= ladder.kept(level) {
-                place = usize::from(ladder.parents()[place]?);
+            let mut place = joint_lods.place(joint);
+            while place >= joint_lods.kept(level) {
+                place = usize::from(joint_lods.parents()[place]?);
             }
             Some(place)
         };
@@ -232,8 +234,8 @@ mod tests {
         assert_eq!(target(3, 1), Some(2));
         assert_eq!(target(4, 1), Some(1));
         assert_eq!(target(3, 3), Some(0));
-        assert_eq!(ladder.joints()[..ladder.kept(2)], [0, 1]);
-        assert_eq!(ladder.parents()[4], Some(2));
+        assert_eq!(joint_lods.joints()[..joint_lods.kept(2)], [0, 1]);
+        assert_eq!(joint_lods.parents()[4], Some(2));
     }
 
     #[test]

@@ -11,7 +11,7 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 
 /// Least volume of a blended matrix against the matrices that it blends; below it, matrices that
 /// point apart cancel out, and the inverse would throw the vertex far off.
-const LEAST_VOLUME: f64 = 0.05;
+const MIN_VOLUME: f64 = 0.05;
 
 /// A vertex whose skinning differs from the full character's.
 #[derive(Debug, Clone, PartialEq)]
@@ -99,7 +99,7 @@ fn correct(plan: &Plan<'_>, full: &DAffine3, folded: &[(u16, f32)]) -> Option<Co
         .map(|(b, w)| f64::from(*w) * volume(plan.mean_matrix(*b)));
     let parts: f64 = parts.sum();
     let own = volume(&level);
-    if !(own.is_finite() && parts > 0.0 && own >= LEAST_VOLUME * parts) {
+    if !(own.is_finite() && parts > 0.0 && own >= MIN_VOLUME * parts) {
         return None;
     }
     let position = level.inverse() * *full;

@@ -4,7 +4,7 @@ use crate::real::bytes;
 use articula_build::joint_names::{GapReason, Mapping};
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{Region, Transform};
-use articula_formats::profile;
+use articula_formats::joint_map;
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use serde_json::Value;
 
@@ -115,7 +115,8 @@ fn mapped(name: &str) -> (Skeleton, Mapping) {
         let joint = |(node, bone): (usize, String)| (joint_of[node], bone);
         bones.into_iter().map(joint).collect::<Vec<_>>()
     });
-    let mapping = articula_build::joint_names::map(&skeleton, profile::builtin(), given.as_deref());
+    let mapping =
+        articula_build::joint_names::map(&skeleton, joint_map::builtin(), given.as_deref());
     (skeleton, mapping)
 }
 

@@ -1,7 +1,7 @@
 //! The options of a kind of character that are worth their cost: the lower convex hull of
 //! (cost, error).
 //!
-//! Source: `spec/motion-lod.md` part 7; the hull is what remains of a multiple-choice knapsack
+//! Source: `docs/methods/motion-lod.md` part 7; the hull is what remains of a multiple-choice knapsack
 //! once dominated options are gone (Kellerer, Pferschy, Pisinger, *Knapsack Problems*, 2004,
 //! 11.2). Errors are metres of skin, so one menu serves all characters that play the same clip:
 //! a character's own error is the menu's times its weight, and a factor leaves a hull a hull.
@@ -14,7 +14,7 @@ const PARTS: f64 = 64.0;
 /// Errors beyond this count as this: farther than any figure reaches.
 const ERROR_CEILING_METRES: f32 = 1e6;
 /// Most options of one menu.
-const MOST_OFFERS: usize = 255;
+const MAX_OPTIONS: usize = 255;
 
 /// One way to show a character: what it costs and how far the skin is off.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,7 +54,7 @@ pub(super) struct Step {
 /// much for its cost as the one before.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct LodOptionSet {
-    offers: Vec<LodOption>,
+    lod_options: Vec<LodOption>,
     points: Vec<Point>,
     steps: Vec<Step>,
 }
@@ -64,23 +64,23 @@ impl LodOptionSet {
     ///
     /// # Errors
     /// If there is none or more than 255, or a cost or an error is negative or not a number.
-    pub(crate) fn new(offers: &[LodOption]) -> Result<Self, Mismatch> {
-        if offers.is_empty() || offers.len() > MOST_OFFERS {
-            let what = format!("{} offers, not 1 to {MOST_OFFERS}", offers.len());
+    pub(crate) fn new(lod_options: &[LodOption]) -> Result<Self, Mismatch> {
+        if lod_options.is_empty() || lod_options.len() > MAX_OPTIONS {
+            let what = format!("{} offers, not 1 to {MAX_OPTIONS}", lod_options.len());
             return Err(Mismatch::new("offers", what));
         }
         let odd = |o: &LodOption| !(o.cost >= 0.0 && o.cost.is_finite() && o.error_metres >= 0.0);
-        if let Some(i) = offers.iter().position(odd) {
-            let what = format!("{:?} has no place in a budget", offers[i]);
+        if let Some(i) = lod_options.iter().position(odd) {
+            let what = format!("{:?} has no place in a budget", lod_options[i]);
             return Err(Mismatch::new(format!("offers[{i}]"), what));
         }
-        let mut menu = Self {
-            offers: offers.to_vec(),
-            points: Vec::with_capacity(offers.len()),
-            steps: Vec::with_capacity(offers.len()),
+        let mut option_set = Self {
+            lod_options: lod_options.to_vec(),
+            points: Vec::with_capacity(lod_options.len()),
+            steps: Vec::with_capacity(lod_options.len()),
         };
-        menu.find_hull();
-        Ok(menu)
+        option_set.find_hull();
+        Ok(option_set)
     }
 
     /// The options that are worth their cost, the cheapest first; at least one.
@@ -91,9 +91,9 @@ impl LodOptionSet {
     /// Gives every offer a new cost by its index and finds the hull anew. A cost that is no
     /// number makes the offer too dear to be taken, a negative one free. Does not allocate.
     pub(crate) fn reprice(&mut self, mut cost: impl FnMut(usize) -> f32) {
-        for (i, offer) in self.offers.iter_mut().enumerate() {
+        for (i, lod_option) in self.lod_options.iter_mut().enumerate() {
             let new = cost(i);
-            offer.cost = if new.is_nan() { f32::MAX } else { new.max(0.0) };
+            lod_option.cost = if new.is_nan() { f32::MAX } else { new.max(0.0) };
         }
         self.find_hull();
     }
@@ -128,11 +128,15 @@ impl LodOptionSet {
     /// equals the first.
     fn next_better(&self) -> Option<Point> {
         let reached = self.points.last().map_or(f32::INFINITY, |p| p.error_metres);
-        let points = self.offers.iter().enumerate().map(|(i, offer)| Point {
-            option: i as u8,
-            error_metres: offer.error_metres.min(ERROR_CEILING_METRES),
-            cost: to_fixed(offer.cost).min(u64::from(u32::MAX)) as u32,
-        });
+        let points = self
+            .lod_options
+            .iter()
+            .enumerate()
+            .map(|(i, lod_option)| Point {
+                option: i as u8,
+                error_metres: lod_option.error_metres.min(ERROR_CEILING_METRES),
+                cost: to_fixed(lod_option.cost).min(u64::from(u32::MAX)) as u32,
+            });
         points.filter(|p| p.error_metres < reached).min_by(|a, b| {
             let by_cost = a.cost.cmp(&b.cost);
             by_cost.then(a.error_metres.total_cmp(&b.error_metres))
@@ -164,13 +168,13 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn menu(offers: &[(f32, f32)]) -> Result<LodOptionSet, Mismatch> {
-        let offer = |&(cost, error_metres): &(f32, f32)| LodOption { cost, error_metres };
-        LodOptionSet::new(&offers.iter().map(offer).collect::<Vec<_>>())
+    fn option_set(lod_options: &[(f32, f32)]) -> Result<LodOptionSet, Mismatch> {
+        let lod_option = |&(cost, error_metres): &(f32, f32)| LodOption { cost, error_metres };
+        LodOptionSet::new(&lod_options.iter().map(lod_option).collect::<Vec<_>>())
     }
 
-    fn kept(menu: &LodOptionSet) -> Vec<u8> {
-        menu.points().iter().map(|p| p.option).collect()
+    fn kept(option_set: &LodOptionSet) -> Vec<u8> {
+        option_set.points().iter().map(|p| p.option).collect()
     }
 
     #[test]
@@ -178,7 +182,7 @@ mod tests {
         // From (1, 10): to (2, 6) 4 a unit, to (3, 5) 1, to (5, 0) 2.5 a unit. So (3, 5) lies
         // above the line from (2, 6) to (5, 0); (4, 7) is worse than (2, 6) and dearer; (1, 12)
         // is worse at the same cost; (6, 0) is dearer at the same error.
-        let offers = [
+        let lod_options = [
             (6.0, 0.0),
             (1.0, 12.0),
             (5.0, 0.0),
@@ -187,7 +191,7 @@ mod tests {
             (4.0, 7.0),
             (2.0, 6.0),
         ];
-        let found = menu(&offers).unwrap();
+        let found = option_set(&lod_options).unwrap();
         assert_eq!(kept(&found), [4, 6, 2]);
         let gains: Vec<f32> = found
             .steps()
@@ -197,15 +201,15 @@ mod tests {
         assert_eq!(gains, [4.0, 2.0]);
         assert_eq!(from_fixed(u64::from(found.points()[2].cost)), 5.0);
         // Points on the line stay: they make smaller upgrades.
-        let line = menu(&[(0.0, 3.0), (1.0, 2.0), (2.0, 1.0)]).unwrap();
+        let line = option_set(&[(0.0, 3.0), (1.0, 2.0), (2.0, 1.0)]).unwrap();
         assert_eq!(kept(&line), [0, 1, 2]);
         // Equals: the first.
-        assert_eq!(kept(&menu(&[(1.0, 1.0), (1.0, 1.0)]).unwrap()), [0]);
+        assert_eq!(kept(&option_set(&[(1.0, 1.0), (1.0, 1.0)]).unwrap()), [0]);
     }
 
     #[test]
     fn nothing_shown_is_an_offer_and_nonsense_is_none() {
-        let hidden = menu(&[(0.0, f32::INFINITY), (10.0, 0.1)]).unwrap();
+        let hidden = option_set(&[(0.0, f32::INFINITY), (10.0, 0.1)]).unwrap();
         assert_eq!(kept(&hidden), [0, 1]);
         let refused: [&[(f32, f32)]; 5] = [
             &[],
@@ -214,31 +218,31 @@ mod tests {
             &[(1.0, 0.0), (-1.0, 0.0)],
             &[(1.0, f32::NAN)],
         ];
-        for offers in refused {
-            assert!(menu(offers).is_err(), "{offers:?}");
+        for lod_options in refused {
+            assert!(option_set(lod_options).is_err(), "{lod_options:?}");
         }
-        assert!(menu(&[(1.0, 1.0); 256]).is_err());
-        assert!(menu(&[(f32::MAX, 0.0), (f32::MAX, 1.0)]).is_ok());
+        assert!(option_set(&[(1.0, 1.0); 256]).is_err());
+        assert!(option_set(&[(f32::MAX, 0.0), (f32::MAX, 1.0)]).is_ok());
     }
 
     proptest! {
         #[test]
         fn a_hull_is_convex_and_nothing_lies_below_it(
-            offers in prop::collection::vec((0.0_f32..1000.0, 0.0_f32..2.0), 1..20),
+            lod_options in prop::collection::vec((0.0_f32..1000.0, 0.0_f32..2.0), 1..20),
         ) {
-            let menu = menu(&offers).unwrap();
-            let points = menu.points();
+            let option_set = option_set(&lod_options).unwrap();
+            let points = option_set.points();
             for pair in points.windows(2) {
                 prop_assert!(pair[0].cost < pair[1].cost);
                 prop_assert!(pair[0].error_metres > pair[1].error_metres);
             }
-            for pair in menu.steps().windows(2) {
+            for pair in option_set.steps().windows(2) {
                 prop_assert!(pair[0].gain_per_cost >= pair[1].gain_per_cost);
             }
             // Below every line through two neighbours of the hull there is no offer.
             let fixed = |cost| to_fixed(cost) as f64;
-            for (from, step) in points.iter().zip(menu.steps()) {
-                for (cost, error) in &offers {
+            for (from, step) in points.iter().zip(option_set.steps()) {
+                for (cost, error) in &lod_options {
                     let along = fixed(*cost) - f64::from(from.cost);
                     let line = f64::from(from.error_metres)
                         - along * f64::from(step.gain_per_cost);
@@ -247,7 +251,7 @@ mod tests {
             }
             // The ends: nothing is cheaper than the first, nothing better than the last.
             let (first, last) = (&points[0], &points[points.len() - 1]);
-            for (cost, error) in &offers {
+            for (cost, error) in &lod_options {
                 prop_assert!(fixed(*cost) >= f64::from(first.cost));
                 prop_assert!(*error >= last.error_metres);
             }
@@ -255,13 +259,13 @@ mod tests {
 
         #[test]
         fn new_costs_give_the_hull_of_a_new_menu(
-            offers in prop::collection::vec((0.0_f32..1000.0, 0.0_f32..2.0), 1..12),
+            lod_options in prop::collection::vec((0.0_f32..1000.0, 0.0_f32..2.0), 1..12),
             factors in prop::collection::vec(0.5_f32..2.0, 12),
         ) {
-            let mut repriced = menu(&offers).unwrap();
-            repriced.reprice(|i| offers[i].0 * factors[i]);
-            let new: Vec<(f32, f32)> = offers.iter().zip(&factors).map(|(o, f)| (o.0 * f, o.1)).collect();
-            prop_assert_eq!(repriced, menu(&new).unwrap());
+            let mut repriced = option_set(&lod_options).unwrap();
+            repriced.reprice(|i| lod_options[i].0 * factors[i]);
+            let new: Vec<(f32, f32)> = lod_options.iter().zip(&factors).map(|(o, f)| (o.0 * f, o.1)).collect();
+            prop_assert_eq!(repriced, option_set(&new).unwrap());
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The order in which joints are merged: greedily, the one whose fold harms the skin least.
 //!
-//! Source: `spec/motion-lod.md` part 8, `spec/runtime.md` 4.1. A fold puts the skin of a joint
+//! Source: `docs/methods/motion-lod.md` part 8, `docs/methods/runtime.md` 4.1. A fold puts the skin of a joint
 //! onto its parent, where the joint stands in the mean pose; the kept joints keep their true
 //! transforms. For near levels only leaves among the kept joints are folded, so that each holds
 //! the ancestors of what it holds. Work is bounded: a candidate is judged on the watched vertices
@@ -15,7 +15,7 @@ use articula_core::{JointSet, LocalPose, Mesh, ModelPose, Transform};
 use glam::{Affine3A, Vec3A};
 
 /// Most products of frames and joints that are looked at.
-const MOST_MATRICES: usize = 40_000;
+const MAX_MATRICES: usize = 40_000;
 
 /// The order of a rig's joints, and what each prefix of it costs.
 #[derive(Debug, Clone, PartialEq)]
@@ -118,7 +118,7 @@ impl Fold {
         let rig = &asset.rig;
         let mesh = skin_of(asset);
         let watched = Watched::draw(&mesh, rig.len(), opts.vertices, opts.seed);
-        let frames = opts.frames.min(MOST_MATRICES / rig.len()).max(1);
+        let frames = opts.frames.min(MAX_MATRICES / rig.len()).max(1);
         let counts = share_frames(&asset.clips, frames);
         let mut models = Vec::new();
         for (clip, count) in asset.clips.iter().zip(counts) {

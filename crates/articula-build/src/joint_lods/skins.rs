@@ -5,7 +5,7 @@ use super::measure::{Tally, measure};
 use super::plan::Plan;
 use super::prefixes::Prefixes;
 use super::watch::Watched;
-use super::{LevelOptions, check, check_ladder};
+use super::{LevelOptions, check, check_tolerances};
 use crate::character::Asset;
 use articula_core::{Binding, JointLods, Mesh, Mismatch, Morph, PaletteMap};
 use glam::{Affine3A, Vec3};
@@ -14,7 +14,7 @@ use glam::{Affine3A, Vec3};
 const INFLUENCES: [usize; 3] = [1, 2, 4];
 
 /// Part of a level's own error that fewer influences may add.
-const LEAST_SHARE: f32 = 0.1;
+const MIN_SHARE: f32 = 0.1;
 
 /// Error below which fewer influences are always good enough, metres.
 const UNSEEN_METRES: f32 = 1e-4;
@@ -54,11 +54,11 @@ pub struct LevelSkins {
 
 impl LevelSkins {
     /// Those of a character without mesh.
-    pub(super) fn none(ladder: &JointLods) -> Result<Self, Mismatch> {
+    pub(super) fn none(joint_lods: &JointLods) -> Result<Self, Mismatch> {
         Ok(Self {
             bindings: Vec::new(),
-            palette: PaletteMap::skin(ladder, &[])?,
-            levels: vec![LevelSkin::default(); ladder.levels()],
+            palette: PaletteMap::skin(joint_lods, &[])?,
+            levels: vec![LevelSkin::default(); joint_lods.levels()],
         })
     }
 
@@ -122,16 +122,21 @@ pub(crate) fn skin_part(skin: &LevelSkin, bindings: &[Binding], vertices: &[u32]
 /// bindings would be needed.
 pub fn level_skins(
     asset: &Asset,
-    ladder: &JointLods,
+    joint_lods: &JointLods,
     opts: &LevelOptions,
 ) -> Result<LevelSkins, Mismatch> {
     check(asset)?;
-    check_ladder(asset, ladder)?;
+    check_tolerances(asset, joint_lods)?;
     if asset.mesh.is_empty() {
-        return LevelSkins::none(ladder);
+        return LevelSkins::none(joint_lods);
     }
-    let placed = placed_skins(asset, &asset.mesh, &Prefixes::of(&asset.rig, ladder), opts)?;
-    placed.on(ladder, |binding, _| binding)
+    let placed = placed_skins(
+        asset,
+        &asset.mesh,
+        &Prefixes::of(&asset.rig, joint_lods),
+        opts,
+    )?;
+    placed.on(joint_lods, |binding, _| binding)
 }
 
 /// Skins of levels whose bindings stand by place and name joints of the full rig.
@@ -146,14 +151,14 @@ impl PlacedSkins {
     /// The skins for a ladder, bindings named as it names joints.
     pub(super) fn on(
         &self,
-        ladder: &JointLods,
+        joint_lods: &JointLods,
         named: impl Fn(Binding, u16) -> Binding,
     ) -> Result<LevelSkins, Mismatch> {
         let matrices = self.bindings.iter().map(|b| b.inverse_bind);
         let placed: Vec<(u16, Affine3A)> = self.places.iter().copied().zip(matrices).collect();
         let all = self.bindings.iter().zip(&self.places);
         Ok(LevelSkins {
-            palette: PaletteMap::skin(ladder, &placed)?,
+            palette: PaletteMap::skin(joint_lods, &placed)?,
             bindings: all.map(|(b, place)| named(*b, *place)).collect(),
             levels: self.levels.clone(),
         })
@@ -217,7 +222,7 @@ fn choose(
         let of: Vec<Tally> = tallies.by_ref().take(skins.len()).collect();
         let own = of[of.len() - 1];
         let enough = |t: &Tally| {
-            let within = |e: f32, own: f32| e <= own * (1.0 + LEAST_SHARE) + UNSEEN_METRES;
+            let within = |e: f32, own: f32| e <= own * (1.0 + MIN_SHARE) + UNSEEN_METRES;
             within(t.percentile_metres, own.percentile_metres)
                 && within(t.worst_metres, own.worst_metres)
         };

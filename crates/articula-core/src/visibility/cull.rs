@@ -1,6 +1,6 @@
 //! Which bodies are seen, which soon may be, and how large: one pass over a crowd.
 //!
-//! Source: `spec/motion-lod.md` part 5, and 4.3 for several cameras. Takes the frustums of the
+//! Source: `docs/methods/motion-lod.md` part 5, and 4.3 for several cameras. Takes the frustums of the
 //! views and where the bodies are; gives, for the level and the budget that come next, a
 //! [`Visibility`] and pixels per metre.
 //!
@@ -20,7 +20,7 @@ use std::ops::Range;
 
 /// Depth below which nothing is taken to come closer, so that a camera inside a body still gets
 /// finite pixels per metre.
-pub const LEAST_DEPTH_METRES: f32 = 0.1;
+pub const MIN_DEPTH_METRES: f32 = 0.1;
 
 /// Whether a body is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -30,7 +30,7 @@ pub enum Visibility {
     #[default]
     Hidden,
     /// Not seen, but it may be before it is looked for again: out of view, or wholly occluded.
-    Near,
+    Margin,
     /// Its bound meets the frustum of a view.
     Visible,
 }
@@ -39,7 +39,7 @@ pub enum Visibility {
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct CullResult {
     /// The most that one metre of it spans, over the views that see it (or that it is near to),
-    /// at the nearest depth of its bound (of its wake-ahead bound, where it is [`Visibility::Near`]).
+    /// at the nearest depth of its bound (of its wake-ahead bound, where it is [`Visibility::Margin`]).
     /// Finite; 0 for a hidden body.
     pub pixels_per_metre: f32,
     /// Whether it is seen.
@@ -56,10 +56,10 @@ enum PixelDensity {
 }
 
 impl PixelDensity {
-    /// Pixels per metre at a depth; depths below [`LEAST_DEPTH_METRES`] count as that.
+    /// Pixels per metre at a depth; depths below [`MIN_DEPTH_METRES`] count as that.
     fn at(self, depth_metres: f32) -> f32 {
         match self {
-            Self::AtOneMetre(pixels) => pixels / depth_metres.max(LEAST_DEPTH_METRES),
+            Self::AtOneMetre(pixels) => pixels / depth_metres.max(MIN_DEPTH_METRES),
             Self::Everywhere(pixels) => pixels,
         }
     }
@@ -70,8 +70,8 @@ impl PixelDensity {
 pub struct View<'a> {
     frustum: Frustum,
     density: PixelDensity,
-    wake_metres: f32,
-    wake_radians: f32,
+    cull_margin_metres: f32,
+    cull_margin_radians: f32,
     occluded: &'a [f32],
 }
 
@@ -80,12 +80,12 @@ impl<'a> View<'a> {
     /// sees nothing.
     fn new(frustum: Frustum, density: PixelDensity) -> Self {
         let (PixelDensity::AtOneMetre(pixels) | PixelDensity::Everywhere(pixels)) = density;
-        let is_number = pixels > 0.0 && pixels <= f32::MAX * LEAST_DEPTH_METRES;
+        let is_number = pixels > 0.0 && pixels <= f32::MAX * MIN_DEPTH_METRES;
         Self {
             frustum: if is_number { frustum } else { Frustum::NOTHING },
             density,
-            wake_metres: 0.0,
-            wake_radians: 0.0,
+            cull_margin_metres: 0.0,
+            cull_margin_radians: 0.0,
             occluded: &[],
         }
     }
@@ -131,19 +131,19 @@ impl<'a> View<'a> {
     }
 
     /// The same view of a camera that may move by so much and turn by so much until it looks
-    /// again: bodies that this could bring into view are [`Visibility::Near`].
+    /// again: bodies that this could bring into view are [`Visibility::Margin`].
     #[must_use]
-    pub fn moving(self, wake_metres: f32, wake_radians: f32) -> Self {
+    pub fn moving(self, cull_margin_metres: f32, cull_margin_radians: f32) -> Self {
         Self {
-            wake_metres: at_most(wake_metres, FARTHEST_METRES),
+            cull_margin_metres: at_most(cull_margin_metres, FARTHEST_METRES),
             // No turn takes a point farther than to the other side of the eye.
-            wake_radians: at_most(wake_radians, 2.0),
+            cull_margin_radians: at_most(cull_margin_radians, 2.0),
             ..self
         }
     }
 
     /// The same view with the part of each body, 0 to 1, that other things hide from it, in the
-    /// order of the bodies. From 1 on the body is not seen but [`Visibility::Near`]. Missing ones
+    /// order of the bodies. From 1 on the body is not seen but [`Visibility::Margin`]. Missing ones
     /// and such that are no number count as 0.
     #[must_use]
     pub fn with_occluded(self, occluded: &'a [f32]) -> Self {
@@ -152,9 +152,14 @@ impl<'a> View<'a> {
 
     /// How long it takes at least until one metre of a body, by its bound in the world, may span
     /// more than `limit` pixels. 0 if it already does or the limit is no number; infinite if it
-    /// cannot (as at [`LEAST_DEPTH_METRES`]) or while this view does not see the bound: that it
-    /// comes into view is told by [`see`].
-    pub(crate) fn secs_until_denser(&self, bound: Sphere, limit: f32, closing: ApproachSpeed) -> f32 {
+    /// cannot (as at [`MIN_DEPTH_METRES`]) or while this view does not see the bound: that it
+    /// comes into view is told by [`cull`].
+    pub(crate) fn secs_until_denser(
+        &self,
+        bound: Sphere,
+        limit: f32,
+        closing: ApproachSpeed,
+    ) -> f32 {
         if limit.is_nan() || limit <= 0.0 {
             return 0.0;
         }
@@ -194,7 +199,7 @@ pub struct ApproachSpeed {
 #[derive(Debug, Clone, Copy)]
 pub struct Bodies<'a> {
     bounds: &'a [Sphere],
-    wake_metres: &'a [f32],
+    cull_margin_metres: &'a [f32],
 }
 
 impl<'a> Bodies<'a> {
@@ -203,19 +208,23 @@ impl<'a> Bodies<'a> {
     /// - `bounds`: in the world, each holding its body from now until it is looked for again.
     ///   They change when a root moves or the clip goes on, which need not be at every frame;
     ///   [`Sphere::carried`] makes one.
-    /// - `wake_metres`: how far root motion may carry the bound meanwhile: the way of the root and
+    /// - `cull_margin_metres`: how far root motion may carry the bound meanwhile: the way of the root and
     ///   the arc of the bound's centre about it. What is no number counts as 0.
     ///
     /// # Errors
     /// A [`Mismatch`] if the lengths differ.
-    pub fn new(bounds: &'a [Sphere], wake_metres: &'a [f32]) -> Result<Self, Mismatch> {
-        if wake_metres.len() != bounds.len() {
-            let what = format!("{} entries for {} bodies", wake_metres.len(), bounds.len());
+    pub fn new(bounds: &'a [Sphere], cull_margin_metres: &'a [f32]) -> Result<Self, Mismatch> {
+        if cull_margin_metres.len() != bounds.len() {
+            let what = format!(
+                "{} entries for {} bodies",
+                cull_margin_metres.len(),
+                bounds.len()
+            );
             return Err(Mismatch::new("wake_metres", what));
         }
         Ok(Self {
             bounds,
-            wake_metres,
+            cull_margin_metres,
         })
     }
 
@@ -229,7 +238,7 @@ impl<'a> Bodies<'a> {
 /// `1 + growth`, over the views that see its bound in the world: until then what was judged by
 /// `seen` holds within that factor. 0 for a body that was not visible.
 ///
-/// Source: `spec/motion-lod.md` 4.5, last paragraph.
+/// Source: `docs/methods/motion-lod.md` 4.5, last paragraph.
 pub fn secs_until_grown(
     views: &[View<'_>],
     bound: Sphere,
@@ -253,13 +262,16 @@ pub fn secs_until_grown(
 ///
 /// # Panics
 /// If `out` has not one entry for each body.
-pub fn see(views: &[View<'_>], bodies: Bodies<'_>, out: &mut [CullResult]) {
+pub fn cull(views: &[View<'_>], bodies: Bodies<'_>, out: &mut [CullResult]) {
     assert_eq!(out.len(), bodies.len(), "one answer for each body");
     for (b, out) in out.chunks_mut(BLOCK).enumerate() {
         let first = b * BLOCK;
         let mut block = Block::new();
         let part = first..first + out.len();
-        block.place(&bodies.bounds[part.clone()], &bodies.wake_metres[part]);
+        block.place(
+            &bodies.bounds[part.clone()],
+            &bodies.cull_margin_metres[part],
+        );
         for view in views {
             block.look(view, view.occluded.get(first..).unwrap_or_default());
         }
@@ -281,7 +293,7 @@ struct Block {
     y: [Vec4; GROUPS],
     z: [Vec4; GROUPS],
     radius: [Vec4; GROUPS],
-    wake: [Vec4; GROUPS],
+    margin: [Vec4; GROUPS],
     visible: [Vec4; GROUPS],
     near: [Vec4; GROUPS],
 }
@@ -295,18 +307,18 @@ impl Block {
             y: zero,
             z: zero,
             radius: zero,
-            wake: zero,
+            margin: zero,
             visible: zero,
             near: zero,
         }
     }
 
     /// Takes over at most [`BLOCK`] bodies.
-    fn place(&mut self, bounds: &[Sphere], wakes: &[f32]) {
+    fn place(&mut self, bounds: &[Sphere], margins: &[f32]) {
         let (bounds, last_bounds) = bounds.as_chunks();
-        let (wakes, last_wakes) = wakes.as_chunks();
-        for (group, (bounds, wakes)) in bounds.iter().zip(wakes).enumerate() {
-            self.place_four(group, *bounds, *wakes);
+        let (margins, last_margins) = margins.as_chunks();
+        for (group, (bounds, margins)) in bounds.iter().zip(margins).enumerate() {
+            self.place_four(group, *bounds, *margins);
         }
         self.groups = bounds.len();
         if !last_bounds.is_empty() {
@@ -315,22 +327,22 @@ impl Block {
                 radius: 0.0,
             };
             let bounds = filled(last_bounds, nothing);
-            self.place_four(self.groups, bounds, filled(last_wakes, 0.0));
+            self.place_four(self.groups, bounds, filled(last_margins, 0.0));
             self.groups += 1;
         }
     }
 
     #[inline]
-    fn place_four(&mut self, group: usize, bounds: [Sphere; LANES], wakes: [f32; LANES]) {
+    fn place_four(&mut self, group: usize, bounds: [Sphere; LANES], margins: [f32; LANES]) {
         let [x, y, z, radius] = columns(bounds.map(|s| s.centre.extend(s.radius)));
         let is_radius = radius.cmpge(Vec4::ZERO) & radius.cmple(Vec4::splat(f32::MAX));
-        let wake = Vec4::from_array(wakes);
-        let wake = Vec4::select(wake.cmpgt(Vec4::ZERO), wake, Vec4::ZERO);
+        let margin = Vec4::from_array(margins);
+        let margin = Vec4::select(margin.cmpgt(Vec4::ZERO), margin, Vec4::ZERO);
         self.x[group] = x;
         self.y[group] = y;
         self.z[group] = z;
         self.radius[group] = Vec4::select(is_radius, radius, Vec4::NAN);
-        self.wake[group] = wake.min(Vec4::splat(FARTHEST_METRES));
+        self.margin[group] = margin.min(Vec4::splat(FARTHEST_METRES));
     }
 
     /// Adds what one view sees.
@@ -354,11 +366,11 @@ impl Block {
             // outside, and what is no number has no depth.
             let inside = a.min(b).min(c.min(d)).min(ends);
             let radius = self.radius[g];
-            let mut reach = radius + self.wake[g] + view.wake_metres;
-            if view.wake_radians > 0.0 {
+            let mut reach = radius + self.margin[g] + view.cull_margin_metres;
+            if view.cull_margin_radians > 0.0 {
                 // The sum of three sides is at least the distance, and cheaper.
                 let distance = x.abs() + y.abs() + z.abs() + (reach - radius);
-                reach += view.wake_radians * distance;
+                reach += view.cull_margin_radians * distance;
             }
             let is_number = depth.cmpeq(depth);
             let near = is_number & (inside + reach).cmpge(zero);
@@ -372,7 +384,7 @@ impl Block {
                 pixels
             } else {
                 let nearest = depth - Vec4::select(visible, radius, reach);
-                let density = pixels / nearest.max(Vec4::splat(LEAST_DEPTH_METRES));
+                let density = pixels / nearest.max(Vec4::splat(MIN_DEPTH_METRES));
                 // Above zero at any depth, since 0 stands for not seen.
                 density.max(Vec4::splat(f32::MIN_POSITIVE))
             };
@@ -384,16 +396,16 @@ impl Block {
     fn tell(&self, out: &mut [CullResult]) {
         let (fours, last) = out.as_chunks_mut();
         for (g, four) in fours.iter_mut().enumerate() {
-            *four = self.tell_four(g);
+            *four = self.emit_four(g);
         }
-        last.copy_from_slice(&self.tell_four(fours.len() % GROUPS)[..last.len()]);
+        last.copy_from_slice(&self.emit_four(fours.len() % GROUPS)[..last.len()]);
     }
 
     #[inline]
-    fn tell_four(&self, group: usize) -> [CullResult; LANES] {
+    fn emit_four(&self, group: usize) -> [CullResult; LANES] {
         const FOUND: [Visibility; 4] = [
             Visibility::Hidden,
-            Visibility::Near,
+            Visibility::Margin,
             Visibility::Visible,
             Visibility::Visible,
         ];
@@ -429,7 +441,7 @@ mod tests {
     #[derive(Debug, Clone, Default)]
     struct Crowd {
         bounds: Vec<Sphere>,
-        wakes: Vec<f32>,
+        margins: Vec<f32>,
     }
 
     const BALL: Sphere = Sphere {
@@ -441,28 +453,28 @@ mod tests {
         /// Unit balls that may move so far.
         fn of(rows: &[(Vec3, f32)]) -> Self {
             let mut crowd = Self::default();
-            for (centre, wake) in rows {
+            for (centre, margin) in rows {
                 crowd.push(
                     Sphere {
                         centre: *centre,
                         ..BALL
                     },
-                    *wake,
+                    *margin,
                 );
             }
             crowd
         }
 
-        fn push(&mut self, bound: Sphere, wake: f32) {
+        fn push(&mut self, bound: Sphere, margin: f32) {
             self.bounds.push(bound);
-            self.wakes.push(wake);
+            self.margins.push(margin);
         }
 
         fn seen(&self, views: &[View<'_>]) -> Vec<CullResult> {
             let mut out = vec![CullResult::default(); self.bounds.len()];
-            see(
+            cull(
                 views,
-                Bodies::new(&self.bounds, &self.wakes).unwrap(),
+                Bodies::new(&self.bounds, &self.margins).unwrap(),
                 &mut out,
             );
             out
@@ -484,7 +496,7 @@ mod tests {
 
     #[test]
     fn five_bodies_by_hand() {
-        use Visibility::{Hidden, Near, Visible};
+        use Visibility::{Hidden, Margin, Visible};
         let crowd = Crowd::of(&[
             (Vec3::NEG_Z * 11.0, 0.0),
             (Vec3::Z * 3.0, 1.9),
@@ -495,13 +507,13 @@ mod tests {
         let view = View::of(&camera());
         let seen = crowd.seen(&[view]);
         let found: Vec<_> = seen.iter().map(|s| s.visibility).collect();
-        assert_eq!(found, [Visible, Hidden, Near, Visible, Visible]);
+        assert_eq!(found, [Visible, Hidden, Margin, Visible, Visible]);
         let viewport = Viewport::default();
         let near = viewport.pixels_per_metre(10.0);
         assert!((seen[0].pixels_per_metre - near).abs() < 1e-3 * near);
         assert_eq!(seen[1].pixels_per_metre, 0.0);
         // A camera inside a body stands at the least depth from it.
-        let inside = viewport.pixels_per_metre(LEAST_DEPTH_METRES);
+        let inside = viewport.pixels_per_metre(MIN_DEPTH_METRES);
         assert!((seen[3].pixels_per_metre - inside).abs() < 1e-3 * inside);
     }
 
@@ -548,12 +560,12 @@ mod tests {
 
     #[test]
     fn what_a_view_cannot_see_for_walls_is_near() {
-        use Visibility::{Near, Visible};
+        use Visibility::{Margin, Visible};
         let ahead = Vec3::NEG_Z * 9.0;
         let crowd = Crowd::of(&[(ahead, 0.0); 6]);
         let occluded = [0.0, 1.0, 0.999, 2.0, f32::NAN];
         let view = View::of(&camera()).with_occluded(&occluded);
-        let expected = [Visible, Near, Visible, Near, Visible, Visible];
+        let expected = [Visible, Margin, Visible, Margin, Visible, Visible];
         assert_eq!(crowd.visibilities(&[view]), expected);
         let mirror = View::of(&camera());
         assert_eq!(crowd.visibilities(&[view, mirror]), [Visible; 6]);
@@ -561,22 +573,22 @@ mod tests {
 
     #[test]
     fn a_camera_that_moves_or_turns_wakes_what_it_may_see() {
-        use Visibility::{Hidden, Near};
+        use Visibility::{Hidden, Margin};
         // Straight to the right, 10 m away: the right side of the picture is 53.6 degrees off
         // (its tangent is 0.736), so the centre must come 0.936 rad nearer, the ball less.
         let crowd = Crowd::of(&[(Vec3::X * 10.0, 0.0)]);
         let view = View::of(&camera());
         assert_eq!(crowd.visibilities(&[view]), [Hidden]);
         assert_eq!(crowd.visibilities(&[view.moving(0.0, 0.6)]), [Hidden]);
-        assert_eq!(crowd.visibilities(&[view.moving(0.0, 0.9)]), [Near]);
-        assert_eq!(crowd.visibilities(&[view.moving(7.2, 0.0)]), [Near]);
+        assert_eq!(crowd.visibilities(&[view.moving(0.0, 0.9)]), [Margin]);
+        assert_eq!(crowd.visibilities(&[view.moving(7.2, 0.0)]), [Margin]);
         assert_eq!(
             crowd.visibilities(&[view.moving(f32::NAN, f32::NAN)]),
             [Hidden]
         );
         assert_eq!(
             crowd.visibilities(&[view.moving(0.0, f32::INFINITY)]),
-            [Near]
+            [Margin]
         );
     }
 
@@ -613,7 +625,10 @@ mod tests {
             sideways.orientation = orientation;
             let view = View::of(&sideways);
             assert!(
-                crowd.seen(&[view]).iter().all(|s| *s == CullResult::default()),
+                crowd
+                    .seen(&[view])
+                    .iter()
+                    .all(|s| *s == CullResult::default()),
                 "{:?}",
                 crowd.seen(&[view])
             );
@@ -624,9 +639,9 @@ mod tests {
             (-ahead, f32::NAN),
             (-ahead, f32::INFINITY),
         ]);
-        use Visibility::{Hidden, Near, Visible};
+        use Visibility::{Hidden, Margin, Visible};
         let view = View::of(&camera());
-        assert_eq!(odd.visibilities(&[view]), [Visible, Hidden, Near]);
+        assert_eq!(odd.visibilities(&[view]), [Visible, Hidden, Margin]);
         assert!(odd.seen(&[view])[2].pixels_per_metre.is_finite());
         let nothing = View::new(view.frustum, PixelDensity::AtOneMetre(f32::NAN));
         assert_eq!(odd.visibilities(&[nothing]), [Hidden; 3]);
@@ -695,8 +710,8 @@ mod tests {
             eyes in prop::collection::vec((vector(30.0), turn()), 1..4),
         ) {
             let mut crowd = Crowd::default();
-            for (centre, radius, wake) in &rows {
-                crowd.push(Sphere { centre: *centre, radius: *radius }, *wake);
+            for (centre, radius, margin) in &rows {
+                crowd.push(Sphere { centre: *centre, radius: *radius }, *margin);
             }
             let viewport = Viewport::default();
             let cameras: Vec<Camera> = eyes.iter().map(|(eye, orientation)| Camera { eye: *eye, orientation: *orientation, viewport }).collect();
@@ -713,10 +728,10 @@ mod tests {
                 let between = |low: f32, found: f32, high: f32| low * 0.999 <= found && found <= high * 1.001;
                 match seen.visibility {
                     Visibility::Visible => prop_assert!(between(meets(-most), seen.pixels_per_metre, meets(most))),
-                    Visibility::Near => {
+                    Visibility::Margin => {
                         prop_assert_eq!(meets(-most), 0.0);
-                        let wake = rows[b].2;
-                        prop_assert!(between(meets(wake - most), seen.pixels_per_metre, meets(wake + most)));
+                        let margin = rows[b].2;
+                        prop_assert!(between(meets(margin - most), seen.pixels_per_metre, meets(margin + most)));
                     }
                     Visibility::Hidden => prop_assert_eq!(meets(rows[b].2 - most), 0.0),
                 }

@@ -23,7 +23,7 @@ const SMALL_BYTES: u64 = 200_000;
 const NO_DOORS: [&str; 2] = ["licences", "lottie_spec"];
 
 /// One file.
-struct Door {
+struct RoundTrip {
     path: PathBuf,
     /// Path below the data folder.
     name: String,
@@ -112,7 +112,7 @@ fn files(data: &Path) -> Result<Vec<(PathBuf, Kind)>> {
 }
 
 /// Opens one file, and writes it in every way into a folder.
-fn door(data: &Path, path: &Path, kind: Kind, folder: &Path) -> Result<Door> {
+fn round_trip(data: &Path, path: &Path, kind: Kind, folder: &Path) -> Result<RoundTrip> {
     let name = path
         .strip_prefix(data)
         .unwrap_or(path)
@@ -128,7 +128,7 @@ fn door(data: &Path, path: &Path, kind: Kind, folder: &Path) -> Result<Door> {
         Ok(Content::Data(data)) => Ok(Found::Data(data)),
         Err(fault) => Err(fault),
     };
-    Ok(Door {
+    Ok(RoundTrip {
         path: path.to_owned(),
         name,
         kind,
@@ -138,13 +138,13 @@ fn door(data: &Path, path: &Path, kind: Kind, folder: &Path) -> Result<Door> {
 }
 
 /// All files that count, opened and written into a folder.
-fn doors(run: &Run, folder: &Path) -> Result<Vec<Door>> {
+fn round_trips(run: &Run, folder: &Path) -> Result<Vec<RoundTrip>> {
     let mut files = files(&run.data)?;
     if run.small {
         files.retain(|(path, _)| path.metadata().is_ok_and(|m| m.len() <= SMALL_BYTES));
     }
     let all = files.par_iter();
-    all.map(|(path, kind)| door(&run.data, path, *kind, folder))
+    all.map(|(path, kind)| round_trip(&run.data, path, *kind, folder))
         .collect()
 }
 
@@ -160,21 +160,21 @@ fn scratch() -> Result<PathBuf> {
 /// Runs the table and writes it.
 pub(crate) fn write(run: &Run) -> Result<()> {
     let folder = scratch()?;
-    let doors = doors(run, &folder)?;
+    let round_trips = round_trips(run, &folder)?;
     let errors = if run.small {
         None
     } else {
-        judge::errors(&page::judged(&doors))?
+        judge::errors(&page::judged(&round_trips))?
     };
     std::fs::remove_dir_all(&folder)?;
     run.save(
         "doors",
-        &page::page(&doors, errors.as_ref())?,
-        &page::csv(&doors)?,
+        &page::page(&round_trips, errors.as_ref())?,
+        &page::csv(&round_trips)?,
     )?;
     run.save_csv(
         "doors-written",
-        &page::csv_written(&doors, errors.as_ref())?,
+        &page::csv_written(&round_trips, errors.as_ref())?,
     )
 }
 
@@ -201,19 +201,22 @@ mod tests {
             small: false,
         };
         let folder = scratch().unwrap();
-        let doors = doors(&run, &folder).unwrap();
+        let round_trips = round_trips(&run, &folder).unwrap();
         std::fs::remove_dir_all(&folder).unwrap();
-        for door in &doors {
-            check(door);
+        for round_trip in &round_trips {
+            check(round_trip);
         }
         for (name, _) in REFUSED {
-            assert!(doors.iter().any(|d| d.name == name), "{name} is not there");
+            assert!(
+                round_trips.iter().any(|d| d.name == name),
+                "{name} is not there"
+            );
         }
         let mut compared = 0;
         for listed in manifest::listed(&manifest) {
-            let door = doors.iter().find(|d| d.name == listed.name);
-            let door = door.unwrap_or_else(|| panic!("{} is not there", listed.name));
-            let Ok(Found::Figure(found)) = &door.found else {
+            let round_trip = round_trips.iter().find(|d| d.name == listed.name);
+            let round_trip = round_trip.unwrap_or_else(|| panic!("{} is not there", listed.name));
+            let Ok(Found::Figure(found)) = &round_trip.found else {
                 continue;
             };
             for (what, found, expected) in [
@@ -233,21 +236,21 @@ mod tests {
         );
     }
 
-    fn check(door: &Door) {
-        let refused = REFUSED.iter().find(|(name, _)| *name == door.name);
-        match (&door.found, refused) {
+    fn check(round_trip: &RoundTrip) {
+        let refused = REFUSED.iter().find(|(name, _)| *name == round_trip.name);
+        match (&round_trip.found, refused) {
             (Err(why), Some((_, word))) => {
-                assert!(why.to_string().contains(word), "{}: {why}", door.name);
+                assert!(why.to_string().contains(word), "{}: {why}", round_trip.name);
             }
-            (Err(why), None) => panic!("{}: {why}", door.name),
-            (Ok(_), Some(_)) => panic!("{} should be refused", door.name),
+            (Err(why), None) => panic!("{}: {why}", round_trip.name),
+            (Ok(_), Some(_)) => panic!("{} should be refused", round_trip.name),
             (Ok(Found::Data(data)), None) => {
-                assert_ne!(data.comes_back, Some(false), "{}", door.name);
+                assert_ne!(data.comes_back, Some(false), "{}", round_trip.name);
             }
             (Ok(Found::Figure(_)), None) => {}
         }
-        for trip in &door.trips {
-            let (name, writer) = (&door.name, trip.writer.name());
+        for trip in &round_trip.trips {
+            let (name, writer) = (&round_trip.name, trip.writer.name());
             assert!(trip.holds(), "{name}, {writer}: {:?}", trip.apart);
         }
     }

@@ -1,6 +1,6 @@
 //! Far levels: a rig of its own for the few joints that coarse levels keep.
 //!
-//! Source: `spec/motion-lod.md` part 8, `spec/runtime.md` 4.1 ("the fold that adds least vertex
+//! Source: `docs/methods/motion-lod.md` part 8, `docs/methods/runtime.md` 4.1 ("the fold that adds least vertex
 //! error"). Where ancestors need not stay, a hand or a head outlasts the joints between it and
 //! the hips: at 16 joints the error is a fifth. The kept joints then form a tree of their own,
 //! each under its nearest ancestor that outlasts it, and their clips are what the full rig does
@@ -17,7 +17,7 @@ use super::{LevelOptions, check};
 use crate::character::Asset;
 use articula_core::source::{Joint, Skeleton};
 use articula_core::{
-    Articulation, Binding, Clip, JointSet, JointLods, LodErrors, LocalPose, Mismatch, ModelPose,
+    Articulation, Binding, Clip, JointLods, JointSet, LocalPose, LodErrors, Mismatch, ModelPose,
     Rig, Track, Tracks, Transform, Wrap, angle_between, local_to_model, same_hemisphere, sample,
 };
 use glam::{Affine3A, Quat, Vec3};
@@ -28,11 +28,11 @@ const STILL_SCALE: f32 = 1e-4;
 
 /// How far a joint may run from its true way between frames before a clip gets more of them,
 /// metres, and the most frames for one of the source's.
-const MOST_CHORD_METRES: f32 = 2e-3;
-const MOST_FRAMES_FOR_ONE: usize = 4;
+const MAX_CHORD_METRES: f32 = 2e-3;
+const MAX_FRAMES_FOR_ONE: usize = 4;
 
 /// Part of its size by which a product of transforms may differ from one without shear.
-const MOST_SHEAR: f32 = 1e-2;
+const MAX_SHEAR: f32 = 1e-2;
 
 /// The coarse levels of a character on a rig of their own.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +45,7 @@ pub struct FarLevels {
     /// frames for one.
     pub clips: Vec<Clip>,
     /// Its levels: the first is the finest far one.
-    pub ladder: JointLods,
+    pub joint_lods: JointLods,
     /// Skins of its levels; bindings name joints of this rig.
     pub skins: LevelSkins,
 }
@@ -88,19 +88,19 @@ pub fn far_levels(
         chords_metres.push(chord);
     }
     let places = (0..joints.len() as u16).collect();
-    let ladder = JointLods::new(&rig, places, kept.to_vec(), &far_mean)?;
+    let joint_lods = JointLods::new(&rig, places, kept.to_vec(), &far_mean)?;
     let skin = skin_of(asset);
     let placed = placed_skins(asset, &skin, &prefixes, opts)?;
     let skins = if asset.mesh.is_empty() {
-        LevelSkins::none(&ladder)?
+        LevelSkins::none(&joint_lods)?
     } else {
-        placed.on(&ladder, |binding, joint| Binding { joint, ..binding })?
+        placed.on(&joint_lods, |binding, joint| Binding { joint, ..binding })?
     };
     let levels = FarLevels {
         rig,
         joints,
         clips,
-        ladder,
+        joint_lods,
         skins,
     };
     let mut errors = table(asset, &skin, &placed.levels, &placed.bindings, opts)?;
@@ -169,7 +169,7 @@ impl Chain {
         };
         let apart = (split.to_affine().matrix3 - product.matrix3).to_cols_array();
         let apart = apart.iter().fold(0.0f32, |a, x| a.max(x.abs()));
-        (split.is_finite() && apart <= MOST_SHEAR * scale.abs().max_element()).then_some(split)
+        (split.is_finite() && apart <= MAX_SHEAR * scale.abs().max_element()).then_some(split)
     }
 }
 
@@ -210,7 +210,7 @@ fn clip_for(
             let apart = (0..rig.len()).map(|j| truth.position(j).distance(shown.position(j)));
             chord = apart.fold(chord, f32::max);
         }
-        if chord <= MOST_CHORD_METRES || each >= MOST_FRAMES_FOR_ONE {
+        if chord <= MAX_CHORD_METRES || each >= MAX_FRAMES_FOR_ONE {
             return Ok(Some((far, chord)));
         }
         each *= 2;

@@ -4,13 +4,15 @@ use crate::random_figure::{FRAMES, RATE, Row, character_of, flat, rows};
 use articula_build::ClipOptions;
 use articula_build::{Asset, character};
 use articula_build::{
-    LevelOptions, LevelSkins, MergedLevels, joint_lods, level_errors, level_skins, mean_pose,
+    LevelOptions, LevelSkins, MergedLevels, joint_lods, level_skins, lod_errors, mean_pose,
     merged_levels, named_joint_lods,
 };
 use articula_core::loa::LoaExpression;
-use articula_core::source::{Channel, Character, Clip, Interpolation, Joint, Property, Skeleton};
+use articula_core::source::{
+    Channel, Character, Interpolation, Joint, Property, RawClip, Skeleton,
+};
 use articula_core::{
-    JointSet, JointLods, LocalPose, Mesh, ModelPose, PosedMesh, SkinnedMesh, Transform, Wrap,
+    JointLods, JointSet, LocalPose, Mesh, ModelPose, PosedMesh, SkinnedMesh, Transform, Wrap,
     local_to_model, sample,
 };
 use glam::{Quat, Vec3};
@@ -67,12 +69,12 @@ fn farthest(a: &SkinnedMesh, b: &SkinnedMesh) -> f32 {
 /// Every prefix of a ladder's order as a level, as far as levels go.
 fn all_prefixes(asset: &Asset) -> JointLods {
     let mean = mean_pose(asset);
-    let ladder = joint_lods(asset, &mean, &options()).unwrap();
+    let joint_lods = joint_lods(asset, &mean, &options()).unwrap();
     let kept = (1..=asset.rig.len() as u16).rev().collect();
-    JointLods::new(&asset.rig, ladder.joints().to_vec(), kept, &mean).unwrap()
+    JointLods::new(&asset.rig, joint_lods.joints().to_vec(), kept, &mean).unwrap()
 }
 
-fn check_palette(ladder: &JointLods, skins: &LevelSkins) {
+fn check_palette(joint_lods: &JointLods, skins: &LevelSkins) {
     for (level, skin) in skins.levels.iter().enumerate() {
         let inside = |b: &u16| usize::from(*b) < skin.palette;
         assert!(
@@ -84,7 +86,7 @@ fn check_palette(ladder: &JointLods, skins: &LevelSkins) {
             .iter()
             .map(|b| usize::from(b.joint));
         for joint in joints {
-            assert!(ladder.place(joint) < ladder.kept(level));
+            assert!(joint_lods.place(joint) < joint_lods.kept(level));
         }
     }
 }
@@ -95,12 +97,12 @@ proptest! {
     #[test]
     fn the_mean_pose_is_exact_at_every_level(rows in rows()) {
         let asset = asset(&rows);
-        let ladder = all_prefixes(&asset);
-        let skins = level_skins(&asset, &ladder, &options()).unwrap();
-        check_palette(&ladder, &skins);
+        let joint_lods = all_prefixes(&asset);
+        let skins = level_skins(&asset, &joint_lods, &options()).unwrap();
+        check_palette(&joint_lods, &skins);
         let mean = mean_pose(&asset);
         let truth = posed(&asset, &asset.mesh, &mean);
-        for level in 0..ladder.levels() {
+        for level in 0..joint_lods.levels() {
             let shown = posed(&asset, &skins.mesh(level, &asset.mesh), &mean);
             let apart = farthest(&truth, &shown);
             prop_assert!(apart < ROUNDING_METRES, "level {level}: {apart} m");
@@ -119,17 +121,17 @@ proptest! {
         let pose = at_frame(&asset, frame);
         let apart = farthest(&posed(&asset, &asset.mesh, &pose), &posed(&asset, &mesh, &pose));
         prop_assert_eq!(apart, 0.0);
-        levels.errors.check(1, levels.ladder.levels()).unwrap();
+        levels.errors.check(1, levels.joint_lods.levels()).unwrap();
     }
 
     #[test]
     fn errors_are_what_the_skins_show(rows in rows()) {
         let asset = asset(&rows);
-        let ladder = all_prefixes(&asset);
-        let skins = level_skins(&asset, &ladder, &options()).unwrap();
-        let errors = level_errors(&asset, &ladder, &skins, &options()).unwrap();
+        let joint_lods = all_prefixes(&asset);
+        let skins = level_skins(&asset, &joint_lods, &options()).unwrap();
+        let errors = lod_errors(&asset, &joint_lods, &skins, &options()).unwrap();
         let mut worst = 0.0f32;
-        for level in 0..ladder.levels() {
+        for level in 0..joint_lods.levels() {
             let mesh = skins.mesh(level, &asset.mesh);
             for frame in 0..FRAMES {
                 let pose = at_frame(&asset, frame);
@@ -153,14 +155,14 @@ proptest! {
         let Some(far) = &levels.far else {
             return Ok(());
         };
-        let all = levels.ladder.levels() + far.ladder.levels();
+        let all = levels.joint_lods.levels() + far.joint_lods.levels();
         levels.errors.check(1, all).unwrap();
         let far_asset = Asset {
             rig: far.rig.clone(),
             mesh: Mesh::default(),
             clips: far.clips.clone(),
         };
-        let mut worst = vec![0.0f32; far.ladder.levels()];
+        let mut worst = vec![0.0f32; far.joint_lods.levels()];
         for frame in 0..FRAMES {
             let [full, near] = [&asset, &far_asset].map(|a| at_frame(a, frame));
             let [model, far_model] = [(&asset, &full), (&far_asset, &near)].map(|(a, p)| model(a, p));
@@ -175,14 +177,14 @@ proptest! {
             }
         }
         for (level, worst) in worst.iter().enumerate() {
-            let found = levels.errors.clips[0].worst_metres[levels.ladder.levels() + level];
+            let found = levels.errors.clips[0].worst_metres[levels.joint_lods.levels() + level];
             prop_assert!(found + ROUNDING_METRES >= *worst, "{found} for {worst}");
         }
-        check_palette(&far.ladder, &far.skins);
+        check_palette(&far.joint_lods, &far.skins);
         let truth = posed(&asset, &asset.mesh, &mean_pose(&asset));
-        let at = |j: usize| far.ladder.mean()[far.ladder.place(j)];
+        let at = |j: usize| far.joint_lods.mean()[far.joint_lods.place(j)];
         let far_mean: LocalPose = (0..far.rig.len()).map(at).collect();
-        for level in 0..far.ladder.levels() {
+        for level in 0..far.joint_lods.levels() {
             let shown = posed(&far_asset, &far.skins.mesh(level, &asset.mesh), &far_mean);
             prop_assert!(farthest(&truth, &shown) < ROUNDING_METRES);
         }
@@ -203,7 +205,7 @@ fn figure(joints: Vec<Joint>, turning: &[usize], frames: usize) -> Character {
     };
     Character {
         skeleton: Skeleton { joints },
-        clips: vec![Clip {
+        clips: vec![RawClip {
             name: "c".into(),
             duration_secs: times[frames - 1],
             channels: turning.iter().map(channel).collect(),
@@ -232,8 +234,8 @@ fn prepared(asset: &Asset, far_from_metres: f32) -> MergedLevels {
         ..LevelOptions::default()
     };
     let levels = merged_levels(asset, &opts).unwrap();
-    let far = levels.far.as_ref().map_or(0, |f| f.ladder.levels());
-    let all = levels.ladder.levels() + far;
+    let far = levels.far.as_ref().map_or(0, |f| f.joint_lods.levels());
+    let all = levels.joint_lods.levels() + far;
     levels.errors.check(asset.clips.len(), all).unwrap();
     assert!(all <= opts.most_levels);
     levels
@@ -244,7 +246,7 @@ fn the_smallest_characters_have_one_level() {
     let one = figure(vec![joint(None, Transform::IDENTITY)], &[0], 5);
     for far in [0.0, f32::INFINITY] {
         let levels = prepared(&built(&one), far);
-        assert_eq!((levels.ladder.levels(), levels.far), (1, None));
+        assert_eq!((levels.joint_lods.levels(), levels.far), (1, None));
         assert!(levels.errors.clips[0].speed_metres_per_sec >= 0.0);
     }
     let still = figure(vec![joint(None, Transform::IDENTITY)], &[0], 1);
@@ -270,7 +272,7 @@ fn a_thousand_joints_without_mesh_and_two_trees() {
     let asset = built(&figure(joints, &turning, 40));
     for far in [0.01, f32::INFINITY] {
         let levels = prepared(&asset, far);
-        assert_eq!(levels.ladder.kept(0), 1000);
+        assert_eq!(levels.joint_lods.kept(0), 1000);
         assert!(levels.skins.bindings.is_empty());
     }
 }
@@ -310,19 +312,23 @@ fn sockets_and_named_levels_are_kept() {
     let up = Transform::from_translation(Vec3::Y * 0.1);
     let joints = (0..20).map(|j: usize| joint(j.checked_sub(1).map(|p| p / 2), up));
     let asset = built(&figure(joints.collect(), &[1, 2, 3, 9], 20));
-    let socket = JointSet::from_iter([19]);
+    let attachment = JointSet::from_iter([19]);
     for far_from_metres in [0.0, f32::INFINITY] {
         let opts = LevelOptions {
-            protected: socket,
+            protected: attachment,
             fewest_joints: 3,
             far_from_metres,
             ..LevelOptions::default()
         };
         let levels = merged_levels(&asset, &opts).unwrap();
-        let coarsest = levels.ladder.kept(levels.ladder.levels() - 1);
-        assert!([0, 19].iter().all(|j| levels.ladder.place(*j) < coarsest));
+        let coarsest = levels.joint_lods.kept(levels.joint_lods.levels() - 1);
+        assert!(
+            [0, 19]
+                .iter()
+                .all(|j| levels.joint_lods.place(*j) < coarsest)
+        );
         if let Some(far) = levels.far {
-            let least = far.ladder.kept(far.ladder.levels() - 1);
+            let least = far.joint_lods.kept(far.joint_lods.levels() - 1);
             assert!(far.joints[..least].contains(&19));
         }
     }
@@ -330,8 +336,10 @@ fn sockets_and_named_levels_are_kept() {
         .iter()
         .map(|e| e.parse::<LoaExpression>().unwrap())
         .collect();
-    let ladder = named_joint_lods(&asset, &mean_pose(&asset), &named).unwrap();
-    let kept: Vec<usize> = (0..ladder.levels()).map(|l| ladder.kept(l)).collect();
+    let joint_lods = named_joint_lods(&asset, &mean_pose(&asset), &named).unwrap();
+    let kept: Vec<usize> = (0..joint_lods.levels())
+        .map(|l| joint_lods.kept(l))
+        .collect();
     assert_eq!(kept[0], 20);
     assert_eq!(kept[2], 1);
     let wrong = ["joint(nobody)".parse::<LoaExpression>().unwrap()];

@@ -9,13 +9,13 @@ use super::skeleton::Skeletal;
 use super::skin::NodeSkin;
 use super::texcoord::Texcoords;
 use crate::error::ReadError;
-use articula_core::source::{Mesh, Primitive, Skin};
+use articula_core::source::{Primitive, RawMesh, Skin};
 use glam::Affine3A;
 
 /// The meshes and the nodes that show them.
 #[derive(Debug, Default)]
-pub(super) struct Shown {
-    pub(super) meshes: Vec<Mesh>,
+pub(super) struct NodeMeshes {
+    pub(super) meshes: Vec<RawMesh>,
     pub(super) node_of_mesh: Vec<usize>,
 }
 

@@ -1,12 +1,12 @@
 //! Every writer's output, opened again: how far it lies from what was written.
 
-use super::compare::{Apart, Kept, apart};
+use super::compare::{Apart, JointFilter, apart};
 use crate::open::{self, Told};
 use anyhow::{Context, Result};
 use articula::convert::{EncodedFile, write};
-use articula::{Format, CharacterFile};
+use articula::{CharacterFile, Format};
 use articula_build::bake;
-use articula_core::source::{Character, Clip};
+use articula_core::source::{Character, RawClip};
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
@@ -137,7 +137,7 @@ impl Writer {
 }
 
 /// The clips with their expressions written out, as a document holds them.
-fn baked(character: &Character) -> Result<Vec<Clip>> {
+fn baked(character: &Character) -> Result<Vec<RawClip>> {
     let clips = character.clips.iter();
     let baked = clips.map(|clip| Ok(bake(character, clip)?.into_owned()));
     baked.collect()
@@ -186,9 +186,9 @@ fn again(was: &CharacterFile, writer: Writer, written: EncodedFile, path: &Path)
         Some((beside, bytes)) => open::figure((&bytes, Some(written.bytes)), beside, path, told)?,
     };
     let kept = match writer {
-        _ if writer.is_glb() => Kept::All,
-        Writer::X3d => Kept::Twins,
-        _ => Kept::Skin,
+        _ if writer.is_glb() => JointFilter::All,
+        Writer::X3d => JointFilter::Twins,
+        _ => JointFilter::Skin,
     };
     apart(
         (&was.character, &was.mapping.articulation),

@@ -6,10 +6,10 @@ use crate::clip_set::ClipSet;
 use crate::sample::Wrap;
 
 /// Fastest speed of play; faster ones count as this, slower ones than its negative likewise.
-pub(crate) const MOST_SPEED: f32 = 1000.0;
+pub(crate) const MAX_SPEED: f32 = 1000.0;
 
 /// Longest step of time; longer ones count as this, so that events of a pause do not pile up.
-pub(crate) const MOST_STEP_SECS: f32 = 60.0;
+pub(crate) const MAX_STEP_SECS: f32 = 60.0;
 
 /// One clip at a time and a speed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,7 +44,7 @@ impl ClipState {
     pub fn at_speed(self, speed: f32) -> Self {
         let speed = if speed.is_nan() { 0.0 } else { speed };
         Self {
-            speed: speed.clamp(-MOST_SPEED, MOST_SPEED),
+            speed: speed.clamp(-MAX_SPEED, MAX_SPEED),
             ..self
         }
     }
@@ -131,10 +131,10 @@ pub struct CharacterState {
 }
 
 impl From<ClipState> for CharacterState {
-    fn from(voice: ClipState) -> Self {
+    fn from(clip_state: ClipState) -> Self {
         Self {
-            from: voice,
-            to: voice,
+            from: clip_state,
+            to: clip_state,
             fade: 0.0,
             fade_per_sec: 0.0,
         }
@@ -167,21 +167,21 @@ impl CharacterState {
 
     /// Starts to fade to another clip. A fade that is under way goes on from the clip that
     /// weighs more. A time of 0 or less, or no number, switches at once.
-    pub fn fade_to(&mut self, voice: ClipState, secs: f32) {
+    pub fn fade_to(&mut self, clip_state: ClipState, secs: f32) {
         if self.fade >= 0.5 {
             self.from = self.to;
         }
         if secs > 0.0 {
-            self.to = voice;
+            self.to = clip_state;
             self.fade = 0.0;
             self.fade_per_sec = 1.0 / secs;
         } else {
-            *self = Self::from(voice);
+            *self = Self::from(clip_state);
         }
     }
 
     /// The clip that it plays, or comes from.
-    pub fn voice(&self) -> &ClipState {
+    pub fn clip_state(&self) -> &ClipState {
         &self.from
     }
 
@@ -243,21 +243,21 @@ mod tests {
 
     #[test]
     fn a_fade_under_way_arrives_when_its_time_is_over() {
-        let voice = |clip| ClipState {
+        let clip_state = |clip| ClipState {
             secs: 0.0,
             speed: 1.0,
             clip,
             wrap: Wrap::Loop,
         };
-        let mut player = CharacterState::fading(voice(0), voice(1), 0.25, 2.0);
+        let mut player = CharacterState::fading(clip_state(0), clip_state(1), 0.25, 2.0);
         assert_eq!((player.fade(), player.clips()), (0.25, (0, 1)));
         player.advance_fade(1.0);
         assert_eq!(player.fade(), 0.75);
         player.advance_fade(0.5);
-        assert_eq!(player, CharacterState::from(voice(1)));
+        assert_eq!(player, CharacterState::from(clip_state(1)));
         // From the very beginning it is a fade too; without a time there is nothing to fade.
-        assert!(CharacterState::fading(voice(0), voice(1), f32::NAN, 1.0).is_fading());
-        let at_once = CharacterState::fading(voice(0), voice(1), 0.5, 0.0);
-        assert_eq!(at_once, CharacterState::from(voice(1)));
+        assert!(CharacterState::fading(clip_state(0), clip_state(1), f32::NAN, 1.0).is_fading());
+        let at_once = CharacterState::fading(clip_state(0), clip_state(1), 0.5, 0.0);
+        assert_eq!(at_once, CharacterState::from(clip_state(1)));
     }
 }

@@ -7,11 +7,11 @@ use super::LevelOptions;
 use super::order::Order;
 
 /// A level drops at least this part of the joints of the level before.
-const LEAST_STEP: f32 = 0.12;
+const MIN_STEP: f32 = 0.12;
 
 /// Numbers of joints that near and far levels keep.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(super) struct Kept {
+pub(super) struct KeptCounts {
     /// All joints first.
     pub(super) near: Vec<u16>,
     /// Empty if there are no far levels.
@@ -26,7 +26,11 @@ pub(super) struct Choice<'a> {
 
 /// The fewest joints that stay within each of a row of doubling tolerances: of the near order up
 /// to `far_from_metres`, of the far one, if there is one, beyond.
-pub(super) fn levels(near: &Choice<'_>, far: Option<&Choice<'_>>, opts: &LevelOptions) -> Kept {
+pub(super) fn levels(
+    near: &Choice<'_>,
+    far: Option<&Choice<'_>>,
+    opts: &LevelOptions,
+) -> KeptCounts {
     let all = near.order.joints.len();
     let mut kept = vec![(all, false)];
     let mut tolerance = opts.first_metres.max(1e-6);
@@ -38,7 +42,7 @@ pub(super) fn levels(near: &Choice<'_>, far: Option<&Choice<'_>>, opts: &LevelOp
         let within = |n: &usize| choice.order.errors_metres[*n] <= tolerance;
         let fewest = (floor..=all).find(within).unwrap_or(all);
         let (last, _) = kept[kept.len() - 1];
-        let least = ((last as f32 * LEAST_STEP).ceil() as usize).max(1);
+        let least = ((last as f32 * MIN_STEP).ceil() as usize).max(1);
         if fewest + least <= last {
             kept.push((fewest, far.is_some()));
         }
@@ -57,7 +61,7 @@ pub(super) fn levels(near: &Choice<'_>, far: Option<&Choice<'_>>, opts: &LevelOp
         let kept = kept.iter().filter(|k| k.1 == is_far);
         kept.map(|k| k.0 as u16).collect()
     };
-    Kept {
+    KeptCounts {
         near: of(false),
         far: of(true),
     }

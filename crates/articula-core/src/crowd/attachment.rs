@@ -1,7 +1,7 @@
 //! Where an attachment hangs: the true place of one joint, at every level and when hidden.
 //!
 //! Sockets need the joints above them at every frame, whatever the viewer sees
-//! (`spec/motion-lod.md` part 5), so they are computed by themselves from the clips: O(depth),
+//! (`docs/methods/motion-lod.md` part 5), so they are computed by themselves from the clips: O(depth),
 //! no palette is read.
 
 use crate::batch::BatchPose;
@@ -15,13 +15,13 @@ use glam::Affine3A;
 ///
 /// # Panics
 /// If there is no such joint.
-pub fn socket(clips: &ClipSet, shown: &BatchPose, joint: usize) -> Affine3A {
-    let ladder = clips.ladder();
-    let mut at = Some(ladder.place(joint));
+pub fn attachment(clips: &ClipSet, shown: &BatchPose, joint: usize) -> Affine3A {
+    let joint_lods = clips.joint_lods();
+    let mut at = Some(joint_lods.place(joint));
     let mut model = Affine3A::IDENTITY;
     while let Some(place) = at {
         model = local(clips, shown, place).to_affine() * model;
-        at = ladder.parents()[place].map(usize::from);
+        at = joint_lods.parents()[place].map(usize::from);
     }
     model
 }

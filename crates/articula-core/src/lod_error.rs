@@ -1,6 +1,6 @@
 //! What each level of a ladder costs in each clip: the numbers that selection works with.
 //!
-//! Source: `spec/motion-lod.md` 4.3 and 8, `spec/runtime.md` 4.1. Written by
+//! Source: `docs/methods/motion-lod.md` 4.3 and 8, `docs/methods/runtime.md` 4.1. Written by
 //! `articula-build`, read every frame.
 
 use crate::Mismatch;
@@ -12,7 +12,7 @@ const SMALL_PART: f32 = 2.0;
 /// The error that a level is judged by: the greater of the 95th percentile over vertices and half
 /// of the greatest.
 #[inline]
-pub fn judged_metres(p95_metres: f32, max_metres: f32) -> f32 {
+pub fn lod_error_metres(p95_metres: f32, max_metres: f32) -> f32 {
     p95_metres.max(max_metres / SMALL_PART)
 }
 
@@ -33,10 +33,10 @@ pub struct ClipLodErrors {
 }
 
 impl ClipLodErrors {
-    /// The error that each level is judged by ([`judged_metres`]).
+    /// The error that each level is judged by ([`lod_error_metres`]).
     pub(crate) fn judged(&self) -> impl Iterator<Item = f32> + '_ {
         let pairs = self.levels_metres.iter().zip(&self.worst_metres);
-        pairs.map(|(most, worst)| judged_metres(*most, *worst))
+        pairs.map(|(most, worst)| lod_error_metres(*most, *worst))
     }
 }
 

@@ -43,13 +43,13 @@ impl<'a> Prefixes<'a> {
         }
     }
 
-    pub(super) fn of(rig: &'a Rig, ladder: &JointLods) -> Self {
-        let kept: Vec<u16> = (0..ladder.levels())
-            .map(|l| ladder.kept(l) as u16)
+    pub(super) fn of(rig: &'a Rig, joint_lods: &JointLods) -> Self {
+        let kept: Vec<u16> = (0..joint_lods.levels())
+            .map(|l| joint_lods.kept(l) as u16)
             .collect();
-        let at = |j: usize| ladder.mean()[ladder.place(j)];
+        let at = |j: usize| joint_lods.mean()[joint_lods.place(j)];
         let mean: LocalPose = (0..rig.len()).map(at).collect();
-        Self::new(rig, ladder.joints(), &kept, &mean)
+        Self::new(rig, joint_lods.joints(), &kept, &mean)
     }
 
     pub(super) fn levels(&self) -> usize {

@@ -1,6 +1,6 @@
 //! One mean pose for each rig: where merged joints stand.
 //!
-//! Source: `spec/motion-lod.md` part 8. Rotations are averaged as Markley, Cheng, Crassidis and
+//! Source: `docs/methods/motion-lod.md` part 8. Rotations are averaged as Markley, Cheng, Crassidis and
 //! Oshman (Averaging Quaternions, 2007): the eigenvector of the summed outer products, for which
 //! `q` and `-q` are one rotation.
 
@@ -13,10 +13,10 @@ use glam::{DMat4, DVec3, DVec4, Quat, Vec3};
 const WHOLE_WEIGHT_SECS: f32 = 1.0;
 
 /// A pose without length still counts a little.
-const LEAST_WEIGHT_SECS: f32 = 1.0 / 30.0;
+const MIN_WEIGHT_SECS: f32 = 1.0 / 30.0;
 
 /// Poses looked at, over all clips.
-const MOST_POSES: usize = 2048;
+const MAX_POSES: usize = 2048;
 
 /// The mean pose of a character over all its clips; rest for one without clips.
 ///
@@ -30,10 +30,10 @@ pub fn mean_pose(asset: &Asset) -> LocalPose {
     let mut means: Vec<Mean> = (0..rest.rotations.len())
         .map(|j| Mean::new(rest.get(j)))
         .collect();
-    let counts = share_frames(&asset.clips, MOST_POSES);
+    let counts = share_frames(&asset.clips, MAX_POSES);
     for (clip, count) in asset.clips.iter().zip(counts) {
         let secs = clip.duration_secs();
-        let weight = secs.clamp(LEAST_WEIGHT_SECS, WHOLE_WEIGHT_SECS);
+        let weight = secs.clamp(MIN_WEIGHT_SECS, WHOLE_WEIGHT_SECS);
         let frames = spread_frames(clip.frames(), count);
         let share = f64::from(weight) / frames.len() as f64;
         for frame in frames {

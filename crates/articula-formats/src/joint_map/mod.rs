@@ -4,7 +4,7 @@
 //! - [`vrm_bones`]: the names in the map that a VRM file brings itself
 //!
 //! They are data; `articula-build` matches a skeleton with them. Source: thesis 3.1.3; H-Anim 1.1
-//! and 2 (ISO/IEC 19774); the rules are described in `docs/formats/profile.md`.
+//! and 2 (ISO/IEC 19774); the rules are described in `docs/formats/joint-map.md`.
 
 mod builtin;
 mod file;

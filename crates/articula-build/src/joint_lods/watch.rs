@@ -9,10 +9,10 @@ use std::borrow::Cow;
 
 /// Vertices that every joint with skin has among the watched ones, so that a small part of the
 /// body is not lost by chance.
-const LEAST_FOR_A_JOINT: usize = 4;
+const MIN_FOR_A_JOINT: usize = 4;
 
 /// Shortest bone that stands for skin, metres.
-const LEAST_BONE_METRES: f32 = 0.01;
+const MIN_BONE_METRES: f32 = 0.01;
 
 /// Watched vertices of a mesh, rising.
 #[derive(Debug, Clone, PartialEq)]
@@ -34,9 +34,9 @@ impl Watched {
             for (joint, weight) in mesh.influences_of(v as usize) {
                 let top = &mut heaviest[joint];
                 let at = top.partition_point(|(w, _)| *w >= weight);
-                if at < LEAST_FOR_A_JOINT {
+                if at < MIN_FOR_A_JOINT {
                     top.insert(at, (weight, v));
-                    top.truncate(LEAST_FOR_A_JOINT);
+                    top.truncate(MIN_FOR_A_JOINT);
                 }
             }
         }
@@ -88,11 +88,8 @@ fn bones(asset: &Asset) -> Mesh {
     for joint in (0..rig.len()).filter(|j| ends[*j]) {
         let at = model.position(joint);
         let bone = rig.parent(joint).map(|p| at - model.position(p));
-        let bone = bone.filter(|b| b.length() >= LEAST_BONE_METRES);
-        hang(
-            joint,
-            at + 0.5 * bone.unwrap_or(Vec3::Y * LEAST_BONE_METRES),
-        );
+        let bone = bone.filter(|b| b.length() >= MIN_BONE_METRES);
+        hang(joint, at + 0.5 * bone.unwrap_or(Vec3::Y * MIN_BONE_METRES));
     }
     let binding = |joint: usize| {
         let inverse = model.matrices[joint].inverse();

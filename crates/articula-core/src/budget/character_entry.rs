@@ -1,8 +1,8 @@
 //! How one character stands in the budget: what it asks for, and what was made of it.
 //!
-//! Source: `spec/motion-lod.md` part 7 (what has a character judged anew, ageing).
+//! Source: `docs/methods/motion-lod.md` part 7 (what has a character judged anew, ageing).
 
-use super::menu::{LodOptionSet, LodOptionSetId, Point, Step};
+use super::lod_options::{LodOptionSet, LodOptionSetId, Point, Step};
 
 /// A change of scale below this factor leaves a character's judgement as it is.
 const SCALE_HYSTERESIS: f32 = 1.1;
@@ -11,8 +11,8 @@ const SCALE_HYSTERESIS: f32 = 1.1;
 const WEIGHT_HYSTERESIS: f32 = 1.331;
 /// Bounds that keep every product of weight, ageing and gain a normal number.
 const WEIGHTS: (f32, f32) = (1e-12, 1e15);
-const MOST_AGEING: f32 = 1e12;
-const MOST_PIXELS_PER_METRE: f32 = 1e9;
+const MAX_AGEING: f32 = 1e12;
+const MAX_PIXELS_PER_METRE: f32 = 1e9;
 /// Marks upgrades of a character that is above the cap: they come before all others.
 const URGENT: u32 = 1 << 31;
 
@@ -48,7 +48,7 @@ impl Default for BudgetPolicy {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LodRequest {
     /// Its options.
-    pub menu: LodOptionSetId,
+    pub option_set: LodOptionSetId,
     /// What a metre of its error counts: salience × pixels per metre × covered pixels. What is
     /// negative or no number counts as 0: such a character is brought to the cap, no further.
     pub weight: f32,
@@ -59,7 +59,7 @@ pub struct LodRequest {
 /// How one character was judged last.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CharacterEntry {
-    pub(super) menu: u32,
+    pub(super) option_set: u32,
     pub(super) weight: f32,
     pub(super) pixels_per_metre: f32,
     /// Factor of the weight while it is above the cap.
@@ -80,7 +80,7 @@ pub(super) struct CharacterEntry {
 
 /// Hidden.
 pub(super) const EMPTY: CharacterEntry = CharacterEntry {
-    menu: 0,
+    option_set: 0,
     weight: 0.0,
     pixels_per_metre: 0.0,
     ageing: 1.0,
@@ -106,30 +106,35 @@ impl CharacterEntry {
     /// Key and cost of every wanted upgrade from point `from` on; keys fall.
     pub(super) fn upgrades<'a>(
         &'a self,
-        menu: &'a LodOptionSet,
+        option_set: &'a LodOptionSet,
         from: u8,
     ) -> impl Iterator<Item = (u32, u32)> + 'a {
-        let steps = &menu.steps()[usize::from(from)..usize::from(self.last)];
+        let steps = &option_set.steps()[usize::from(from)..usize::from(self.last)];
         let numbered = (from..).zip(steps);
         numbered.map(|(i, step)| (self.key(i, step), step.cost))
     }
 
     /// Key of the upgrade that it would take next, 0 if there is none.
-    pub(super) fn next_key(&self, menu: &LodOptionSet) -> u32 {
-        let mut upgrades = self.upgrades(menu, self.chosen);
+    pub(super) fn next_key(&self, option_set: &LodOptionSet) -> u32 {
+        let mut upgrades = self.upgrades(option_set, self.chosen);
         upgrades.next().map_or(0, |u| u.0)
     }
 
     /// Takes over what is asked for, and finds what is needed and what is wanted.
-    pub(super) fn judge(&mut self, menu: &LodOptionSet, request: &LodRequest, policy: &BudgetPolicy) {
+    pub(super) fn judge(
+        &mut self,
+        option_set: &LodOptionSet,
+        request: &LodRequest,
+        policy: &BudgetPolicy,
+    ) {
         *self = Self {
-            menu: request.menu.0,
+            option_set: request.option_set.0,
             weight: request.weight,
             pixels_per_metre: request.pixels_per_metre,
             visible: true,
             ..*self
         };
-        let within = |limit| first_within(menu.points(), request.pixels_per_metre, limit);
+        let within = |limit| first_within(option_set.points(), request.pixels_per_metre, limit);
         self.target = within(policy.cap_px);
         self.last = self.target;
         if request.weight > WEIGHTS.0 {
@@ -149,7 +154,7 @@ impl CharacterEntry {
         let waited = frame.wrapping_sub(self.waits_since) as f32 / policy.patience_frames as f32;
         // Others are looked at up to one patience earlier or later; two keep a turn from them.
         let lead = if self.turn { 2.0 } else { 0.0 };
-        (1.0 + waited + lead).powi(3).min(MOST_AGEING)
+        (1.0 + waited + lead).powi(3).min(MAX_AGEING)
     }
 }
 
@@ -157,9 +162,9 @@ impl LodRequest {
     /// Without what would break sums and products.
     pub(super) fn tamed(self) -> Self {
         Self {
-            menu: self.menu,
+            option_set: self.option_set,
             weight: tamed(self.weight, WEIGHTS.0, WEIGHTS.1),
-            pixels_per_metre: tamed(self.pixels_per_metre, 0.0, MOST_PIXELS_PER_METRE),
+            pixels_per_metre: tamed(self.pixels_per_metre, 0.0, MAX_PIXELS_PER_METRE),
         }
     }
 }
@@ -172,38 +177,38 @@ fn tamed(x: f32, least: f32, most: f32) -> f32 {
 /// What a request must be like for its character to stay as it was judged.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Watch {
-    menu: u32,
+    option_set: u32,
     scale: (f32, f32),
     weight: (f32, f32),
 }
 
 /// No request is like this.
 pub(super) const ALARM: Watch = Watch {
-    menu: 0,
+    option_set: 0,
     scale: (f32::NAN, f32::NAN),
     weight: (f32::NAN, f32::NAN),
 };
 
 impl Watch {
     /// Within the hysteresis of how a character was judged.
-    pub(super) fn around(seat: &CharacterEntry) -> Self {
-        let least = match seat.weight > WEIGHTS.0 {
-            true => seat.weight / WEIGHT_HYSTERESIS,
+    pub(super) fn around(entry: &CharacterEntry) -> Self {
+        let least = match entry.weight > WEIGHTS.0 {
+            true => entry.weight / WEIGHT_HYSTERESIS,
             // Whatever does not count.
             false => 0.0,
         };
-        let scale = seat.pixels_per_metre;
+        let scale = entry.pixels_per_metre;
         Self {
-            menu: seat.menu,
+            option_set: entry.option_set,
             scale: (scale / SCALE_HYSTERESIS, scale * SCALE_HYSTERESIS),
-            weight: (least, seat.weight * WEIGHT_HYSTERESIS),
+            weight: (least, entry.weight * WEIGHT_HYSTERESIS),
         }
     }
 
     /// Without branches: nearly all requests are like this.
     pub(super) fn is_quiet(&self, request: &LodRequest) -> bool {
         let (scale, weight) = (request.pixels_per_metre, request.weight);
-        (self.menu == request.menu.0)
+        (self.option_set == request.option_set.0)
             & (scale >= self.scale.0)
             & (scale <= self.scale.1)
             & (weight >= self.weight.0)

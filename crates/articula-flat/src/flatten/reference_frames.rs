@@ -1,6 +1,6 @@
 //! What the character really looks like at some moments, to measure what was written.
 //!
-//! Source: `spec/vector.md` 9 and 11: every tenth frame and moments halfway between frames,
+//! Source: `docs/methods/vector.md` 9 and 11: every tenth frame and moments halfway between frames,
 //! against the 8 x 8 supersampled picture, over the pixels that show the character.
 
 use crate::compare::{masked_rmse, share_off, ssim};
@@ -138,7 +138,14 @@ mod tests {
     fn the_truth_is_like_itself_and_a_shifted_one_is_not() {
         let cube = fixture::turning_cube(3);
         let truth = ReferenceFrames::new(&cube, &[0.0, 1.0, 2.0]).unwrap();
-        let of = |f: f64| Ok(reference(&cube, f as usize, Supersampling::Eight, BACKGROUND)?);
+        let of = |f: f64| {
+            Ok(reference(
+                &cube,
+                f as usize,
+                Supersampling::Eight,
+                BACKGROUND,
+            )?)
+        };
         let same = truth.compare(of, &mut Progress::none()).unwrap();
         assert_eq!((same.rmse_levels, same.ssim_min), (0.0, 1.0));
         let next = |f: f64| of((f + 1.0).min(2.0));

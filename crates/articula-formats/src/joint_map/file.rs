@@ -1,13 +1,13 @@
 //! A profile as a JSON file: which joint names of a kind of rig mean which H-Anim joint.
 //!
-//! Source: our own format, described in `docs/formats/profile.md`.
+//! Source: our own format, described in `docs/formats/joint-map.md`.
 
 use super::names::{self, HAND, SIDE};
 use super::standard;
 use crate::error::ReadError;
 use crate::limits::Limits;
 use articula_core::Region;
-use articula_core::joint_names::{JointMap, RigScope, JointTarget, folded};
+use articula_core::joint_names::{JointMap, JointTarget, RigScope, folded};
 use serde::Deserialize;
 use std::collections::BTreeMap;
 

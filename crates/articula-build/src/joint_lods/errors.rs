@@ -1,20 +1,20 @@
 //! What each level costs in each clip: the table that the frame works with.
 //!
-//! Source: `spec/motion-lod.md` 4.3 and 8; definitions in `docs/metrics.md`.
+//! Source: `docs/methods/motion-lod.md` 4.3 and 8; definitions in `docs/metrics.md`.
 
 use super::measure::{Poser, measure};
 use super::moments::{model_of, pose_of, share_frames, spread_frames};
 use super::prefixes::Prefixes;
 use super::skins::{LevelSkin, LevelSkins, placed_skins, skin_part};
 use super::watch::{Watched, skin_of};
-use super::{LevelOptions, check, check_ladder};
+use super::{LevelOptions, check, check_tolerances};
 use crate::character::Asset;
 use articula_core::percentile;
 use articula_core::{Binding, Clip, ClipLodErrors, JointLods, LodErrors, Mesh, Mismatch};
 use glam::Vec3;
 
 /// Frames of all clips that errors are measured at; shorter clips are seen frame by frame.
-pub(crate) const MOST_FRAMES: usize = 3000;
+pub(crate) const MAX_FRAMES: usize = 3000;
 
 /// Measures every level in every clip: full character against the level's skin, the kept joints
 /// in their true transforms. For a character without mesh, points on its bones are compared.
@@ -24,22 +24,22 @@ pub(crate) const MOST_FRAMES: usize = 3000;
 ///
 /// # Errors
 /// A [`Mismatch`] if a clip, the mesh, the ladder or the skins are of another character.
-pub fn level_errors(
+pub fn lod_errors(
     asset: &Asset,
-    ladder: &JointLods,
+    joint_lods: &JointLods,
     skins: &LevelSkins,
     opts: &LevelOptions,
 ) -> Result<LodErrors, Mismatch> {
     check(asset)?;
-    check_ladder(asset, ladder)?;
+    check_tolerances(asset, joint_lods)?;
     let full = skin_of(asset);
     if asset.mesh.is_empty() {
-        let prefixes = Prefixes::of(&asset.rig, ladder);
+        let prefixes = Prefixes::of(&asset.rig, joint_lods);
         let skins = placed_skins(asset, &full, &prefixes, opts)?;
         return table(asset, &full, &skins.levels[1..], &skins.bindings, opts);
     }
     let fits = |s: &LevelSkin| s.positions.len() == full.len();
-    if skins.levels.len() != ladder.levels() || !skins.levels.iter().all(fits) {
+    if skins.levels.len() != joint_lods.levels() || !skins.levels.iter().all(fits) {
         let what = "the skins are of another character";
         return Err(Mismatch::new("skins", what));
     }
@@ -60,9 +60,9 @@ pub(super) fn table(
         .iter()
         .map(|s| skin_part(s, bindings, &watched.vertices))
         .collect();
-    let tallies = measure(asset, full, &watched, &reduced, MOST_FRAMES);
+    let tallies = measure(asset, full, &watched, &reduced, MAX_FRAMES);
     let mut poser = Poser::new(full, drawn(&watched));
-    let counts = share_frames(&asset.clips, MOST_FRAMES);
+    let counts = share_frames(&asset.clips, MAX_FRAMES);
     let clips = asset.clips.iter().zip(tallies).zip(counts);
     let clips = clips.map(|((clip, tallies), count)| ClipLodErrors {
         levels_metres: rising(tallies.iter().map(|t| t.percentile_metres)),
